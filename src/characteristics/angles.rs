@@ -1,0 +1,79 @@
+//! The four angles of wheel and steering axis.
+
+use super::{Formula, Info, Inputs, Slot, Unit};
+use crate::number::Real;
+
+/// Inclination of the wheel.
+pub(super) struct Camber;
+impl Formula for Camber {
+    const INFO: Info = Info {
+        name: "camber",
+        unit: Unit::Angle,
+        positive: "top of the wheel outboard",
+        formula: "-asin(a_z)",
+        source: "ISO 8855 (angle between the wheel plane and the vertical, not its projection)",
+        reads: &[Slot::SpinAxis],
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        -inputs.now.spin_axis.z.asin()
+    }
+}
+
+/// Heading of the wheel.
+pub(super) struct Toe;
+impl Formula for Toe {
+    const INFO: Info = Info {
+        name: "toe",
+        unit: Unit::Angle,
+        positive: "toe-in (front of the wheel inboard)",
+        formula: "atan2(a_x, a_y)",
+        source: "ISO 8855 (static toe angle)",
+        reads: &[Slot::SpinAxis],
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let a = inputs.now.spin_axis;
+        a.x.atan2(a.y)
+    }
+}
+
+/// Side-view inclination of the steering axis.
+pub(super) struct Caster;
+impl Formula for Caster {
+    const INFO: Info = Info {
+        name: "caster",
+        unit: Unit::Angle,
+        positive: "top of the steering axis rearward",
+        formula: "atan2(-k_x, k_z)",
+        source: "ISO 8855 (castor angle)",
+        reads: &[Slot::SteeringDirection],
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let k = inputs.now.steering_direction;
+        (-k.x).atan2(k.z)
+    }
+}
+
+/// Front-view inclination of the steering axis.
+pub(super) struct KingpinInclination;
+impl Formula for KingpinInclination {
+    const INFO: Info = Info {
+        name: "kingpin_inclination",
+        unit: Unit::Angle,
+        positive: "top of the steering axis inboard",
+        formula: "atan2(-k_y, k_z)",
+        source: "ISO 8855 (steering-axis inclination angle)",
+        reads: &[Slot::SteeringDirection],
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let k = inputs.now.steering_direction;
+        (-k.y).atan2(k.z)
+    }
+}

@@ -1,0 +1,214 @@
+//! The catalogue of wheel characteristics: name, unit, sign, what it depends on, one formula each.
+//!
+//! The catalogue drives everything that speaks of characteristics: validation of studies, the plan,
+//! column names, tables. A formula is written once, over [`Real`]; its derivatives by travel and by
+//! hardpoint come from running the same formula on other numbers. A new characteristic is one type in
+//! one of the files below and one line in `catalogue!`.
+//!
+//! Everything here is in the kernel's frame (a left wheel, x forward, y left and so outboard, z up);
+//! angles are in radians and lengths in the study's unit. Signs are therefore those of the table in
+//! [`Info::positive`], whichever side and axes the study uses.
+
+mod angles;
+mod anti;
+mod gains;
+mod instant_centre;
+mod steering;
+mod track;
+mod wheel;
+
+pub use wheel::{Constants, Inputs, Slot, Wheel};
+
+use crate::number::{Dual, Real, Vector3};
+
+/// The kind of quantity, which decides the unit it is printed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// An angle, printed in degrees.
+    Angle,
+    /// A length, in the study's unit.
+    Length,
+    /// Angle per wheel travel, in degrees per length unit.
+    AnglePerLength,
+    /// Percent.
+    Percent,
+    /// A plain number.
+    Ratio,
+}
+
+/// A figure beyond the hardpoints that a characteristic cannot do without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// `[wheel] radius`.
+    WheelRadius,
+    /// `[vehicle] wheelbase`.
+    Wheelbase,
+    /// `[vehicle] cg_height`.
+    CgHeight,
+    /// `[vehicle] brake_share_front`.
+    BrakeShareFront,
+    /// A spring or strut in the topology.
+    Spring,
+}
+
+/// What the catalogue says of a characteristic.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Name in studies and column names.
+    pub name: &'static str,
+    /// Kind of quantity.
+    pub unit: Unit,
+    /// When it is positive.
+    pub positive: &'static str,
+    /// The formula in the notation of the manual.
+    pub formula: &'static str,
+    /// Where the definition comes from.
+    pub source: &'static str,
+    /// What the formula reads.
+    pub reads: &'static [Slot],
+    /// What a study must give for it.
+    pub needs: &'static [Need],
+}
+
+impl Info {
+    /// Whether the formula reads velocities, so that the pose must be known with its rates.
+    pub fn reads_rates(&self) -> bool {
+        self.reads.iter().any(|slot| slot.is_rate())
+    }
+}
+
+/// One characteristic: its entry in the catalogue and its formula.
+trait Formula {
+    const INFO: Info;
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T;
+}
+
+macro_rules! catalogue {
+    ($($variant:ident => $formula:ty,)*) => {
+        /// A wheel characteristic.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Characteristic {
+            $(
+                #[doc = concat!("See [`Characteristic::info`] of `", stringify!($variant), "`.")]
+                $variant,
+            )*
+        }
+
+        impl Characteristic {
+            /// The whole catalogue, in the order it is printed.
+            pub const ALL: &'static [Characteristic] = &[$(Characteristic::$variant),*];
+
+            /// The catalogue's entry.
+            pub fn info(self) -> &'static Info {
+                match self {
+                    $(Characteristic::$variant => &<$formula as Formula>::INFO,)*
+                }
+            }
+
+            /// The value, from the wheel's position and rates.
+            #[inline(always)]
+            pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
+                match self {
+                    $(Characteristic::$variant => <$formula as Formula>::evaluate(inputs),)*
+                }
+            }
+        }
+    };
+}
+
+catalogue! {
+    Camber => angles::Camber,
+    Toe => angles::Toe,
+    Caster => angles::Caster,
+    KingpinInclination => angles::KingpinInclination,
+    ScrubRadius => steering::ScrubRadius,
+    CasterTrail => steering::CasterTrail,
+    KingpinOffset => steering::KingpinOffset,
+    SpindleTrail => steering::SpindleTrail,
+    HalfTrackChange => track::HalfTrackChange,
+    WheelbaseChange => track::WheelbaseChange,
+    CamberGain => gains::CamberGain,
+    BumpSteer => gains::BumpSteer,
+    CasterGain => gains::CasterGain,
+    KingpinInclinationGain => gains::KingpinInclinationGain,
+    RollCentreHeight => instant_centre::RollCentreHeight,
+    FrontViewSwingArm => instant_centre::FrontViewSwingArm,
+    SideViewSwingArm => instant_centre::SideViewSwingArm,
+    AntiDive => anti::AntiDive,
+    AntiLift => anti::AntiLift,
+    AntiSquat => anti::AntiSquat,
+    MotionRatio => track::MotionRatio,
+}
+
+/// The derivative of a characteristic by each thing it reads: slot by slot, in the order of
+/// [`Info::reads`].
+pub type Gradient<T> = [Vector3<T>; Slot::MOST];
+
+impl Characteristic {
+    /// The characteristic of this name.
+    pub fn named(name: &str) -> Option<Characteristic> {
+        Self::ALL.iter().find(|c| c.info().name == name).copied()
+    }
+
+    /// The value with its derivatives by everything the formula reads.
+    #[inline(always)]
+    pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
+        match self.info().reads.len() {
+            1 => self.gradient_by::<T, 3>(inputs),
+            2 => self.gradient_by::<T, 6>(inputs),
+            3 => self.gradient_by::<T, 9>(inputs),
+            _ => self.gradient_by::<T, 12>(inputs),
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_by<T: Real, const N: usize>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
+        let mut seeded = inputs.map(Dual::<T, N>::constant);
+        for (place, slot) in self.info().reads.iter().enumerate() {
+            slot.seed(&mut seeded, 3 * place);
+        }
+        let Dual { value, partials } = self.evaluate(&seeded);
+        let mut gradient = [Vector3::new(value, value, value).zero(); Slot::MOST];
+        for (place, part) in partials.chunks_exact(3).enumerate() {
+            gradient[place] = Vector3::new(part[0], part[1], part[2]);
+        }
+        (value, gradient)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_no_formula_reads_more_than_it_can() {
+        for (i, c) in Characteristic::ALL.iter().enumerate() {
+            assert_eq!(Characteristic::named(c.info().name), Some(*c));
+            assert!(c.info().reads.len() <= Slot::MOST, "{}", c.info().name);
+            assert_eq!(*c as usize, i);
+        }
+    }
+
+    /// A formula must not read what it does not declare: changing anything undeclared leaves the value
+    /// as it is, changing what is declared moves it.
+    #[test]
+    fn declared_dependencies_are_the_true_ones() {
+        let plain = wheel::tests::sample();
+        for c in Characteristic::ALL {
+            let before = c.evaluate(&plain);
+            assert!(before.is_finite(), "{}", c.info().name);
+            for slot in Slot::ALL {
+                let mut moved = plain.map(Dual::<f64, 3>::constant);
+                slot.seed(&mut moved, 0);
+                let partials = c.evaluate(&moved).partials;
+                let depends = partials.iter().any(|p| *p != 0.0);
+                assert_eq!(
+                    depends,
+                    c.info().reads.contains(slot),
+                    "{} and {slot:?}: {partials:?}",
+                    c.info().name
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Where the steering axis lies beside the wheel.
+//!
+//! W wheel centre, C contact point, G where the steering axis meets the ground plane through C,
+//! T heading of the wheel in the ground plane, O outboard in the ground plane, normal to T.
+
+use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use crate::number::{Real, Vector3};
+
+const GROUND: &[Slot] = &[
+    Slot::SpinAxis,
+    Slot::Centre,
+    Slot::SteeringPoint,
+    Slot::SteeringDirection,
+];
+
+/// G - C
+#[inline(always)]
+fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
+    let contact = inputs.contact_point();
+    inputs.now.steering_axis_at(contact.z) - contact
+}
+
+/// Lateral offset of the steering axis at the ground.
+pub(super) struct ScrubRadius;
+impl Formula for ScrubRadius {
+    const INFO: Info = Info {
+        name: "scrub_radius",
+        unit: Unit::Length,
+        positive: "steering axis meets the ground inboard of the contact point",
+        formula: "-(G - C).O",
+        source: "steering-axis offset at ground of ISO 8855 (whose \"scrub radius\" is the distance |G - C|)",
+        reads: GROUND,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let (_, outboard) = inputs.now.heading_and_outboard();
+        -contact_to_axis(inputs).dot(outboard)
+    }
+}
+
+/// Longitudinal offset of the steering axis at the ground.
+pub(super) struct CasterTrail;
+impl Formula for CasterTrail {
+    const INFO: Info = Info {
+        name: "caster_trail",
+        unit: Unit::Length,
+        positive: "steering axis meets the ground ahead of the contact point",
+        formula: "(G - C).T",
+        source: "castor offset at ground of ISO 8855",
+        reads: GROUND,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let (heading, _) = inputs.now.heading_and_outboard();
+        contact_to_axis(inputs).dot(heading)
+    }
+}
+
+const AT_CENTRE: &[Slot] = &[Slot::Centre, Slot::SteeringPoint, Slot::SteeringDirection];
+
+/// Lateral offset of the steering axis at wheel-centre height.
+pub(super) struct KingpinOffset;
+impl Formula for KingpinOffset {
+    const INFO: Info = Info {
+        name: "kingpin_offset",
+        unit: Unit::Length,
+        positive: "steering axis inboard of the wheel centre",
+        formula: "W_y - y of the steering axis at height W_z",
+        source: "steering-axis offset at wheel centre of ISO 8855, measured horizontally",
+        reads: AT_CENTRE,
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let centre = inputs.now.centre;
+        centre.y - inputs.now.steering_axis_at(centre.z).y
+    }
+}
+
+/// Longitudinal offset of the steering axis at wheel-centre height.
+pub(super) struct SpindleTrail;
+impl Formula for SpindleTrail {
+    const INFO: Info = Info {
+        name: "spindle_trail",
+        unit: Unit::Length,
+        positive: "steering axis ahead of the wheel centre",
+        formula: "x of the steering axis at height W_z - W_x",
+        source: "castor offset at wheel centre of ISO 8855",
+        reads: AT_CENTRE,
+        needs: &[],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let centre = inputs.now.centre;
+        inputs.now.steering_axis_at(centre.z).x - centre.x
+    }
+}

@@ -1,0 +1,70 @@
+//! Displacements against the design position, and the spring's motion ratio.
+
+use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use crate::number::{Real, Vector3};
+
+const CONTACT: &[Slot] = &[
+    Slot::SpinAxis,
+    Slot::Centre,
+    Slot::DesignSpinAxis,
+    Slot::DesignCentre,
+];
+
+#[inline(always)]
+fn contact_displacement<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
+    inputs.contact_point() - inputs.design.contact_point(inputs.constants.wheel_radius)
+}
+
+/// Sideways displacement of the contact point.
+pub(super) struct HalfTrackChange;
+impl Formula for HalfTrackChange {
+    const INFO: Info = Info {
+        name: "half_track_change",
+        unit: Unit::Length,
+        positive: "track wider than in the design position",
+        formula: "C_y - C_y(design)",
+        source: "track change of ISO 8855, for one wheel",
+        reads: CONTACT,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        contact_displacement(inputs).y
+    }
+}
+
+/// Longitudinal displacement of the contact point.
+pub(super) struct WheelbaseChange;
+impl Formula for WheelbaseChange {
+    const INFO: Info = Info {
+        name: "wheelbase_change",
+        unit: Unit::Length,
+        positive: "contact point forward of its design position",
+        formula: "C_x - C_x(design)",
+        source: "wheelbase change of ISO 8855, for one wheel",
+        reads: CONTACT,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        contact_displacement(inputs).x
+    }
+}
+
+/// Spring compression per wheel travel.
+pub(super) struct MotionRatio;
+impl Formula for MotionRatio {
+    const INFO: Info = Info {
+        name: "motion_ratio",
+        unit: Unit::Ratio,
+        positive: "spring shortens in jounce",
+        formula: "-l'/W_z', l the length of spring or strut: spring travel per wheel travel (not its inverse)",
+        source: "installation ratio in W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 16",
+        reads: &[Slot::SpringLengthRate, Slot::CentreRate],
+        needs: &[Need::Spring],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        -(inputs.rate.spring_length / inputs.rate.centre.z)
+    }
+}

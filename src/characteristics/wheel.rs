@@ -1,0 +1,240 @@
+//! What the formulas read: the wheel, its steering axis and their rates.
+
+use crate::number::{Real, Vector3};
+
+/// Wheel and steering axis in one position, or their rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wheel<T> {
+    /// Unit vector along the spin axis, outboard.
+    pub spin_axis: Vector3<T>,
+    /// Wheel centre.
+    pub centre: Vector3<T>,
+    /// A point of the steering axis.
+    pub steering_point: Vector3<T>,
+    /// Along the steering axis, upward; not normalised.
+    pub steering_direction: Vector3<T>,
+    /// Length of the spring or strut; zero where there is none.
+    pub spring_length: T,
+}
+
+/// Plain figures of the study that formulas read. Zero where the study does not give them; the plan
+/// sees to it that no formula is asked for without its [`super::Need`]s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Constants {
+    /// Loaded radius of the wheel.
+    pub wheel_radius: f64,
+    /// Distance between the axles.
+    pub wheelbase: f64,
+    /// Height of the centre of gravity.
+    pub cg_height: f64,
+    /// Share of the braking force at the front axle.
+    pub brake_share_front: f64,
+}
+
+/// Everything a formula may read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inputs<T> {
+    /// The wheel in the present pose.
+    pub now: Wheel<T>,
+    /// Derivatives of `now` by the drive.
+    pub rate: Wheel<T>,
+    /// Angular velocity of the knuckle by the drive.
+    pub turn: Vector3<T>,
+    /// The wheel in the design position.
+    pub design: Wheel<T>,
+    /// Figures of the study.
+    pub constants: Constants,
+}
+
+/// A part of [`Inputs`] that a formula may read. The plan computes what the slots in use need, and
+/// sensitivities are seeded slot by slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// `now.spin_axis`
+    SpinAxis,
+    /// `now.centre`
+    Centre,
+    /// `now.steering_point`
+    SteeringPoint,
+    /// `now.steering_direction`
+    SteeringDirection,
+    /// `now.spring_length`, as first component
+    SpringLength,
+    /// `rate.spin_axis`
+    SpinAxisRate,
+    /// `rate.centre`
+    CentreRate,
+    /// `rate.steering_direction`
+    SteeringDirectionRate,
+    /// `rate.spring_length`, as first component
+    SpringLengthRate,
+    /// `turn`
+    Turn,
+    /// `design.spin_axis`
+    DesignSpinAxis,
+    /// `design.centre`
+    DesignCentre,
+}
+
+impl Slot {
+    /// Every slot.
+    pub const ALL: &'static [Slot] = &[
+        Slot::SpinAxis,
+        Slot::Centre,
+        Slot::SteeringPoint,
+        Slot::SteeringDirection,
+        Slot::SpringLength,
+        Slot::SpinAxisRate,
+        Slot::CentreRate,
+        Slot::SteeringDirectionRate,
+        Slot::SpringLengthRate,
+        Slot::Turn,
+        Slot::DesignSpinAxis,
+        Slot::DesignCentre,
+    ];
+
+    /// The most slots one formula may read.
+    pub const MOST: usize = 4;
+
+    /// Whether the slot is a velocity.
+    pub fn is_rate(self) -> bool {
+        matches!(
+            self,
+            Slot::SpinAxisRate
+                | Slot::CentreRate
+                | Slot::SteeringDirectionRate
+                | Slot::SpringLengthRate
+                | Slot::Turn
+        )
+    }
+
+    /// Makes this slot of `inputs` the independent variables `first`, `first + 1`, `first + 2`.
+    #[inline(always)]
+    pub(super) fn seed<T: Real, const N: usize>(
+        self,
+        inputs: &mut Inputs<crate::number::Dual<T, N>>,
+        first: usize,
+    ) {
+        let vector = match self {
+            Slot::SpinAxis => &mut inputs.now.spin_axis,
+            Slot::Centre => &mut inputs.now.centre,
+            Slot::SteeringPoint => &mut inputs.now.steering_point,
+            Slot::SteeringDirection => &mut inputs.now.steering_direction,
+            Slot::SpinAxisRate => &mut inputs.rate.spin_axis,
+            Slot::CentreRate => &mut inputs.rate.centre,
+            Slot::SteeringDirectionRate => &mut inputs.rate.steering_direction,
+            Slot::Turn => &mut inputs.turn,
+            Slot::DesignSpinAxis => &mut inputs.design.spin_axis,
+            Slot::DesignCentre => &mut inputs.design.centre,
+            Slot::SpringLength | Slot::SpringLengthRate => {
+                let length = match self {
+                    Slot::SpringLength => &mut inputs.now.spring_length,
+                    _ => &mut inputs.rate.spring_length,
+                };
+                length.partials[first] = length.value.one();
+                return;
+            }
+        };
+        vector.x.partials[first] = vector.x.value.one();
+        vector.y.partials[first + 1] = vector.y.value.one();
+        vector.z.partials[first + 2] = vector.z.value.one();
+    }
+}
+
+impl<T: Real> Wheel<T> {
+    /// The wheel over another kind of number.
+    #[inline(always)]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Wheel<U> {
+        Wheel {
+            spin_axis: self.spin_axis.map(&mut f),
+            centre: self.centre.map(&mut f),
+            steering_point: self.steering_point.map(&mut f),
+            steering_direction: self.steering_direction.map(&mut f),
+            spring_length: f(self.spring_length),
+        }
+    }
+
+    /// The contact point: in the wheel plane, at the loaded radius straight below the centre.
+    /// C = W - r (z - (z.a) a)/|z - (z.a) a|
+    #[inline(always)]
+    pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
+        let a = self.spin_axis;
+        let up = Vector3::new(-(a.z * a.x), -(a.z * a.y), a.z.one() - a.z * a.z);
+        self.centre - up.normalised() * a.x.lit(radius)
+    }
+
+    /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
+    /// to it.
+    #[inline(always)]
+    pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
+        let a = self.spin_axis;
+        let zero = a.x.zero();
+        let scale = a.x.one() / (a.x * a.x + a.y * a.y).sqrt();
+        (
+            Vector3::new(a.y * scale, -(a.x * scale), zero),
+            Vector3::new(a.x * scale, a.y * scale, zero),
+        )
+    }
+
+    /// The point of the steering axis at this height.
+    #[inline(always)]
+    pub(super) fn steering_axis_at(&self, height: T) -> Vector3<T> {
+        let (point, along) = (self.steering_point, self.steering_direction);
+        point + along * ((height - point.z) / along.z)
+    }
+}
+
+impl<T: Real> Inputs<T> {
+    /// The inputs over another kind of number.
+    #[inline(always)]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Inputs<U> {
+        Inputs {
+            now: self.now.map(&mut f),
+            rate: self.rate.map(&mut f),
+            turn: self.turn.map(&mut f),
+            design: self.design.map(&mut f),
+            constants: self.constants,
+        }
+    }
+
+    /// The contact point in the present pose.
+    #[inline(always)]
+    pub(super) fn contact_point(&self) -> Vector3<T> {
+        self.now.contact_point(self.constants.wheel_radius)
+    }
+
+    /// Velocity of the knuckle-fixed point that is at the contact point now: the wheel is taken as
+    /// locked to the knuckle.
+    #[inline(always)]
+    pub(super) fn contact_velocity(&self) -> Vector3<T> {
+        self.rate.centre + self.turn.cross(self.contact_point() - self.now.centre)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A wheel in a pose with nothing special about it.
+    pub(crate) fn sample() -> Inputs<f64> {
+        let wheel = |t: f64| Wheel {
+            spin_axis: Vector3::new(0.02 + t, 1.0, 0.03 - t).normalised(),
+            centre: Vector3::new(3.0 + t, 760.0 - t, 300.0 + 2.0 * t),
+            steering_point: Vector3::new(5.0, 705.0 + t, 190.0),
+            steering_direction: Vector3::new(-40.0 - 2.0 * t, -130.0 + t, 660.0 + 3.0 * t),
+            spring_length: 480.0 - t,
+        };
+        Inputs {
+            now: wheel(0.01),
+            rate: wheel(0.3),
+            turn: Vector3::new(5e-4, -1e-4, 8e-5),
+            design: wheel(0.0),
+            constants: Constants {
+                wheel_radius: 300.0,
+                wheelbase: 2600.0,
+                cg_height: 500.0,
+                brake_share_front: 0.65,
+            },
+        }
+    }
+}

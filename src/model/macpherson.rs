@@ -1,0 +1,143 @@
+//! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
+
+use super::{
+    Arm, Body, ClosedForm, Constraint, Hardpoint, Mechanism, Point, PointId, SpinAxis, Spring,
+    SteeringAxis, Topology,
+};
+use crate::number::Vector3;
+
+const fn required(name: &'static str, about: &'static str) -> Hardpoint {
+    Hardpoint {
+        name,
+        about,
+        required: true,
+    }
+}
+
+const fn optional(name: &'static str, about: &'static str) -> Hardpoint {
+    Hardpoint {
+        name,
+        about,
+        required: false,
+    }
+}
+
+/// The MacPherson strut.
+pub static MACPHERSON: Topology = Topology {
+    name: "macpherson",
+    summary: "MacPherson strut: lower arm, strut clamped in the knuckle, tie rod",
+    hardpoints: &[
+        required(
+            "lower_arm_front",
+            "front pivot of the lower arm on the body",
+        ),
+        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        required("lower_ball_joint", "joint of lower arm and knuckle"),
+        required("strut_top", "upper strut mount on the body"),
+        required("strut_lower", "a point of the strut axis on the knuckle"),
+        optional(
+            "strut_upper",
+            "a second point of the strut axis on the knuckle; without it the axis runs from strut_lower to strut_top",
+        ),
+        required("tie_rod_inner", "joint of tie rod and rack"),
+        required("tie_rod_outer", "joint of tie rod and knuckle"),
+        required("wheel_centre", "centre of the wheel on its spin axis"),
+        optional(
+            "spindle_inner",
+            "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
+        ),
+    ],
+    distinct: &[
+        (
+            "lower_arm_front",
+            "lower_arm_rear",
+            "they define the axis of the lower arm",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_front",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_rear",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "strut_top",
+            "they define the steering axis",
+        ),
+        ("strut_lower", "strut_upper", "they define the strut axis"),
+        (
+            "tie_rod_inner",
+            "tie_rod_outer",
+            "the tie rod would have no length",
+        ),
+        (
+            "tie_rod_outer",
+            "lower_ball_joint",
+            "the tie rod could not steer the wheel",
+        ),
+        (
+            "wheel_centre",
+            "spindle_inner",
+            "they define the spin axis of the wheel",
+        ),
+    ],
+    build,
+    template: include_str!("../../studies/macpherson_solve.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let points: Vec<Point> = topology
+        .hardpoints
+        .iter()
+        .filter(|h| given.contains(&h.name))
+        .map(|h| Point {
+            name: h.name.to_owned(),
+            body: match h.name {
+                "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
+                "tie_rod_inner" => Body::Rack,
+                _ => Body::Knuckle,
+            },
+        })
+        .collect();
+    let find = |name: &str| points.iter().position(|p| p.name == name).map(PointId);
+    let id = |name: &str| find(name).expect("a required hardpoint is given");
+
+    let arm = Arm {
+        front: id("lower_arm_front"),
+        rear: id("lower_arm_rear"),
+        outer: id("lower_ball_joint"),
+    };
+    let link = |inner, outer| Constraint::Link { inner, outer };
+    Mechanism {
+        topology,
+        constraints: vec![
+            link(arm.front, arm.outer),
+            link(arm.rear, arm.outer),
+            Constraint::StrutLine {
+                top: id("strut_top"),
+                lower: id("strut_lower"),
+                upper: find("strut_upper"),
+            },
+            link(id("tie_rod_inner"), id("tie_rod_outer")),
+        ],
+        arms: vec![arm],
+        origin: arm.outer,
+        wheel_centre: id("wheel_centre"),
+        spin_axis: find("spindle_inner")
+            .map_or(SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0)), SpinAxis::From),
+        steering_axis: SteeringAxis {
+            lower: arm.outer,
+            upper: id("strut_top"),
+        },
+        spring: Some(Spring {
+            upper: id("strut_top"),
+            lower: id("strut_lower"),
+        }),
+        closed_form: Some(ClosedForm::Strut),
+        points,
+    }
+}

@@ -1,0 +1,201 @@
+//! What a suspension is: its hardpoints, the bodies they sit on and the constraints between them.
+//!
+//! A topology is data: a list of named hardpoints and of [`Constraint`]s that hold the knuckle. This
+//! module knows nothing of solving; adding a topology means adding one file here and naming it in
+//! [`Topology::ALL`].
+
+mod frame;
+mod macpherson;
+mod topology;
+
+pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
+pub use topology::{Hardpoint, Topology};
+
+use crate::number::Vector3;
+
+/// A hardpoint, by its place in [`Mechanism::points`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PointId(pub usize);
+
+/// An arm, by its place in [`Mechanism::arms`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmId(pub usize);
+
+/// The rigid body a point sits on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// Fixed in the vehicle.
+    Chassis,
+    /// Moved sideways by the steering rack.
+    Rack,
+    /// The wheel carrier.
+    Knuckle,
+    /// A control arm, turning about its axis.
+    Arm(ArmId),
+    /// The upper part of a strut: it turns with the knuckle, about the given chassis point.
+    StrutRod(PointId),
+}
+
+/// A point of the mechanism: a hardpoint of the topology or one the study adds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Name as written in the study.
+    pub name: String,
+    /// The body it moves with.
+    pub body: Body,
+}
+
+/// A control arm: two chassis points on its axis and its outer joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arm {
+    /// Front point of the axis.
+    pub front: PointId,
+    /// Rear point of the axis.
+    pub rear: PointId,
+    /// The joint to the knuckle.
+    pub outer: PointId,
+}
+
+/// What holds the knuckle. Together the constraints of a mechanism take five of its six freedoms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constraint {
+    /// A rod of fixed length between a chassis (or rack) point and a knuckle point. Takes one freedom;
+    /// a two-legged arm is two of them with the same outer point.
+    Link {
+        /// The chassis or rack end.
+        inner: PointId,
+        /// The knuckle end.
+        outer: PointId,
+    },
+    /// A telescopic strut, clamped in the knuckle and hung in a ball joint at `top`: `top` stays on a
+    /// line fixed in the knuckle. Takes two freedoms. The line is the one through `top` in the design
+    /// position, along `lower` -> `upper`, or along `lower` -> `top` where there is no `upper`.
+    StrutLine {
+        /// The chassis mount.
+        top: PointId,
+        /// A knuckle point.
+        lower: PointId,
+        /// A second knuckle point, where the line is not given by `lower` and `top`.
+        upper: Option<PointId>,
+    },
+}
+
+/// The axis the knuckle turns about when it is steered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SteeringAxis {
+    /// The lower joint.
+    pub lower: PointId,
+    /// The upper joint or mount.
+    pub upper: PointId,
+}
+
+/// The axis the wheel spins about, through the wheel centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpinAxis {
+    /// From this knuckle point, inboard of the wheel, to the wheel centre.
+    From(PointId),
+    /// Fixed in the knuckle with this outboard direction in the design position (from static camber
+    /// and toe).
+    Along(Vector3<f64>),
+}
+
+/// A spring or damper between two points, the first on the sprung side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spring {
+    /// The chassis end.
+    pub upper: PointId,
+    /// The end that moves with the wheel.
+    pub lower: PointId,
+}
+
+/// A mechanism for which the pose is known in closed form once the drive arm's angle is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClosedForm {
+    /// Lower arm, strut and tie rod.
+    Strut,
+}
+
+/// The structure of a suspension without its dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mechanism {
+    /// The topology it was made from.
+    pub topology: &'static Topology,
+    /// Every point, hardpoints of the topology first.
+    pub points: Vec<Point>,
+    /// Five scalar constraints in all.
+    pub constraints: Vec<Constraint>,
+    /// Control arms; the first one is the one an arm-angle drive turns.
+    pub arms: Vec<Arm>,
+    /// The knuckle point whose position, with the knuckle's rotation, describes the pose.
+    pub origin: PointId,
+    /// Centre of the wheel, on the knuckle.
+    pub wheel_centre: PointId,
+    /// The wheel's spin axis.
+    pub spin_axis: SpinAxis,
+    /// The steering axis.
+    pub steering_axis: SteeringAxis,
+    /// The spring, where the topology has one.
+    pub spring: Option<Spring>,
+    /// The closed form that applies, if any.
+    pub closed_form: Option<ClosedForm>,
+}
+
+impl Mechanism {
+    /// The point of this name.
+    pub fn point(&self, name: &str) -> Option<PointId> {
+        self.points.iter().position(|p| p.name == name).map(PointId)
+    }
+
+    /// The name of a point.
+    pub fn name(&self, id: PointId) -> &str {
+        &self.points[id.0].name
+    }
+
+    /// The body a point sits on.
+    #[inline(always)]
+    pub fn body(&self, id: PointId) -> Body {
+        self.points[id.0].body
+    }
+}
+
+/// Whole-vehicle figures that some characteristics need. Lengths in the study's unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vehicle {
+    /// Distance between the axles.
+    pub wheelbase: Option<f64>,
+    /// Height of the centre of gravity above the ground.
+    pub cg_height: Option<f64>,
+    /// Share of the braking force at the front axle, 0 to 1.
+    pub brake_share_front: Option<f64>,
+}
+
+/// A suspension: the mechanism with its dimensions.
+///
+/// All numbers are in the kernel's frame (see [`Frame`]) and in the study's length unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suspension {
+    /// Structure.
+    pub mechanism: Mechanism,
+    /// Design position of every point, by [`PointId`].
+    pub design: Vec<Vector3<f64>>,
+    /// How the study's axes map to the kernel's.
+    pub frame: Frame,
+    /// The unit of every length.
+    pub length_unit: LengthUnit,
+    /// Loaded radius of the wheel.
+    pub wheel_radius: Option<f64>,
+    /// Whole-vehicle figures.
+    pub vehicle: Vehicle,
+}
+
+impl Suspension {
+    /// The size of the mechanism: the largest distance of a point from the knuckle's origin. Bounds
+    /// on rounding and step lengths are stated relative to it.
+    pub fn size(&self) -> f64 {
+        let origin = self.design[self.mechanism.origin.0];
+        self.design
+            .iter()
+            .map(|p| (*p - origin).norm())
+            .fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,160 @@
+//! First derivatives by a fixed number of inputs, all in one pass.
+
+use super::Real;
+use std::array::from_fn;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A value with its partial derivatives by `N` inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<T, const N: usize> {
+    /// The value.
+    pub value: T,
+    /// Its derivative by each input.
+    pub partials: [T; N],
+}
+
+impl<T: Real, const N: usize> Dual<T, N> {
+    /// A constant: it depends on none of the inputs.
+    #[inline(always)]
+    pub fn constant(value: T) -> Self {
+        Dual {
+            value,
+            partials: [value.zero(); N],
+        }
+    }
+
+    /// Input number `index`, at `value`.
+    #[inline(always)]
+    pub fn input(value: T, index: usize) -> Self {
+        Dual {
+            value,
+            partials: from_fn(|i| {
+                if i == index {
+                    value.one()
+                } else {
+                    value.zero()
+                }
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn chain(self, value: T, slope: T) -> Self {
+        Dual {
+            value,
+            partials: self.partials.map(|p| p * slope),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Add for Dual<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Dual {
+            value: self.value + other.value,
+            partials: from_fn(|i| self.partials[i] + other.partials[i]),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Sub for Dual<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Dual {
+            value: self.value - other.value,
+            partials: from_fn(|i| self.partials[i] - other.partials[i]),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Neg for Dual<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Dual {
+            value: -self.value,
+            partials: self.partials.map(|p| -p),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Mul for Dual<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Dual {
+            value: self.value * other.value,
+            partials: from_fn(|i| self.partials[i] * other.value + self.value * other.partials[i]),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Div for Dual<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let inverse = other.value.one() / other.value;
+        let value = self.value * inverse;
+        Dual {
+            value,
+            partials: from_fn(|i| (self.partials[i] - value * other.partials[i]) * inverse),
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Real for Dual<T, N> {
+    #[inline(always)]
+    fn lit(self, value: f64) -> Self {
+        Dual::constant(self.value.lit(value))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, root.lit(0.5) / root)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
+        self.chain(self.value.asin(), slope)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        let inverse = self.value.one() / (self.value.squared() + x.value.squared());
+        let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
+        Dual {
+            value: self.value.atan2(x.value),
+            partials: from_fn(|i| self.partials[i] * by_y + x.partials[i] * by_x),
+        }
+    }
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value.value()
+    }
+    #[inline(always)]
+    fn scaled(self, factor: f64) -> Self {
+        Dual {
+            value: self.value.scaled(factor),
+            partials: self.partials.map(|p| p.scaled(factor)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Jet;
+    use super::*;
+
+    /// A dual number and a jet are two ways to the same first derivative.
+    #[test]
+    fn agrees_with_jets() {
+        fn formula<T: Real>(x: T) -> T {
+            (x.sqrt() / (x.one() + x * x)).asin() + (x * x - x).atan2(x.lit(0.3) + x)
+        }
+        let by_dual = formula(Dual::<f64, 1>::input(0.6, 0));
+        let by_jet = formula(Jet::<f64, 2>::variable(0.6));
+        assert!((by_dual.value - by_jet[0]).abs() < 4.0 * f64::EPSILON);
+        assert!((by_dual.partials[0] - by_jet[1]).abs() < 16.0 * f64::EPSILON);
+    }
+}

@@ -1,0 +1,221 @@
+//! Truncated Taylor series: a value with its derivatives by one variable, the drive.
+//!
+//! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
+//! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
+//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2).
+
+use super::Real;
+use std::array::from_fn;
+use std::ops::{Add, Div, Index, Mul, Neg, Sub};
+
+/// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet<T, const N: usize>(pub [T; N]);
+
+impl<T: Real, const N: usize> Jet<T, N> {
+    /// A constant: every derivative is zero.
+    #[inline(always)]
+    pub fn constant(value: T) -> Self {
+        Jet(from_fn(|k| if k == 0 { value } else { value.zero() }))
+    }
+
+    /// The variable itself, at `value`: first derivative one.
+    #[inline(always)]
+    pub fn variable(value: T) -> Self {
+        Jet(from_fn(|k| match k {
+            0 => value,
+            1 => value.one(),
+            _ => value.zero(),
+        }))
+    }
+
+    /// The `order`-th derivative.
+    #[inline(always)]
+    pub fn derivative(&self, order: usize) -> T {
+        const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
+        self.0[order].scaled(FACTORIAL[order])
+    }
+
+    /// The derivative as a series. Its highest coefficient is unknown and given as zero.
+    #[inline(always)]
+    pub fn differentiated(self) -> Self {
+        Jet(from_fn(|k| {
+            if k + 1 < N {
+                self.0[k + 1].scaled((k + 1) as f64)
+            } else {
+                self.0[0].zero()
+            }
+        }))
+    }
+
+    /// The series whose derivative is `rate` and whose constant is `value`.
+    #[inline(always)]
+    fn integrated(value: T, rate: Self) -> Self {
+        Jet(from_fn(|k| {
+            if k == 0 {
+                value
+            } else {
+                rate.0[k - 1].scaled(1.0 / k as f64)
+            }
+        }))
+    }
+}
+
+impl<const N: usize> Jet<f64, N> {
+    /// Sine and cosine.
+    pub fn sin_cos(self) -> (Self, Self) {
+        let rate = self.differentiated();
+        let (s, c) = self.0[0].sin_cos();
+        let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
+        // One more coefficient is right after every pass, since each is the other's integral.
+        for _ in 1..N {
+            (sine, cosine) = (
+                Jet::integrated(s, cosine * rate),
+                Jet::integrated(c, -(sine * rate)),
+            );
+        }
+        (sine, cosine)
+    }
+}
+
+impl<T, const N: usize> Index<usize> for Jet<T, N> {
+    type Output = T;
+    #[inline(always)]
+    fn index(&self, order: usize) -> &T {
+        &self.0[order]
+    }
+}
+
+impl<T: Real, const N: usize> Add for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Jet(from_fn(|k| self.0[k] + other.0[k]))
+    }
+}
+
+impl<T: Real, const N: usize> Sub for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Jet(from_fn(|k| self.0[k] - other.0[k]))
+    }
+}
+
+impl<T: Real, const N: usize> Neg for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Jet(self.0.map(|c| -c))
+    }
+}
+
+impl<T: Real, const N: usize> Mul for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Jet(from_fn(|k| {
+            let mut sum = self.0[0] * other.0[k];
+            for i in 1..=k {
+                sum = sum + self.0[i] * other.0[k - i];
+            }
+            sum
+        }))
+    }
+}
+
+impl<T: Real, const N: usize> Div for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let mut quotient = self.0;
+        for k in 0..N {
+            let mut rest = self.0[k];
+            for i in 0..k {
+                rest = rest - quotient[i] * other.0[k - i];
+            }
+            quotient[k] = rest / other.0[0];
+        }
+        Jet(quotient)
+    }
+}
+
+impl<T: Real, const N: usize> Real for Jet<T, N> {
+    #[inline(always)]
+    fn lit(self, value: f64) -> Self {
+        Jet::constant(self.0[0].lit(value))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let mut root = self.0;
+        root[0] = self.0[0].sqrt();
+        let twice = root[0] + root[0];
+        for k in 1..N {
+            let mut rest = self.0[k];
+            for i in 1..k {
+                rest = rest - root[i] * root[k - i];
+            }
+            root[k] = rest / twice;
+        }
+        Jet(root)
+    }
+
+    #[inline(always)]
+    fn asin(self) -> Self {
+        if N == 1 {
+            return Jet::constant(self.0[0].asin());
+        }
+        let rate = self.differentiated() / (self.one() - self.squared()).sqrt();
+        Jet::integrated(self.0[0].asin(), rate)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        if N == 1 {
+            return Jet::constant(self.0[0].atan2(x.0[0]));
+        }
+        let turned = x * self.differentiated() - self * x.differentiated();
+        let rate = turned / (x.squared() + self.squared());
+        Jet::integrated(self.0[0].atan2(x.0[0]), rate)
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.0[0].value()
+    }
+
+    #[inline(always)]
+    fn scaled(self, factor: f64) -> Self {
+        Jet(self.0.map(|c| c.scaled(factor)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x, as power series.
+    #[test]
+    fn elementary_functions_invert_each_other() {
+        let x = Jet([0.7, 1.0, -0.4, 0.3]);
+        let (sine, cosine) = x.sin_cos();
+        let one = sine.squared() + cosine.squared();
+        let angle = sine.scaled(3.0).atan2(cosine.scaled(3.0));
+        let (arc, root) = (sine.asin(), (x.squared() * x.squared()).sqrt() / x);
+        for k in 0..4 {
+            let expected = if k == 0 { 1.0 } else { 0.0 };
+            assert!((one[k] - expected).abs() < 4.0 * f64::EPSILON, "{one:?}");
+            assert!((angle[k] - x[k]).abs() < 8.0 * f64::EPSILON, "{angle:?}");
+            assert!((arc[k] - x[k]).abs() < 16.0 * f64::EPSILON, "{arc:?}");
+            assert!((root[k] - x[k]).abs() < 16.0 * f64::EPSILON, "{root:?}");
+        }
+    }
+
+    /// d^3/dx^3 of 1/x at 2 is -6/16.
+    #[test]
+    fn derivatives_carry_the_factorial() {
+        let x = Jet::<f64, 4>::variable(2.0);
+        assert_eq!((x.one() / x).derivative(3), -6.0 / 16.0);
+    }
+}

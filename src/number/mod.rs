@@ -1,0 +1,84 @@
+//! Numbers the formulas are written over: plain `f64`, Taylor series in the drive ([`Jet`]) and
+//! first derivatives by a handful of inputs ([`Dual`]).
+//!
+//! Every formula of the crate is written once, generic over [`Real`]; what it yields (a value, its
+//! derivatives by wheel travel, its gradient) is decided by the number it is run on. The numbers
+//! nest: a `Dual<Jet<f64, 3>, 4>` carries the gradient of a value together with the gradient's own
+//! first and second derivative by the drive.
+
+mod dual;
+mod jet;
+mod vector;
+
+pub use dual::Dual;
+pub use jet::Jet;
+pub use vector::{Matrix3, Vector3};
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A real number, or something that obeys the same rules.
+///
+/// Angles are in radians.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The constant `value`, in the shape of `self` (all derivatives zero).
+    fn lit(self, value: f64) -> Self;
+    /// Square root; NaN for a negative number.
+    fn sqrt(self) -> Self;
+    /// Arc sine.
+    fn asin(self) -> Self;
+    /// The angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
+    fn atan2(self, x: Self) -> Self;
+    /// The value without its derivatives.
+    fn value(self) -> f64;
+
+    /// Zero, in the shape of `self`.
+    #[inline(always)]
+    fn zero(self) -> Self {
+        self.lit(0.0)
+    }
+    /// One, in the shape of `self`.
+    #[inline(always)]
+    fn one(self) -> Self {
+        self.lit(1.0)
+    }
+    /// `self` times itself.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
+    /// `self` times a plain constant.
+    #[inline(always)]
+    fn scaled(self, factor: f64) -> Self {
+        self * self.lit(factor)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn lit(self, value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        f64::asin(self)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        f64::atan2(self, x)
+    }
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+}

@@ -1,0 +1,229 @@
+//! Vectors and rotations over any [`Real`].
+//!
+//! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
+//! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
+
+use super::Real;
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A vector of three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Vector3<T> {
+    /// Forward component.
+    pub x: T,
+    /// Leftward component.
+    pub y: T,
+    /// Upward component.
+    pub z: T,
+}
+
+impl<T> Vector3<T> {
+    /// The vector (x, y, z).
+    #[inline(always)]
+    pub const fn new(x: T, y: T, z: T) -> Self {
+        Vector3 { x, y, z }
+    }
+
+    /// The vector with `f` applied to each component.
+    #[inline(always)]
+    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vector3<U> {
+        Vector3::new(f(self.x), f(self.y), f(self.z))
+    }
+}
+
+impl<T: Copy> Vector3<T> {
+    /// The components as an array.
+    #[inline(always)]
+    pub fn to_array(self) -> [T; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl<T> From<[T; 3]> for Vector3<T> {
+    #[inline(always)]
+    fn from([x, y, z]: [T; 3]) -> Self {
+        Vector3 { x, y, z }
+    }
+}
+
+impl<T: Real> Vector3<T> {
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> T {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Vector3::new(
+            self.y * other.z - self.z * other.y,
+            self.z * other.x - self.x * other.z,
+            self.x * other.y - self.y * other.x,
+        )
+    }
+
+    /// Squared length.
+    #[inline(always)]
+    pub fn norm_squared(self) -> T {
+        self.dot(self)
+    }
+
+    /// Length.
+    #[inline(always)]
+    pub fn norm(self) -> T {
+        self.norm_squared().sqrt()
+    }
+
+    /// The vector of length one in this direction.
+    #[inline(always)]
+    pub fn normalised(self) -> Self {
+        self * (self.x.one() / self.norm())
+    }
+
+    /// A constant vector, in the shape of this one's components.
+    #[inline(always)]
+    pub fn lit(self, value: Vector3<f64>) -> Self {
+        value.map(|v| self.x.lit(v))
+    }
+
+    /// The null vector.
+    #[inline(always)]
+    pub fn zero(self) -> Self {
+        let zero = self.x.zero();
+        Vector3::new(zero, zero, zero)
+    }
+}
+
+impl<T: Real> Add for Vector3<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Vector3::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<T: Real> Sub for Vector3<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Vector3::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<T: Real> Neg for Vector3<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|c| -c)
+    }
+}
+
+impl<T: Real> Mul<T> for Vector3<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: T) -> Self {
+        self.map(|c| c * factor)
+    }
+}
+
+/// A 3x3 matrix, by columns. Used for rotations only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Matrix3<T> {
+    /// The images of the three unit vectors.
+    pub columns: [Vector3<T>; 3],
+}
+
+impl<T: Real> Matrix3<T> {
+    /// The identity, in the shape of `like`.
+    #[inline(always)]
+    pub fn identity(like: T) -> Self {
+        let (zero, one) = (like.zero(), like.one());
+        Matrix3 {
+            columns: [
+                Vector3::new(one, zero, zero),
+                Vector3::new(zero, one, zero),
+                Vector3::new(zero, zero, one),
+            ],
+        }
+    }
+
+    /// The matrix times a column.
+    #[inline(always)]
+    pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
+        self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
+    }
+
+    /// The transposed matrix (the inverse rotation) times a column.
+    #[inline(always)]
+    pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
+        let [a, b, c] = self.columns;
+        Vector3::new(a.dot(v), b.dot(v), c.dot(v))
+    }
+
+    /// This rotation followed by the one with Rodrigues vector `half_turn` = tan(angle/2) times the
+    /// axis (Cayley's form: rational, and exactly orthogonal for every kind of number).
+    #[inline(always)]
+    pub fn turned(&self, half_turn: Vector3<T>) -> Self {
+        let one = half_turn.x.one();
+        let factor = (one + one) / (one + half_turn.norm_squared());
+        Matrix3 {
+            columns: self.columns.map(|column| {
+                let across = half_turn.cross(column);
+                column + (across + half_turn.cross(across)) * factor
+            }),
+        }
+    }
+
+    /// The nearest rotation, to second order in the deviation: one Newton step of the polar
+    /// decomposition, R (3 - R'R)/2.
+    #[inline(always)]
+    pub fn orthonormalised(&self) -> Self {
+        let [a, b, c] = self.columns;
+        let half = a.x.lit(0.5);
+        let (aa, bb, cc) = (a.norm_squared(), b.norm_squared(), c.norm_squared());
+        let (ab, bc, ca) = (a.dot(b) * half, b.dot(c) * half, c.dot(a) * half);
+        let own = |square: T| a.x.lit(1.5) - square * half;
+        Matrix3 {
+            columns: [
+                a * own(aa) - b * ab - c * ca,
+                b * own(bb) - a * ab - c * bc,
+                c * own(cc) - a * ca - b * bc,
+            ],
+        }
+    }
+
+    /// The matrix with `f` applied to each entry.
+    #[inline(always)]
+    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Matrix3<U> {
+        Matrix3 {
+            columns: self.columns.map(|column| column.map(&mut f)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_by_cayley_is_a_rotation_about_its_axis() {
+        let axis = Vector3::new(1.0, 2.0, 2.0) * (1.0 / 3.0);
+        let turn = Matrix3::identity(0.0).turned(axis * (0.5_f64 * 0.8).tan());
+        let across = Vector3::new(2.0, 1.0, -2.0) * (1.0 / 3.0);
+        let image = turn.apply(across);
+        let expected = across * 0.8_f64.cos() + axis.cross(across) * 0.8_f64.sin();
+        assert!((image - expected).norm() < 4.0 * f64::EPSILON);
+        assert!((turn.apply(axis) - axis).norm() < 4.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn orthonormalising_removes_a_small_stretch() {
+        let turn = Matrix3::identity(0.0).turned(Vector3::new(0.1, -0.2, 0.3));
+        let bent = turn.map(|c| c * (1.0 + 1e-9));
+        let mended = bent.orthonormalised();
+        for (a, b) in mended.columns.iter().zip(turn.columns) {
+            assert!((*a - b).norm() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Studies: the file as written, and what it means.
+//!
+//! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
+//! units (see the fields), defaults are filled in, and nothing is left to interpret.
+
+use crate::characteristics::Characteristic;
+use crate::model::{Axis, PointId, Suspension};
+
+/// A study, resolved and validated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// Name, from the file's name.
+    pub name: String,
+    /// The text the study was read from, with `--set` applied. Results that are studies themselves
+    /// are edits of it, so that comments survive.
+    pub text: String,
+    /// The suspension.
+    pub suspension: Suspension,
+    /// The motion.
+    pub motion: Motion,
+    /// What is asked for.
+    pub outputs: Outputs,
+    /// The optimisation, if the study has one.
+    pub optimise: Option<Optimise>,
+}
+
+/// What drives the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The height of the wheel centre above its design position.
+    Travel,
+    /// The angle of the first control arm from its design position, about its axis taken pointing
+    /// forward: positive raises the outer end of a transverse arm.
+    ArmAngle,
+}
+
+/// The motion: every combination of a drive value and a rack displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// What drives.
+    pub drive: Drive,
+    /// Drive values, in length units or radians, in the order they are reported.
+    pub values: Vec<f64>,
+    /// Rack displacements along the study's +y.
+    pub rack: Vec<f64>,
+    /// Whether the study gives the rack a range, so that results carry a column for it.
+    pub rack_moves: bool,
+    /// The drive as a function of time. `values` are then its values at `times`.
+    pub time: Option<TimeLaw>,
+}
+
+/// The drive as a polynomial of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeLaw {
+    /// Coefficients, lowest power first, in length units or radians.
+    pub polynomial: Vec<f64>,
+    /// Seconds.
+    pub times: Vec<f64>,
+}
+
+/// The highest derivative by the drive (or by time) that is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Order {
+    /// Values.
+    Position,
+    /// First derivatives as well.
+    Velocity,
+    /// First and second derivatives as well.
+    Acceleration,
+}
+
+/// What a study asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outputs {
+    /// Characteristics, in the order asked.
+    pub characteristics: Vec<Characteristic>,
+    /// Points whose positions are reported.
+    pub points: Vec<PointId>,
+    /// Whether the knuckle's angular velocity and acceleration are reported (from velocity order up).
+    pub knuckle: bool,
+    /// Highest derivative.
+    pub order: Order,
+    /// Hardpoints for which sensitivities are reported; empty for none.
+    pub sensitivities: Vec<PointId>,
+}
+
+/// An optimisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimise {
+    /// Number of starts: the design itself, then points of a low-discrepancy sequence.
+    pub starts: usize,
+    /// Seed of that sequence.
+    pub seed: u32,
+    /// Cap on the iterations of one start.
+    pub max_iterations: u64,
+    /// What may move.
+    pub variables: Vec<Variable>,
+    /// What is wanted.
+    pub targets: Vec<Target>,
+}
+
+/// A coordinate that may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variable {
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// Lowest and highest offset from the design, in the study's axes.
+    pub range: [f64; 2],
+}
+
+/// A wanted curve or value. Values in radians or length units (for gains: radians per length unit).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Of which characteristic.
+    pub characteristic: Characteristic,
+    /// What is wanted of it.
+    pub wanted: Wanted,
+    /// The deviation that still is acceptable, in the same unit.
+    pub tolerance: f64,
+    /// Weight against the other targets.
+    pub weight: f64,
+}
+
+/// What a target wants.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// A curve over the drive, compared at the stations of the motion between its ends.
+    Curve {
+        /// Drive value (as in [`Motion::values`]) and wanted value, by rising drive value.
+        points: Vec<[f64; 2]>,
+        /// How to read it between its points.
+        interpolation: Interpolation,
+    },
+    /// A single value at one drive value.
+    At {
+        /// Drive value.
+        drive: f64,
+        /// Wanted value.
+        value: f64,
+    },
+}
+
+/// How a curve runs between its points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight lines.
+    Linear,
+    /// The smooth piecewise cubic that overshoots nowhere (F. N. Fritsch, R. E. Carlson, Monotone
+    /// piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980).
+    MonotoneCubic,
+}

@@ -6,7 +6,7 @@
 //! torque that comes through shafts the force acts at the wheel centre W. Primes are derivatives by
 //! wheel travel.
 
-use super::instant_centre::MOTION;
+use super::instant_centre::CONTACT_VELOCITY;
 use super::{Formula, Info, Inputs, Need, Slot, Unit};
 use crate::number::Real;
 
@@ -36,7 +36,7 @@ impl Formula for AntiDive {
         positive: "the front resists diving in braking",
         formula: "100 p_f (L/h) C_x'",
         source: SOURCE,
-        reads: MOTION,
+        reads: CONTACT_VELOCITY,
         needs: BRAKING,
     };
     #[inline(always)]
@@ -54,7 +54,7 @@ impl Formula for AntiLift {
         positive: "the rear resists lifting in braking",
         formula: "-100 (1 - p_f) (L/h) C_x'",
         source: SOURCE,
-        reads: MOTION,
+        reads: CONTACT_VELOCITY,
         needs: BRAKING,
     };
     #[inline(always)]

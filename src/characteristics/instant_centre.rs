@@ -9,7 +9,8 @@
 use super::{Formula, Info, Inputs, Need, Slot, Unit};
 use crate::number::Real;
 
-pub(super) const MOTION: &[Slot] = &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn];
+/// What the velocity of the contact point depends on.
+pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
 /// Kinematic roll centre.
 pub(super) struct RollCentreHeight;
@@ -20,7 +21,7 @@ impl Formula for RollCentreHeight {
         positive: "above the ground",
         formula: "C_y C_y'/C_z' about the centre plane y = 0",
         source: "the normal to the contact point's velocity meets the centre plane of the car",
-        reads: MOTION,
+        reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],
     };
     #[inline(always)]
@@ -39,7 +40,7 @@ impl Formula for FrontViewSwingArm {
         positive: "instantaneous centre inboard of the contact point",
         formula: "C_z'/w_x, horizontal distance from the contact point",
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
-        reads: MOTION,
+        reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
     };
     #[inline(always)]
@@ -57,7 +58,7 @@ impl Formula for SideViewSwingArm {
         positive: "instantaneous centre behind the contact point",
         formula: "-C_z'/w_y, horizontal distance from the contact point",
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
-        reads: MOTION,
+        reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
     };
     #[inline(always)]

@@ -154,13 +154,19 @@ impl<T: Real> Wheel<T> {
         }
     }
 
-    /// The contact point: in the wheel plane, at the loaded radius straight below the centre.
-    /// C = W - r (z - (z.a) a)/|z - (z.a) a|
+    /// From the wheel centre to the contact point: in the wheel plane, straight down, as long as the
+    /// loaded radius. C - W = -r (z - (z.a) a)/|z - (z.a) a|
+    #[inline(always)]
+    fn contact_lever(&self, radius: f64) -> Vector3<T> {
+        let a = self.spin_axis;
+        let down = Vector3::new(a.z * a.x, a.z * a.y, a.z * a.z - a.z.one());
+        down.normalised() * a.x.lit(radius)
+    }
+
+    /// The contact point C.
     #[inline(always)]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
-        let a = self.spin_axis;
-        let up = Vector3::new(-(a.z * a.x), -(a.z * a.y), a.z.one() - a.z * a.z);
-        self.centre - up.normalised() * a.x.lit(radius)
+        self.centre + self.contact_lever(radius)
     }
 
     /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
@@ -207,7 +213,8 @@ impl<T: Real> Inputs<T> {
     /// locked to the knuckle.
     #[inline(always)]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
-        self.rate.centre + self.turn.cross(self.contact_point() - self.now.centre)
+        let lever = self.now.contact_lever(self.constants.wheel_radius);
+        self.rate.centre + self.turn.cross(lever)
     }
 }
 

@@ -15,8 +15,10 @@ mod gains;
 mod instant_centre;
 mod steering;
 mod track;
+mod view;
 mod wheel;
 
+pub use view::{Quantity, View};
 pub use wheel::{Constants, Inputs, Slot, Wheel};
 
 use crate::number::{Dual, Real, Vector3};

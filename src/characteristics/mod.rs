@@ -108,10 +108,24 @@ macro_rules! catalogue {
             }
 
             /// The value, from the wheel's position and rates.
-            #[inline(always)]
+            #[inline]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
                     $(Characteristic::$variant => <$formula as Formula>::evaluate(inputs),)*
+                }
+            }
+
+            /// The value with its derivatives by everything the formula reads.
+            #[inline]
+            pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
+                match self {
+                    $(
+                        Characteristic::$variant => gradient_of::<
+                            $formula,
+                            T,
+                            { 3 * <$formula as Formula>::INFO.reads.len() },
+                        >(inputs),
+                    )*
                 }
             }
         }
@@ -151,31 +165,21 @@ impl Characteristic {
     pub fn named(name: &str) -> Option<Characteristic> {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
     }
+}
 
-    /// The value with its derivatives by everything the formula reads.
-    #[inline(always)]
-    pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
-        match self.info().reads.len() {
-            1 => self.gradient_by::<T, 3>(inputs),
-            2 => self.gradient_by::<T, 6>(inputs),
-            3 => self.gradient_by::<T, 9>(inputs),
-            _ => self.gradient_by::<T, 12>(inputs),
-        }
+/// The value of a formula with its derivatives by everything it reads; `N` is three for each slot.
+#[inline(never)]
+fn gradient_of<F: Formula, T: Real, const N: usize>(inputs: &Inputs<T>) -> (T, Gradient<T>) {
+    let mut seeded = inputs.map(Dual::<T, N>::constant);
+    for (place, slot) in F::INFO.reads.iter().enumerate() {
+        slot.seed(&mut seeded, 3 * place);
     }
-
-    #[inline(always)]
-    fn gradient_by<T: Real, const N: usize>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
-        let mut seeded = inputs.map(Dual::<T, N>::constant);
-        for (place, slot) in self.info().reads.iter().enumerate() {
-            slot.seed(&mut seeded, 3 * place);
-        }
-        let Dual { value, partials } = self.evaluate(&seeded);
-        let mut gradient = [Vector3::new(value, value, value).zero(); Slot::MOST];
-        for (place, part) in partials.chunks_exact(3).enumerate() {
-            gradient[place] = Vector3::new(part[0], part[1], part[2]);
-        }
-        (value, gradient)
+    let Dual { value, partials } = F::evaluate(&seeded);
+    let mut gradient = [Vector3::new(value, value, value).zero(); Slot::MOST];
+    for (place, part) in partials.chunks_exact(3).enumerate() {
+        gradient[place] = Vector3::new(part[0], part[1], part[2]);
     }
+    (value, gradient)
 }
 
 #[cfg(test)]

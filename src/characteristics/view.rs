@@ -34,13 +34,13 @@ pub struct View<const N: usize> {
 }
 
 /// The component of a vector.
-#[inline(always)]
+#[inline]
 fn component<T: Copy>(v: Vector3<T>, axis: Axis) -> T {
     v.to_array()[axis as usize]
 }
 
 /// The vector with this one component.
-#[inline(always)]
+#[inline]
 fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
     let mut components = [value.zero(); 3];
     components[axis as usize] = value;
@@ -49,7 +49,7 @@ fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
 
 impl<const N: usize> View<N> {
     /// Reads wheel and steering axis off a posture. `constants` are those of the suspension.
-    #[inline(always)]
+    #[inline]
     pub fn of(at: &Posture<Jet<f64, N>>, constants: Constants) -> Self {
         let now = wheel(at);
         let rate = now.map(Jet::differentiated);
@@ -69,7 +69,7 @@ impl<const N: usize> View<N> {
     }
 
     /// The value along the motion; the last [`Quantity::depth`] coefficients are unknown.
-    #[inline(always)]
+    #[inline]
     pub fn value(&self, at: &Posture<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
             Quantity::Characteristic(c) => c.evaluate(&self.inputs),
@@ -86,7 +86,7 @@ impl<const N: usize> View<N> {
     /// u and u'. An adjoint pass yields the series of S.u_p for any seed series S; with
     /// S_i = h_(i-1) + (j+1-i) g_i its coefficient j+1 is the coefficient j of dy/dp:
     /// sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n.
-    #[inline(always)]
+    #[inline]
     pub fn gradients(
         &self,
         linearised: &Linearised<'_, N>,
@@ -193,7 +193,7 @@ impl<const N: usize> View<N> {
 
 impl Slot {
     /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
-    #[inline(always)]
+    #[inline]
     fn push<T: Real>(self, seed: Vector3<T>, at: &Posture<T>, seeds: &mut Seeds<'_, '_, T>) {
         let mechanism = at.mechanism;
         match self {
@@ -219,7 +219,7 @@ impl Slot {
 }
 
 /// Wheel and steering axis in a posture.
-#[inline(always)]
+#[inline]
 fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
     let mechanism = at.mechanism;
     let steering_point = at.point(mechanism.steering_axis.lower);
@@ -236,7 +236,7 @@ fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
 }
 
 /// Wheel and steering axis in the design position.
-#[inline(always)]
+#[inline]
 fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
     let mechanism = at.mechanism;
     let steering_point = at.designed(mechanism.steering_axis.lower);

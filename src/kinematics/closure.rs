@@ -54,12 +54,12 @@ impl<T: Real> Wrench<T> {
 }
 
 impl<T: Real> Sink<T> for Wrench<T> {
-    #[inline(always)]
+    #[inline]
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         self.force = self.force + force;
         self.moment = self.moment + moment;
     }
-    #[inline(always)]
+    #[inline]
     fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
 }
 
@@ -120,7 +120,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn residual(&self, at: &Posture<T>) -> T {
         match *self {
             Row::Link {
@@ -140,7 +140,7 @@ impl<T: Real> Row<T> {
     }
 
     /// Adds `weight` times the differential to the sink.
-    #[inline(always)]
+    #[inline]
     fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         match *self {
             Row::Link {
@@ -225,7 +225,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// The residuals, as lengths: five constraints, then the drive.
-    #[inline(always)]
+    #[inline]
     pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
         for (residual, row) in residuals.iter_mut().zip(&self.rows) {
@@ -236,7 +236,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// The Jacobian by the pose.
-    #[inline(always)]
+    #[inline]
     pub(super) fn jacobian(&self, at: &Posture<T>, driver: Driver<T>) -> Matrix6<T> {
         let like = at.rack;
         let mut jacobian = [[like.zero(); 6]; 6];
@@ -252,7 +252,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// Adds `weights` times the differentials of the six equations to the sink.
-    #[inline(always)]
+    #[inline]
     pub(super) fn differential(
         &self,
         at: &Posture<T>,
@@ -285,7 +285,7 @@ impl Closure<f64> {
 }
 
 impl<T: Real> Driver<T> {
-    #[inline(always)]
+    #[inline]
     fn residual(&self, at: &Posture<T>) -> T {
         match *self {
             Driver::Travel(travel) => {
@@ -299,7 +299,7 @@ impl<T: Real> Driver<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         match *self {
             Driver::Travel(_) => {
@@ -350,7 +350,7 @@ struct ArmFrame<T> {
 }
 
 impl<T: Real> ArmFrame<T> {
-    #[inline(always)]
+    #[inline]
     fn of(at: &Posture<T>) -> Self {
         let arm = at.mechanism.arms[0];
         let rear_to_front = at.designed(arm.front) - at.designed(arm.rear);
@@ -374,12 +374,12 @@ impl<T: Real> ArmFrame<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn sine(&self) -> T {
         self.axis.dot(self.designed.cross(self.now))
     }
 
-    #[inline(always)]
+    #[inline]
     fn cosine(&self) -> T {
         self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)
     }

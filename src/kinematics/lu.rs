@@ -61,7 +61,7 @@ impl<T: Real> Lu6<T> {
     }
 
     /// x with A x = b.
-    #[inline(always)]
+    #[inline]
     pub(super) fn solve(&self, b: Vector6<T>) -> Vector6<T> {
         let mut x: Vector6<T> = from_fn(|i| b[self.order[i]]);
         for i in 1..6 {
@@ -79,7 +79,7 @@ impl<T: Real> Lu6<T> {
     }
 
     /// x with A^T x = b.
-    #[inline(always)]
+    #[inline]
     pub(super) fn solve_transposed(&self, b: Vector6<T>) -> Vector6<T> {
         let mut y = b;
         for i in 0..6 {
@@ -103,7 +103,7 @@ impl<T: Real> Lu6<T> {
     /// x with A^T x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
     /// factors of the constant part of `matrix`. Coefficient by coefficient:
     /// A_0^T x_k = b_k - sum_i A_i^T x_(k-i).
-    #[inline(always)]
+    #[inline]
     pub(super) fn solve_transposed_series<const N: usize>(
         &self,
         matrix: &Matrix6<Jet<T, N>>,

@@ -15,7 +15,7 @@ pub struct Pose<T> {
 
 impl<T: Real> Pose<T> {
     /// The pose over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Pose<U> {
         Pose {
             origin: self.origin.map(&mut f),
@@ -24,7 +24,7 @@ impl<T: Real> Pose<T> {
     }
 
     /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn moved(&self, shift: Vector3<T>, half_turn: Vector3<T>) -> Self {
         Pose {
             origin: self.origin + shift,
@@ -59,19 +59,19 @@ pub(super) trait Sink<T> {
 
 impl<'a, T: Real> Posture<'a, T> {
     /// Design position of a point.
-    #[inline(always)]
+    #[inline]
     pub fn designed(&self, id: PointId) -> Vector3<T> {
         self.design[id.0]
     }
 
     /// From the knuckle's origin to a knuckle point, in the design position.
-    #[inline(always)]
+    #[inline]
     pub fn designed_lever(&self, id: PointId) -> Vector3<T> {
         self.designed(id) - self.designed(self.mechanism.origin)
     }
 
     /// Present position of a point.
-    #[inline(always)]
+    #[inline]
     pub fn point(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
             Body::Chassis => self.designed(id),
@@ -93,7 +93,7 @@ impl<'a, T: Real> Posture<'a, T> {
     }
 
     /// Adds the derivative of `gradient . point(id)` to the sink.
-    #[inline(always)]
+    #[inline]
     pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack => sink.hardpoint(id, gradient),
@@ -112,36 +112,39 @@ impl<'a, T: Real> Posture<'a, T> {
                 sink.hardpoint(id, in_knuckle);
                 sink.hardpoint(top, gradient - in_knuckle);
             }
-            Body::Arm(arm) => {
-                let arm = self.mechanism.arms[arm.0];
-                let inputs = self.arm_inputs(arm, id);
-                let seeded: [Vector3<Dual<T, 15>>; 5] = from_fn(|k| {
-                    let p = inputs[k];
-                    Vector3::new(
-                        Dual::input(p.x, 3 * k),
-                        Dual::input(p.y, 3 * k + 1),
-                        Dual::input(p.z, 3 * k + 2),
-                    )
-                });
-                let image = arm_point(seeded);
-                let by = |k: usize| {
-                    let along = |i: usize| {
-                        gradient.x * image.x.partials[i]
-                            + gradient.y * image.y.partials[i]
-                            + gradient.z * image.z.partials[i]
-                    };
-                    Vector3::new(along(3 * k), along(3 * k + 1), along(3 * k + 2))
-                };
-                for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
-                    sink.hardpoint(hardpoint, by(k));
-                }
-                self.push_point(arm.outer, by(4), sink);
-            }
+            Body::Arm(arm) => self.push_arm_point(self.mechanism.arms[arm.0], id, gradient, sink),
         }
     }
 
+    /// Out of line: it is rare, and large.
+    #[inline(never)]
+    fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        let inputs = self.arm_inputs(arm, id);
+        let seeded: [Vector3<Dual<T, 15>>; 5] = from_fn(|k| {
+            let p = inputs[k];
+            Vector3::new(
+                Dual::input(p.x, 3 * k),
+                Dual::input(p.y, 3 * k + 1),
+                Dual::input(p.z, 3 * k + 2),
+            )
+        });
+        let image = arm_point(seeded);
+        let by = |k: usize| {
+            let along = |i: usize| {
+                gradient.x * image.x.partials[i]
+                    + gradient.y * image.y.partials[i]
+                    + gradient.z * image.z.partials[i]
+            };
+            Vector3::new(along(3 * k), along(3 * k + 1), along(3 * k + 2))
+        };
+        for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
+            sink.hardpoint(hardpoint, by(k));
+        }
+        self.push_point(arm.outer, by(4), sink);
+    }
+
     /// What [`arm_point`] reads.
-    #[inline(always)]
+    #[inline]
     fn arm_inputs(&self, arm: Arm, id: PointId) -> [Vector3<T>; 5] {
         [
             self.designed(arm.front),
@@ -157,7 +160,7 @@ impl<'a, T: Real> Posture<'a, T> {
 ///
 /// `[front, rear, outer, point, outer now]`: with e the unit axis and r the part of `outer - front`
 /// normal to it, cos = r.r'/r^2 and sin = e.(r x r')/r^2.
-#[inline(always)]
+#[inline]
 fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -> Vector3<T> {
     let axis = (rear - front).normalised();
     let across = |p: Vector3<T>| {

@@ -26,11 +26,11 @@ pub struct Adjoint<'a, T> {
 }
 
 impl<T: Real> Sink<T> for Adjoint<'_, T> {
-    #[inline(always)]
+    #[inline]
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         self.wrench.wrench(force, moment);
     }
-    #[inline(always)]
+    #[inline]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.gradient[id.0] = self.gradient[id.0] + gradient;
     }
@@ -40,9 +40,9 @@ impl<T: Real> Sink<T> for Adjoint<'_, T> {
 struct HardpointGradient<'a, T>(&'a mut [Vector3<T>]);
 
 impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
-    #[inline(always)]
+    #[inline]
     fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
-    #[inline(always)]
+    #[inline]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.0[id.0] = self.0[id.0] + gradient;
     }
@@ -77,7 +77,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
 
     /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
     /// once and says how the output depends on the posture, through the methods of [`Seeds`].
-    #[inline(always)]
+    #[inline]
     pub fn gradient(
         &self,
         gradient: &mut [Vector3<Jet<f64, N>>],
@@ -111,25 +111,25 @@ pub struct Seeds<'s, 'a, T> {
 
 impl<T: Real> Seeds<'_, '_, T> {
     /// By the present position of a point.
-    #[inline(always)]
+    #[inline]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
         self.at.push_point(id, gradient, &mut self.adjoint);
     }
 
     /// By a hardpoint, directly.
-    #[inline(always)]
+    #[inline]
     pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.adjoint.hardpoint(id, gradient);
     }
 
     /// By the rotation of the knuckle.
-    #[inline(always)]
+    #[inline]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
     }
 
     /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
-    #[inline(always)]
+    #[inline]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let axis = self.at.spin_axis();
         self.turn(axis.cross(gradient));
@@ -137,7 +137,7 @@ impl<T: Real> Seeds<'_, '_, T> {
     }
 
     /// By the unit spin axis in the design position.
-    #[inline(always)]
+    #[inline]
     pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
         if let SpinAxis::From(inner) = self.at.mechanism.spin_axis {
             let centre = self.at.mechanism.wheel_centre;
@@ -153,7 +153,7 @@ impl<T: Real> Seeds<'_, '_, T> {
 
 impl<T: Real> Posture<'_, T> {
     /// Unit vector along the spin axis, outboard, in the design position.
-    #[inline(always)]
+    #[inline]
     pub fn designed_spin_axis(&self) -> Vector3<T> {
         match self.mechanism.spin_axis {
             SpinAxis::From(inner) => {
@@ -164,7 +164,7 @@ impl<T: Real> Posture<'_, T> {
     }
 
     /// Unit vector along the spin axis, outboard.
-    #[inline(always)]
+    #[inline]
     pub fn spin_axis(&self) -> Vector3<T> {
         self.pose.rotation.apply(self.designed_spin_axis())
     }

@@ -110,7 +110,7 @@ impl StrutPoints {
 
 impl<T: Real> StrutForm<T> {
     /// The constants over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub(super) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> StrutForm<U> {
         StrutForm {
             circle_centre: self.circle_centre.map(&mut f),
@@ -132,7 +132,7 @@ impl<T: Real> StrutForm<T> {
 }
 
 impl<T: Real> Carried<T> {
-    #[inline(always)]
+    #[inline]
     fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Carried<U> {
         Carried {
             by_m: f(self.by_m),
@@ -255,7 +255,7 @@ impl<T: Real> StrutForm<T> {
 
     /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
     /// mechanism cannot be assembled the state holds NaN.
-    #[inline(always)]
+    #[inline]
     pub(super) fn at(&self, cosine: T, sine: T, rack: T) -> StrutState<T> {
         let ball_joint = self.circle_centre + self.radius * cosine + self.radius_turned * sine;
         let d = self.top - ball_joint;
@@ -292,7 +292,7 @@ impl<T: Real> StrutForm<T> {
     }
 
     /// As [`StrutForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
-    #[inline(always)]
+    #[inline]
     pub(super) fn at_half_tangent(&self, tangent: T, rack: T) -> StrutState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
         let cosine = inverse + inverse - tangent.one();
@@ -300,7 +300,7 @@ impl<T: Real> StrutForm<T> {
     }
 
     /// Height of the wheel centre above its design position.
-    #[inline(always)]
+    #[inline]
     pub(super) fn travel(&self, state: &StrutState<T>) -> T {
         let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
         let rise = by_d * state.d.z + by_g * state.g.z + by_n * state.n.z;
@@ -308,7 +308,7 @@ impl<T: Real> StrutForm<T> {
     }
 
     /// The pose of the knuckle.
-    #[inline(always)]
+    #[inline]
     pub(super) fn pose(&self, state: &StrutState<T>) -> Pose<T> {
         Pose {
             origin: state.ball_joint,
@@ -335,19 +335,19 @@ impl StrutForm<f64> {
 
 impl<T: Real> StrutState<T> {
     /// Length of the strut from the foot of the ball joint's perpendicular to the mount.
-    #[inline(always)]
+    #[inline]
     pub(super) fn strut_length(&self) -> T {
         self.strut_length
     }
 
     /// Zero at the tie rod's toggle, negative beyond it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn toggle_margin(&self) -> T {
         self.toggle_margin
     }
 
     /// The image of a knuckle vector, in d, g and n.
-    #[inline(always)]
+    #[inline]
     fn image(&self, x: &Carried<T>) -> (T, T, T) {
         let by_v = x.by_m + self.strut_length * x.by_u;
         let a = (self.tie_squared * by_v - self.tau * x.by_t) * self.inverse_e;

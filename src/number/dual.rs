@@ -15,7 +15,7 @@ pub struct Dual<T, const N: usize> {
 
 impl<T: Real, const N: usize> Dual<T, N> {
     /// A constant: it depends on none of the inputs.
-    #[inline(always)]
+    #[inline]
     pub fn constant(value: T) -> Self {
         Dual {
             value,
@@ -24,7 +24,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 
     /// Input number `index`, at `value`.
-    #[inline(always)]
+    #[inline]
     pub fn input(value: T, index: usize) -> Self {
         Dual {
             value,
@@ -38,7 +38,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn chain(self, value: T, slope: T) -> Self {
         Dual {
             value,
@@ -49,7 +49,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
 
 impl<T: Real, const N: usize> Add for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         Dual {
             value: self.value + other.value,
@@ -60,7 +60,7 @@ impl<T: Real, const N: usize> Add for Dual<T, N> {
 
 impl<T: Real, const N: usize> Sub for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Dual {
             value: self.value - other.value,
@@ -71,7 +71,7 @@ impl<T: Real, const N: usize> Sub for Dual<T, N> {
 
 impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         Dual {
             value: -self.value,
@@ -82,7 +82,7 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
 
 impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         Dual {
             value: self.value * other.value,
@@ -93,7 +93,7 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
 
 impl<T: Real, const N: usize> Div for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
@@ -105,21 +105,21 @@ impl<T: Real, const N: usize> Div for Dual<T, N> {
 }
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
-    #[inline(always)]
+    #[inline]
     fn lit(self, value: f64) -> Self {
         Dual::constant(self.value.lit(value))
     }
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, root.lit(0.5) / root)
     }
-    #[inline(always)]
+    #[inline]
     fn asin(self) -> Self {
         let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
         self.chain(self.value.asin(), slope)
     }
-    #[inline(always)]
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
@@ -128,11 +128,11 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
             partials: from_fn(|i| self.partials[i] * by_y + x.partials[i] * by_x),
         }
     }
-    #[inline(always)]
+    #[inline]
     fn value(self) -> f64 {
         self.value.value()
     }
-    #[inline(always)]
+    #[inline]
     fn scaled(self, factor: f64) -> Self {
         Dual {
             value: self.value.scaled(factor),

@@ -14,13 +14,13 @@ pub struct Jet<T, const N: usize>(pub [T; N]);
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// A constant: every derivative is zero.
-    #[inline(always)]
+    #[inline]
     pub fn constant(value: T) -> Self {
         Jet(from_fn(|k| if k == 0 { value } else { value.zero() }))
     }
 
     /// The variable itself, at `value`: first derivative one.
-    #[inline(always)]
+    #[inline]
     pub fn variable(value: T) -> Self {
         Jet(from_fn(|k| match k {
             0 => value,
@@ -30,14 +30,14 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 
     /// The `order`-th derivative.
-    #[inline(always)]
+    #[inline]
     pub fn derivative(&self, order: usize) -> T {
         const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
         self.0[order].scaled(FACTORIAL[order])
     }
 
     /// The derivative as a series. Its highest coefficient is unknown and given as zero.
-    #[inline(always)]
+    #[inline]
     pub fn differentiated(self) -> Self {
         Jet(from_fn(|k| {
             if k + 1 < N {
@@ -49,7 +49,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 
     /// The series whose derivative is `rate` and whose constant is `value`.
-    #[inline(always)]
+    #[inline]
     fn integrated(value: T, rate: Self) -> Self {
         Jet(from_fn(|k| {
             if k == 0 {
@@ -80,7 +80,7 @@ impl<const N: usize> Jet<f64, N> {
 
 impl<T, const N: usize> Index<usize> for Jet<T, N> {
     type Output = T;
-    #[inline(always)]
+    #[inline]
     fn index(&self, order: usize) -> &T {
         &self.0[order]
     }
@@ -88,7 +88,7 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
 
 impl<T: Real, const N: usize> Add for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         Jet(from_fn(|k| self.0[k] + other.0[k]))
     }
@@ -96,7 +96,7 @@ impl<T: Real, const N: usize> Add for Jet<T, N> {
 
 impl<T: Real, const N: usize> Sub for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Jet(from_fn(|k| self.0[k] - other.0[k]))
     }
@@ -104,7 +104,7 @@ impl<T: Real, const N: usize> Sub for Jet<T, N> {
 
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         Jet(self.0.map(|c| -c))
     }
@@ -112,7 +112,7 @@ impl<T: Real, const N: usize> Neg for Jet<T, N> {
 
 impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         Jet(from_fn(|k| {
             let mut sum = self.0[0] * other.0[k];
@@ -126,7 +126,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
 
 impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
@@ -141,12 +141,12 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
-    #[inline(always)]
+    #[inline]
     fn lit(self, value: f64) -> Self {
         Jet::constant(self.0[0].lit(value))
     }
 
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         let mut root = self.0;
         root[0] = self.0[0].sqrt();
@@ -161,7 +161,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet(root)
     }
 
-    #[inline(always)]
+    #[inline]
     fn asin(self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
@@ -170,7 +170,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].asin(), rate)
     }
 
-    #[inline(always)]
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));
@@ -180,12 +180,12 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].atan2(x.0[0]), rate)
     }
 
-    #[inline(always)]
+    #[inline]
     fn value(self) -> f64 {
         self.0[0].value()
     }
 
-    #[inline(always)]
+    #[inline]
     fn scaled(self, factor: f64) -> Self {
         Jet(self.0.map(|c| c.scaled(factor)))
     }

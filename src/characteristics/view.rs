@@ -26,6 +26,12 @@ impl Quantity {
             Quantity::AngularVelocity(_) => 1,
         }
     }
+
+    /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
+    /// changes its value. (Characteristics made of velocities are ratios of them.)
+    pub fn is_rate(self) -> bool {
+        matches!(self, Quantity::AngularVelocity(_))
+    }
 }
 
 /// A pose, made ready for reading. `N` coefficients of every series are known.

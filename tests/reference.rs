@@ -7,6 +7,7 @@ use hardpoint::kinematics::{Lifted, MotionPoint};
 use hardpoint::model::{Axis, PointId};
 use hardpoint::number::{Jet, Vector3};
 use serde_json::Value;
+use std::ops::ControlFlow;
 use support::{AXES, Case, Worst, march_to, motion, number, vector};
 
 const ANGLES: [(&str, Characteristic); 4] = [
@@ -98,6 +99,7 @@ fn check(name: &str) -> Errors {
                     sensitivities(&case, state, sign, &view, &linearised, &mut errors);
                 }
                 by_rack(&case, state, solver, pose, &point, &mut errors);
+                ControlFlow::Continue(())
             })
             .unwrap();
         assert_eq!(visited, 1);

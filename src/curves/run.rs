@@ -6,6 +6,7 @@ use crate::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver}
 use crate::model::{Axis, Drive, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
+use std::ops::ControlFlow;
 
 /// The curves of a suspension under a plan.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
@@ -69,6 +70,7 @@ impl<'a, const N: usize> Run<'a, N> {
                         Err(failure) => station.status = Status::Failed(failure),
                     }
                     stations[index] = Some(station);
+                    ControlFlow::Continue(())
                 },
             )?;
         }

@@ -15,6 +15,7 @@ use super::strut::{StrutForm, StrutPoints};
 use crate::model::{ClosedForm, Drive, Mechanism, PointId};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// Why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,13 +242,13 @@ impl<'m> Solver<'m> {
 
     /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
     /// from the design position; `visit` gets the station's number and its pose or the reason there is
-    /// none.
+    /// none, and may break off the march.
     pub fn march(
         &mut self,
         drive: Drive,
         march: &March,
         rack: f64,
-        mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>),
+        mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
         let start = self.start(drive)?;
         let start = match rack {
@@ -273,9 +274,9 @@ impl<'m> Solver<'m> {
                         },
                     );
                 }
-                match &place {
-                    Ok(at) => visit(self, station, Ok(&at.pose)),
-                    Err(failure) => visit(self, station, Err(*failure)),
+                let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                if visit(self, station, found).is_break() {
+                    return Ok(());
                 }
             }
         }

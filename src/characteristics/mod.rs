@@ -102,17 +102,11 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value with its derivatives by everything the formula reads.
+            /// The derivatives by everything the formula reads.
             #[inline]
-            pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
+            pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> Gradient<T> {
                 match self {
-                    $(
-                        Characteristic::$variant => gradient_of::<
-                            $formula,
-                            T,
-                            { 3 * <$formula as Formula>::INFO.reads.len() },
-                        >(inputs),
-                    )*
+                    $(Characteristic::$variant => gradient_of::<$formula, T>(inputs),)*
                 }
             }
         }
@@ -154,19 +148,17 @@ impl Characteristic {
     }
 }
 
-/// The value of a formula with its derivatives by everything it reads; `N` is three for each slot.
+/// The derivatives of a formula by everything it reads, slot by slot.
 #[inline(never)]
-fn gradient_of<F: Formula, T: Real, const N: usize>(inputs: &Inputs<T>) -> (T, Gradient<T>) {
-    let mut seeded = inputs.map(Dual::<T, N>::constant);
-    for (place, slot) in F::INFO.reads.iter().enumerate() {
-        slot.seed(&mut seeded, 3 * place);
+fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
+    let constant = inputs.map(Dual::<T, 3>::constant);
+    let mut gradient = [inputs.turn.zero(); Slot::MOST];
+    for (place, slot) in gradient.iter_mut().zip(F::INFO.reads) {
+        let mut seeded = constant;
+        slot.seed(&mut seeded);
+        *place = Vector3::from(F::evaluate(&seeded).partials);
     }
-    let Dual { value, partials } = F::evaluate(&seeded);
-    let mut gradient = [Vector3::new(value, value, value).zero(); Slot::MOST];
-    for (place, part) in partials.chunks_exact(3).enumerate() {
-        gradient[place] = Vector3::new(part[0], part[1], part[2]);
-    }
-    (value, gradient)
+    gradient
 }
 
 #[cfg(test)]
@@ -192,7 +184,7 @@ mod tests {
             assert!(before.is_finite(), "{}", c.info().name);
             for slot in Slot::ALL {
                 let mut moved = plain.map(Dual::<f64, 3>::constant);
-                slot.seed(&mut moved, 0);
+                slot.seed(&mut moved);
                 let partials = c.evaluate(&moved).partials;
                 let depends = partials.iter().any(|p| *p != 0.0);
                 assert_eq!(

@@ -115,7 +115,7 @@ impl<const N: usize> View<N> {
                 }
             }
             Quantity::Characteristic(c) if !c.info().reads_rates() => {
-                let (_, gradient) = c.gradient(&self.inputs);
+                let gradient = c.gradient(&self.inputs);
                 buffer.fill(zero);
                 linearised.gradient(buffer, |seeds| {
                     for (slot, seed) in c.info().reads.iter().zip(gradient) {
@@ -129,7 +129,7 @@ impl<const N: usize> View<N> {
                 }
             }
             Quantity::Characteristic(c) => {
-                let (_, gradient) = c.gradient(&self.inputs);
+                let gradient = c.gradient(&self.inputs);
                 self.velocity_gradients(
                     linearised,
                     c.info().reads,

@@ -1,6 +1,6 @@
 //! What the formulas read: the wheel, its steering axis and their rates.
 
-use crate::number::{Real, Vector3};
+use crate::number::{Dual, Real, Vector3};
 
 /// Wheel and steering axis in one position, or their rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,13 +108,9 @@ impl Slot {
         )
     }
 
-    /// Makes this slot of `inputs` the independent variables `first`, `first + 1`, `first + 2`.
+    /// Makes this slot of `inputs` the independent variables.
     #[inline]
-    pub(super) fn seed<T: Real, const N: usize>(
-        self,
-        inputs: &mut Inputs<crate::number::Dual<T, N>>,
-        first: usize,
-    ) {
+    pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>) {
         let vector = match self {
             Slot::SpinAxis => &mut inputs.now.spin_axis,
             Slot::Centre => &mut inputs.now.centre,
@@ -131,13 +127,13 @@ impl Slot {
                     Slot::SpringLength => &mut inputs.now.spring_length,
                     _ => &mut inputs.rate.spring_length,
                 };
-                length.partials[first] = length.value.one();
+                length.partials[0] = length.value.one();
                 return;
             }
         };
-        vector.x.partials[first] = vector.x.value.one();
-        vector.y.partials[first + 1] = vector.y.value.one();
-        vector.z.partials[first + 2] = vector.z.value.one();
+        vector.x.partials[0] = vector.x.value.one();
+        vector.y.partials[1] = vector.y.value.one();
+        vector.z.partials[2] = vector.z.value.one();
     }
 }
 

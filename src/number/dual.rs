@@ -1,7 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
 use super::Real;
-use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -26,24 +25,18 @@ impl<T: Real, const N: usize> Dual<T, N> {
     /// Input number `index`, at `value`.
     #[inline]
     pub fn input(value: T, index: usize) -> Self {
-        Dual {
-            value,
-            partials: from_fn(|i| {
-                if i == index {
-                    value.one()
-                } else {
-                    value.zero()
-                }
-            }),
-        }
+        let mut input = Dual::constant(value);
+        input.partials[index] = value.one();
+        input
     }
 
     #[inline]
     fn chain(self, value: T, slope: T) -> Self {
-        Dual {
-            value,
-            partials: self.partials.map(|p| p * slope),
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = *p * slope;
         }
+        Dual { value, partials }
     }
 }
 
@@ -51,9 +44,13 @@ impl<T: Real, const N: usize> Add for Dual<T, N> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p + q;
+        }
         Dual {
             value: self.value + other.value,
-            partials: from_fn(|i| self.partials[i] + other.partials[i]),
+            partials,
         }
     }
 }
@@ -62,9 +59,13 @@ impl<T: Real, const N: usize> Sub for Dual<T, N> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p - q;
+        }
         Dual {
             value: self.value - other.value,
-            partials: from_fn(|i| self.partials[i] - other.partials[i]),
+            partials,
         }
     }
 }
@@ -73,9 +74,13 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = -*p;
+        }
         Dual {
             value: -self.value,
-            partials: self.partials.map(|p| -p),
+            partials,
         }
     }
 }
@@ -84,9 +89,13 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p * other.value + self.value * q;
+        }
         Dual {
             value: self.value * other.value,
-            partials: from_fn(|i| self.partials[i] * other.value + self.value * other.partials[i]),
+            partials,
         }
     }
 }
@@ -97,10 +106,11 @@ impl<T: Real, const N: usize> Div for Dual<T, N> {
     fn div(self, other: Self) -> Self {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
-        Dual {
-            value,
-            partials: from_fn(|i| (self.partials[i] - value * other.partials[i]) * inverse),
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = (*p - value * q) * inverse;
         }
+        Dual { value, partials }
     }
 }
 
@@ -123,9 +133,13 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     fn atan2(self, x: Self) -> Self {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(x.partials) {
+            *p = *p * by_y + q * by_x;
+        }
         Dual {
             value: self.value.atan2(x.value),
-            partials: from_fn(|i| self.partials[i] * by_y + x.partials[i] * by_x),
+            partials,
         }
     }
     #[inline]
@@ -134,9 +148,13 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = p.scaled(factor);
+        }
         Dual {
             value: self.value.scaled(factor),
-            partials: self.partials.map(|p| p.scaled(factor)),
+            partials,
         }
     }
 }

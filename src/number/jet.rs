@@ -2,10 +2,10 @@
 //!
 //! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
 //! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2).
+//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
+//! the compiler ten times as much.
 
 use super::Real;
-use std::array::from_fn;
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -16,17 +16,19 @@ impl<T: Real, const N: usize> Jet<T, N> {
     /// A constant: every derivative is zero.
     #[inline]
     pub fn constant(value: T) -> Self {
-        Jet(from_fn(|k| if k == 0 { value } else { value.zero() }))
+        let mut series = [value.zero(); N];
+        series[0] = value;
+        Jet(series)
     }
 
     /// The variable itself, at `value`: first derivative one.
     #[inline]
     pub fn variable(value: T) -> Self {
-        Jet(from_fn(|k| match k {
-            0 => value,
-            1 => value.one(),
-            _ => value.zero(),
-        }))
+        let mut series = Jet::constant(value);
+        if N > 1 {
+            series.0[1] = value.one();
+        }
+        series
     }
 
     /// The `order`-th derivative.
@@ -39,25 +41,21 @@ impl<T: Real, const N: usize> Jet<T, N> {
     /// The derivative as a series. Its highest coefficient is unknown and given as zero.
     #[inline]
     pub fn differentiated(self) -> Self {
-        Jet(from_fn(|k| {
-            if k + 1 < N {
-                self.0[k + 1].scaled((k + 1) as f64)
-            } else {
-                self.0[0].zero()
-            }
-        }))
+        let mut rate = [self.0[0].zero(); N];
+        for k in 1..N {
+            rate[k - 1] = self.0[k].scaled(k as f64);
+        }
+        Jet(rate)
     }
 
     /// The series whose derivative is `rate` and whose constant is `value`.
     #[inline]
     fn integrated(value: T, rate: Self) -> Self {
-        Jet(from_fn(|k| {
-            if k == 0 {
-                value
-            } else {
-                rate.0[k - 1].scaled(1.0 / k as f64)
-            }
-        }))
+        let mut series = [value; N];
+        for k in 1..N {
+            series[k] = rate.0[k - 1].scaled(1.0 / k as f64);
+        }
+        Jet(series)
     }
 }
 
@@ -90,7 +88,11 @@ impl<T: Real, const N: usize> Add for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
-        Jet(from_fn(|k| self.0[k] + other.0[k]))
+        let mut sum = self.0;
+        for (s, o) in sum.iter_mut().zip(other.0) {
+            *s = *s + o;
+        }
+        Jet(sum)
     }
 }
 
@@ -98,7 +100,11 @@ impl<T: Real, const N: usize> Sub for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
-        Jet(from_fn(|k| self.0[k] - other.0[k]))
+        let mut difference = self.0;
+        for (d, o) in difference.iter_mut().zip(other.0) {
+            *d = *d - o;
+        }
+        Jet(difference)
     }
 }
 
@@ -106,7 +112,11 @@ impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Jet(self.0.map(|c| -c))
+        let mut negative = self.0;
+        for c in &mut negative {
+            *c = -*c;
+        }
+        Jet(negative)
     }
 }
 
@@ -114,13 +124,14 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        Jet(from_fn(|k| {
-            let mut sum = self.0[0] * other.0[k];
+        let mut product = self.0;
+        for (k, p) in product.iter_mut().enumerate() {
+            *p = self.0[0] * other.0[k];
             for i in 1..=k {
-                sum = sum + self.0[i] * other.0[k - i];
+                *p = *p + self.0[i] * other.0[k - i];
             }
-            sum
-        }))
+        }
+        Jet(product)
     }
 }
 
@@ -187,7 +198,11 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline]
     fn scaled(self, factor: f64) -> Self {
-        Jet(self.0.map(|c| c.scaled(factor)))
+        let mut scaled = self.0;
+        for c in &mut scaled {
+            *c = c.scaled(factor);
+        }
+        Jet(scaled)
     }
 }
 

@@ -2,4 +2,5 @@
 pub mod characteristics;
 pub mod model;
 pub mod number;
+pub mod optimise;
 pub mod study;

@@ -31,9 +31,9 @@ pub struct Iteration {
     pub damping: f64,
     /// Variables at bounds, at its end.
     pub held: usize,
-    /// Trials that were evaluated but did not lower the cost as they should.
-    pub rejected: u32,
-    /// Trials that could not be evaluated.
+    /// Points evaluated on the way.
+    pub evaluations: u32,
+    /// How many of those had no residuals.
     pub infeasible: u32,
 }
 
@@ -111,8 +111,8 @@ impl Fit {
 
     /// Number of evaluations made, failed ones included.
     pub fn evaluations(&self) -> u64 {
-        let trials = |i: &Iteration| u64::from(i.rejected + i.infeasible) + u64::from(i.step > 0.0);
-        1 + self.history.iter().map(trials).sum::<u64>()
+        let evaluations = |iteration: &Iteration| u64::from(iteration.evaluations);
+        self.history.iter().map(evaluations).sum()
     }
 }
 

@@ -21,10 +21,26 @@
 //! precision, with a left vector that may well see r: the step along it is up to e |J W| |r| /
 //! damping. The term bounds that by [`DRIFT`] of the range. It vanishes with r, too, and so does not
 //! spoil the convergence.
+//!
+//! Where singular values spread over many decades, the run would soon be confined to the floor of a
+//! narrow, curved valley: a step along it, far too short to matter, already raises the cost, because
+//! curvature takes it up the steep walls. So a trial that does not descend is corrected before it is
+//! given up: Newton steps, with Jacobians that came with the trials anyway, take it to where the
+//! residuals are those the model promised,
+//!
+//! ```text
+//! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     at the trial, r' and J' being there  (3)
+//! ```
+//!
+//! as long as each is at most half as long as the one before. That is the mark of Newton's method
+//! converging, and unlike the cost it does not depend on how steep the walls are (P. Deuflhard, Newton
+//! methods for nonlinear problems, 2004, sections 3.3 and 4.3; the corrections are those against the
+//! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
+//! is accepted in the end has descended.
 
+use super::local_model::LocalModel;
 use super::{
-    BoundedLeastSquares, Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration,
-    LeastSquares, Termination,
+    Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration, LeastSquares, Termination,
 };
 use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use argmin::kv;
@@ -72,9 +88,10 @@ const DRIFT: f64 = 1e-6;
 const FIRST_DAMPING: f64 = 1e-3;
 /// A step is accepted from this ratio of the reduction found to the one predicted.
 const ACCEPTABLE: f64 = 1e-4;
-/// Below this ratio damping grows for the next step, above the other it falls.
-const POOR: f64 = 0.25;
-const GOOD: f64 = 0.75;
+/// From this ratio the model is trusted: damping falls to a tenth for the next step.
+const GOOD: f64 = 0.25;
+/// So many corrections a trial may have. They halve at least, and usually square, their lengths.
+const CORRECTIONS: u32 = 8;
 
 /// What argmin keeps of a run: the variables and the cost.
 pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
@@ -89,12 +106,15 @@ pub struct LevenbergMarquardt<'a> {
     damping_factor: f64,
     /// At the variables of the state.
     current: Evaluation,
-    trial: Evaluation,
+    model: LocalModel<'a>,
     trial_x: DVector<f64>,
-    subproblem: BoundedLeastSquares,
-    /// Bounds of the step, in fractions of the ranges.
-    lower: Vec<f64>,
-    upper: Vec<f64>,
+    trial: Evaluation,
+    /// The residuals the model promises at the trial, what those found there exceed them by, the
+    /// model (3) of that, and where it leads.
+    promised: DVector<f64>,
+    excess: DVector<f64>,
+    correction: LocalModel<'a>,
+    corrected_x: DVector<f64>,
     termination: Option<Termination>,
     history: Vec<Iteration>,
 }
@@ -115,11 +135,13 @@ impl<'a> LevenbergMarquardt<'a> {
             start,
             damping_factor: 0.0,
             current: Evaluation::new(0, n),
-            trial: Evaluation::new(0, n),
+            model: LocalModel::new(bounds, 0),
             trial_x: DVector::zeros(n),
-            subproblem: BoundedLeastSquares::new(n, 0),
-            lower: vec![0.0; n],
-            upper: vec![0.0; n],
+            trial: Evaluation::new(0, n),
+            promised: DVector::zeros(0),
+            excess: DVector::zeros(0),
+            correction: LocalModel::new(bounds, 0),
+            corrected_x: DVector::zeros(n),
             termination: None,
             history: Vec::new(),
         }
@@ -137,56 +159,59 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Prepares the sub-problem at the current point and tests whether that is a minimum.
+    /// Prepares the model at the current point and tests whether that is a minimum.
     fn arrive(&mut self, x: &DVector<f64>) {
-        let (bounds, current) = (self.bounds, &self.current);
-        self.subproblem
-            .reduce(&current.jacobian, bounds.width(), &current.residuals);
-        for j in 0..x.len() {
-            self.lower[j] = (bounds.lower()[j] - x[j]) / bounds.width()[j];
-            self.upper[j] = (bounds.upper()[j] - x[j]) / bounds.width()[j];
-        }
-        if current.misfit() <= self.options.misfit_below {
+        let Evaluation {
+            residuals,
+            jacobian,
+        } = &self.current;
+        self.model.build(x, jacobian, residuals);
+        let size = residuals.norm();
+        if self.current.misfit() <= self.options.misfit_below {
             self.termination = Some(Termination::MisfitReached);
-        } else if self.is_stationary() {
+        } else if self.model.is_stationary(size, self.options.gradient_below) {
             self.termination = Some(Termination::Stationary);
         }
     }
 
-    fn is_stationary(&self) -> bool {
-        let size = self.current.residuals.norm();
-        (0..self.lower.len()).all(|j| {
-            let slope = self.subproblem.gradient(j);
-            let blocked =
-                (slope > 0.0 && self.lower[j] == 0.0) || (slope < 0.0 && self.upper[j] == 0.0);
-            let column = self.subproblem.column_norms()[j];
-            blocked || slope.abs() <= self.options.gradient_below * size * column
-        })
+    /// Evaluates the trial point.
+    fn evaluate_trial(&mut self, problem: &mut impl LeastSquares) -> Result<(), Infeasible> {
+        problem.evaluate(&self.trial_x, &mut self.trial)?;
+        self.trial.check()
     }
 
-    /// Where the step of the sub-problem leads; on a bound exactly where it holds a variable.
-    fn take_trial_point(&mut self, x: &DVector<f64>) {
-        let (step, holds) = (self.subproblem.step(), self.subproblem.holds());
-        for j in 0..x.len() {
-            let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
-            self.trial_x[j] = match holds[j] {
-                Hold::Lower => lower,
-                Hold::Upper => upper,
-                Hold::Free => (x[j] + self.bounds.width()[j] * step[j]).clamp(lower, upper),
-            };
+    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most
+    /// `goal`. Returns how many points it evaluated; an error ends it at a point without residuals.
+    fn correct(
+        &mut self,
+        problem: &mut impl LeastSquares,
+        x: &DVector<f64>,
+        damping: f64,
+        goal: f64,
+    ) -> (u32, Result<(), Infeasible>) {
+        let mut length = self.model.step_length();
+        self.corrected_x.copy_from(&self.trial_x);
+        self.corrected_x -= x;
+        self.promised.copy_from(&self.current.residuals);
+        self.promised
+            .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
+        for evaluations in 0..CORRECTIONS {
+            self.excess.copy_from(&self.trial.residuals);
+            self.excess -= &self.promised;
+            let (model, x) = (&mut self.correction, &mut self.trial_x);
+            model.build(x, &self.trial.jacobian, &self.excess);
+            model.solve(damping);
+            if self.trial.cost() <= goal || model.step_length() > 0.5 * length {
+                return (evaluations, Ok(()));
+            }
+            length = model.step_length();
+            model.lead(x, &mut self.corrected_x);
+            std::mem::swap(x, &mut self.corrected_x);
+            if let Err(reason) = self.evaluate_trial(problem) {
+                return (evaluations + 1, Err(reason));
+            }
         }
-    }
-
-    /// Raises the damping until the step is at most half as long.
-    fn shorten(&mut self, damping: &mut f64) {
-        let length = norm(self.subproblem.step());
-        // Growing growth, as the damping may be many decades below where it begins to tell.
-        let mut growth = 4.0;
-        while norm(self.subproblem.step()) > 0.5 * length {
-            *damping *= growth;
-            growth *= 2.0;
-            self.subproblem.solve(*damping, &self.lower, &self.upper);
-        }
+        (CORRECTIONS, Ok(()))
     }
 
     fn record(&mut self, iteration: Iteration) -> KV {
@@ -195,7 +220,7 @@ impl<'a> LevenbergMarquardt<'a> {
             "step" => iteration.step;
             "damping" => iteration.damping;
             "held" => iteration.held as u64;
-            "rejected" => u64::from(iteration.rejected);
+            "evaluations" => u64::from(iteration.evaluations);
             "infeasible" => u64::from(iteration.infeasible);
         );
         if let Some(watch) = self.control.watch {
@@ -221,18 +246,16 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         assert_eq!(n, self.bounds.variables(), "one range per variable");
         self.current = Evaluation::new(m, n);
         self.trial = Evaluation::new(m, n);
-        self.subproblem = BoundedLeastSquares::new(n, m);
+        self.model = LocalModel::new(self.bounds, m);
+        self.correction = LocalModel::new(self.bounds, m);
+        self.promised = DVector::zeros(m);
+        self.excess = DVector::zeros(m);
 
         let x = state.param.as_ref().expect("the state was given its start");
         problem.evaluate(x, &mut self.current)?;
         self.current.check()?;
         self.arrive(x);
-        let longest = self
-            .subproblem
-            .column_norms()
-            .iter()
-            .copied()
-            .fold(0.0, f64::max);
+        let longest = self.model.longest_column();
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
         let log = self.record(Iteration {
@@ -242,7 +265,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             step: 0.0,
             damping: 0.0,
             held: count_held(&self.bounds.holds(x)),
-            rejected: 0,
+            evaluations: 1,
             infeasible: 0,
         });
         Ok((state.cost(cost), Some(log)))
@@ -254,69 +277,63 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         mut state: State,
     ) -> Result<(State, Option<KV>), Error> {
         let problem = of(problem);
-        let x = state.take_param().expect("the state was given its start");
+        let mut x = state.take_param().expect("the state was given its start");
         let cost = self.current.cost();
-        let size = (2.0 * cost).sqrt();
-        let norms = DVector::from_column_slice(self.subproblem.column_norms());
-        let mut damping =
-            (self.damping_factor * 2.0 * cost).max(f64::EPSILON / DRIFT * norms.norm() * size);
-        let (mut rejected, mut infeasible) = (0, 0);
-        let mut obstacle: Option<Infeasible> = None;
-        let mut accepted = false;
+        let negligible = self.options.reduction_below * cost;
+        let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
+        let mut damping = drift.max(self.damping_factor * 2.0 * cost);
+        let (mut evaluations, mut infeasible) = (0, 0);
+        let mut obstacle = None;
+        let mut step = 0.0;
 
-        self.subproblem.solve(damping, &self.lower, &self.upper);
-        while !accepted && self.termination.is_none() {
-            if largest(self.subproblem.step()) <= self.options.step_below {
-                self.termination = Some(match obstacle.take() {
+        self.model.solve(damping);
+        loop {
+            if self.model.largest_component() <= self.options.step_below {
+                self.termination = Some(match obstacle {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
                 break;
             }
-            self.take_trial_point(&x);
-            let evaluated = problem
-                .evaluate(&self.trial_x, &mut self.trial)
-                .and_then(|()| self.trial.check());
-            if let Err(reason) = evaluated {
+            self.model.lead(&x, &mut self.trial_x);
+            evaluations += 1;
+            if let Err(reason) = self.evaluate_trial(problem) {
                 infeasible += 1;
                 obstacle = Some(reason);
-                self.shorten(&mut damping);
+                self.model.shorten(&mut damping);
                 continue;
             }
-            let predicted = 0.5 * self.subproblem.predicted_reduction();
+            let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            let ratio = found / predicted;
-            let negligible = self.options.reduction_below * cost;
-            if obstacle.is_none() && predicted <= negligible && found.abs() <= negligible {
+            let at_end = obstacle.is_none() && predicted <= negligible && found.abs() <= negligible;
+            if at_end {
                 self.termination = Some(Termination::NoFurtherDescent);
             }
-            // A step that ends the run is taken if it descends at all.
-            accepted = ratio >= ACCEPTABLE || (self.termination.is_some() && found > 0.0);
+            let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
+            let mut accepted = acceptable(found) || (at_end && found > 0.0);
+            if !accepted && !at_end {
+                let goal = cost - GOOD * predicted;
+                let (more, outcome) = self.correct(problem, &x, damping, goal);
+                evaluations += more;
+                accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
+            }
             if accepted {
-                let change = match ratio {
-                    ratio if ratio < POOR => 4.0,
-                    ratio if ratio > GOOD => 0.1,
-                    _ => 1.0,
-                };
+                let trusted = cost - self.trial.cost() >= GOOD * predicted;
+                let change = if trusted { 0.1 } else { 1.0 };
                 self.damping_factor = change * damping / (2.0 * cost);
-            } else {
-                rejected += 1;
-                if self.termination.is_none() {
-                    self.shorten(&mut damping);
+                step = self.bounds.distance(&x, &self.trial_x);
+                std::mem::swap(&mut x, &mut self.trial_x);
+                std::mem::swap(&mut self.current, &mut self.trial);
+                if !at_end {
+                    self.arrive(&x);
                 }
             }
+            if accepted || at_end {
+                break;
+            }
+            self.model.shorten(&mut damping);
         }
 
-        let mut step = 0.0;
-        let mut next = x;
-        if accepted {
-            step = norm(self.subproblem.step());
-            std::mem::swap(&mut next, &mut self.trial_x);
-            std::mem::swap(&mut self.current, &mut self.trial);
-            let ended = self.termination.take();
-            self.arrive(&next);
-            self.termination = self.termination.take().or(ended);
-        }
         let cost = self.current.cost();
         let log = self.record(Iteration {
             iteration: state.iter + 1,
@@ -324,11 +341,11 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             misfit: self.current.misfit(),
             step,
             damping,
-            held: count_held(&self.bounds.holds(&next)),
-            rejected,
+            held: count_held(&self.bounds.holds(&x)),
+            evaluations,
             infeasible,
         });
-        Ok((state.param(next).cost(cost), Some(log)))
+        Ok((state.param(x).cost(cost), Some(log)))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {
@@ -360,14 +377,6 @@ fn of<P>(problem: &mut Problem<P>) -> &mut P {
         .problem
         .as_mut()
         .expect("argmin gives the problem back")
-}
-
-fn norm(step: &[f64]) -> f64 {
-    step.iter().map(|s| s * s).sum::<f64>().sqrt()
-}
-
-fn largest(step: &[f64]) -> f64 {
-    step.iter().fold(0.0, |largest, s| s.abs().max(largest))
 }
 
 fn count_held(holds: &[Hold]) -> usize {

@@ -16,6 +16,7 @@ mod bounds;
 mod fit;
 mod identifiability;
 mod levenberg_marquardt;
+mod local_model;
 mod multistart;
 mod problem;
 mod qr;

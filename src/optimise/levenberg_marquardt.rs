@@ -88,8 +88,9 @@ const DRIFT: f64 = 1e-6;
 const FIRST_DAMPING: f64 = 1e-3;
 /// A step is accepted from this ratio of the reduction found to the one predicted.
 const ACCEPTABLE: f64 = 1e-4;
-/// From this ratio the model is trusted: damping falls to a tenth for the next step.
-const GOOD: f64 = 0.25;
+/// Below this ratio damping grows for the next step, above the other it falls.
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.75;
 /// So many corrections a trial may have. They halve at least, and usually square, their lengths.
 const CORRECTIONS: u32 = 8;
 
@@ -172,6 +173,15 @@ impl<'a> LevenbergMarquardt<'a> {
         } else if self.model.is_stationary(size, self.options.gradient_below) {
             self.termination = Some(Termination::Stationary);
         }
+    }
+
+    /// The reduction predicted with the least damping there is, `drift`; leaves the step as it is
+    /// with `damping`.
+    fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
+        self.model.solve(drift);
+        let reduction = self.model.predicted_reduction();
+        self.model.solve(damping);
+        reduction
     }
 
     /// Evaluates the trial point.
@@ -284,6 +294,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let mut damping = drift.max(self.damping_factor * 2.0 * cost);
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
+        let mut shortened = false;
         let mut step = 0.0;
 
         self.model.solve(damping);
@@ -301,25 +312,33 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 infeasible += 1;
                 obstacle = Some(reason);
                 self.model.shorten(&mut damping);
+                shortened = true;
                 continue;
             }
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            let at_end = obstacle.is_none() && predicted <= negligible && found.abs() <= negligible;
+            // A damped step that does little is no minimum yet: an undamped one must do little, too.
+            let at_end = obstacle.is_none()
+                && predicted <= negligible
+                && found.abs() <= negligible
+                && self.undamped_reduction(drift, damping) <= negligible;
             if at_end {
                 self.termination = Some(Termination::NoFurtherDescent);
             }
             let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
             let mut accepted = acceptable(found) || (at_end && found > 0.0);
             if !accepted && !at_end {
-                let goal = cost - GOOD * predicted;
+                let goal = cost - POOR * predicted;
                 let (more, outcome) = self.correct(problem, &x, damping, goal);
                 evaluations += more;
                 accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
             }
             if accepted {
-                let trusted = cost - self.trial.cost() >= GOOD * predicted;
-                let change = if trusted { 0.1 } else { 1.0 };
+                let change = match (cost - self.trial.cost()) / predicted {
+                    ratio if ratio < POOR => 4.0,
+                    ratio if ratio > GOOD && !shortened => 0.1,
+                    _ => 1.0,
+                };
                 self.damping_factor = change * damping / (2.0 * cost);
                 step = self.bounds.distance(&x, &self.trial_x);
                 std::mem::swap(&mut x, &mut self.trial_x);
@@ -332,6 +351,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 break;
             }
             self.model.shorten(&mut damping);
+            shortened = true;
         }
 
         let cost = self.current.cost();

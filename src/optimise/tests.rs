@@ -272,12 +272,6 @@ fn val_a_planted_design_is_found_through_weak_directions() {
             fit.evaluations(),
             fit.termination
         );
-        if off > 1e-9 {
-            for i in &fit.history {
-                println!("{i:?}");
-            }
-            println!("{} {:?}", fit.x, fit.holds);
-        }
         assert!(off < 1e-9, "seed {seed}: {off:e} after {}", fit.termination);
         assert!(fit.history.len() < 40, "{} iterations", fit.history.len());
     }
@@ -564,4 +558,87 @@ fn starting_points_fill_the_box_in_any_dimension() {
     }
     let far = starting_point(&bounds, &design, 70_000, 7);
     assert_eq!(bounds.nearest(&far), far);
+}
+
+/// What an iteration costs without the evaluation; run with `--release --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn speed() {
+    let mut noise = Noise::new(9);
+    for (m, n) in [(82, 6), (82, 20), (1000, 40)] {
+        let a = DMatrix::from_fn(m, n, |_, _| noise.next());
+        let b = DVector::from_fn(m, |_, _| noise.next());
+        let mut solver = BoundedLeastSquares::new(n, m);
+        let width = DVector::repeat(n, 1.0);
+        let (lower, upper) = (vec![-0.02; n], vec![0.02; n]);
+        let far = vec![10.0; n];
+        let near: Vec<f64> = far.iter().map(|f| -f).collect();
+        let time = |name: &str, work: &mut dyn FnMut()| {
+            let begin = std::time::Instant::now();
+            for _ in 0..2000 {
+                work();
+            }
+            println!(
+                "{m} x {n} {name}: {:.2} us",
+                begin.elapsed().as_secs_f64() * 1e6 / 2000.0
+            );
+        };
+        time("reduce", &mut || solver.reduce(&a, &width, &b));
+        time("solve free", &mut || solver.solve(1e-6, &near, &far));
+        time("solve bounded", &mut || solver.solve(1e-6, &lower, &upper));
+        println!(
+            "held {}",
+            solver.holds().iter().filter(|h| **h != Hold::Free).count()
+        );
+        struct Flat {
+            a: DMatrix<f64>,
+            b: DVector<f64>,
+            calls: f64,
+        }
+        impl LeastSquares for Flat {
+            fn variables(&self) -> usize {
+                self.a.ncols()
+            }
+            fn residuals(&self) -> usize {
+                self.a.nrows()
+            }
+            fn evaluate(
+                &mut self,
+                _: &DVector<f64>,
+                into: &mut Evaluation,
+            ) -> Result<(), Infeasible> {
+                self.calls += 1.0;
+                into.residuals.copy_from(&self.b);
+                into.residuals *= 0.999f64.powf(self.calls);
+                into.jacobian.copy_from(&self.a);
+                into.jacobian *= 0.01;
+                Ok(())
+            }
+        }
+        let bounds = Bounds::new(&vec![[-1e3, 1e3]; n]).unwrap();
+        let options = Options {
+            misfit_below: 0.0,
+            reduction_below: 0.0,
+            step_below: 0.0,
+            gradient_below: 0.0,
+            max_iterations: 2000,
+        };
+        let begin = std::time::Instant::now();
+        let found = fit(
+            Flat { a, b, calls: 0.0 },
+            &bounds,
+            &DVector::zeros(n),
+            &options,
+            Control::default(),
+        )
+        .unwrap();
+        let evaluations = found.evaluations();
+        println!(
+            "{m} x {n} run: {:.2} us per iteration, {} iterations {} evaluations {}",
+            begin.elapsed().as_secs_f64() * 1e6 / (found.history.len() as f64),
+            found.history.len(),
+            evaluations,
+            found.termination
+        );
+    }
 }

@@ -4,5 +4,6 @@ pub mod curves;
 pub mod kinematics;
 pub mod model;
 pub mod number;
+pub mod optimise;
 pub mod plan;
 pub mod study;

@@ -15,26 +15,13 @@ mod gains;
 mod instant_centre;
 mod steering;
 mod track;
+mod unit;
 mod wheel;
 
+pub use unit::Unit;
 pub use wheel::{Constants, Inputs, Slot, Wheel};
 
 use crate::number::{Dual, Real, Vector3};
-
-/// The kind of quantity, which decides the unit it is printed in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// An angle, printed in degrees.
-    Angle,
-    /// A length, in the study's unit.
-    Length,
-    /// Angle per wheel travel, in degrees per length unit.
-    AnglePerLength,
-    /// Percent.
-    Percent,
-    /// A plain number.
-    Ratio,
-}
 
 /// A figure beyond the hardpoints that a characteristic cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

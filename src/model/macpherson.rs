@@ -1,8 +1,8 @@
 //! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
 
 use super::{
-    Arm, Body, ClosedForm, Constraint, Hardpoint, Mechanism, Point, PointId, SpinAxis, Spring,
-    SteeringAxis, Topology,
+    Arm, ArmId, Body, ClosedForm, Constraint, Hardpoint, Mechanism, Point, PointId, SpinAxis,
+    Spring, SteeringAxis, Topology,
 };
 use crate::number::Vector3;
 
@@ -138,6 +138,12 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             lower: id("strut_lower"),
         }),
         closed_form: Some(ClosedForm::Strut),
+        bodies: vec![
+            ("chassis", Body::Chassis),
+            ("knuckle", Body::Knuckle),
+            ("lower_arm", Body::Arm(ArmId(0))),
+            ("strut_rod", Body::StrutRod(id("strut_top"))),
+        ],
         points,
     }
 }

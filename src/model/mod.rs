@@ -132,6 +132,8 @@ pub struct Mechanism {
     pub topology: &'static Topology,
     /// Every point, hardpoints of the topology first.
     pub points: Vec<Point>,
+    /// The bodies a study may put points on, with their names.
+    pub bodies: Vec<(&'static str, Body)>,
     /// Five scalar constraints in all.
     pub constraints: Vec<Constraint>,
     /// Control arms; the first one is the one an arm-angle drive turns.
@@ -173,6 +175,8 @@ impl Mechanism {
 pub struct Vehicle {
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
+    /// Distance between the wheels of the axle.
+    pub track: Option<f64>,
     /// Height of the centre of gravity above the ground.
     pub cg_height: Option<f64>,
     /// Share of the braking force at the front axle, 0 to 1.

@@ -2,6 +2,28 @@
 //!
 //! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
 //! units (see the fields), defaults are filled in, and nothing is left to interpret.
+//!
+//! Reading goes text -> [`file::File`](file) (what is written, each value with its place) -> [`Study`]
+//! (what it means). Degrees become radians and the study's axes the kernel's here and nowhere else.
+//! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
+
+mod curve_file;
+mod edit;
+mod error;
+mod file;
+mod motion;
+mod names;
+mod optimise;
+mod outputs;
+mod overrides;
+mod parse;
+mod resolve;
+mod source;
+mod suspension;
+mod targets;
+mod value;
+
+pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
 pub use crate::model::Drive;
@@ -12,8 +34,9 @@ use crate::model::{Axis, PointId, Suspension};
 pub struct Study {
     /// Name, from the file's name.
     pub name: String,
-    /// The text the study was read from, with `--set` applied. Results that are studies themselves
-    /// are edits of it, so that comments survive.
+    /// The text the study was read from, with `--set` applied and target curves from files written
+    /// out. Results that are studies themselves are edits of it, so that comments survive and no other
+    /// file is needed.
     pub text: String,
     /// The suspension.
     pub suspension: Suspension,
@@ -60,7 +83,7 @@ pub enum Order {
     Acceleration,
 }
 
-/// What a study asks for.
+/// What a study asks for. A study without `[outputs]` asks for the angles of wheel and steering axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outputs {
     /// Characteristics, in the order asked.

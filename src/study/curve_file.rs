@@ -1,0 +1,108 @@
+//! Target curves in CSV files.
+
+use super::error::{Problems, Source, StudyError};
+use super::value::{Number, Text};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Reads a curve from a file with these two columns; its path is relative to the study's directory.
+pub fn read(
+    path: &Text,
+    directory: &Path,
+    columns: [&str; 2],
+    problems: &mut Problems,
+) -> Option<Vec<[f64; 2]>> {
+    let full = directory.join(path.get_ref());
+    let text = match super::source::read_text(&full) {
+        Ok(text) => text,
+        Err(reason) => {
+            let error = problems.add(
+                path.span(),
+                format!("cannot read {}: {reason}", full.display()),
+            );
+            error.help("the path is relative to the study file");
+            return None;
+        }
+    };
+    let source = Arc::new(Source {
+        name: full.display().to_string(),
+        text,
+    });
+    match curve(&source, columns) {
+        Ok(curve) => Some(curve),
+        Err(error) => {
+            problems.push(*error);
+            None
+        }
+    }
+}
+
+fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Box<StudyError>> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(source.text.as_bytes());
+    let expected = format!("expected the columns {},{}", columns[0], columns[1]);
+    let mut header_seen = false;
+    let mut curve: Vec<[f64; 2]> = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| {
+            let start = e.position().map(|p| p.byte() as usize);
+            let span = start.map(|start| start..source.text.len());
+            Box::new(StudyError::new(
+                source.clone(),
+                span,
+                format!("not readable as CSV: {e}"),
+            ))
+        })?;
+        let start = record.position().map_or(0, |p| p.byte() as usize);
+        // Blank lines before a record count to it.
+        let blank = source.text[start..].len() - source.text[start..].trim_start().len();
+        let error = |message: String| {
+            let span = start + blank..source.text.len();
+            Err(Box::new(StudyError::new(
+                source.clone(),
+                Some(span),
+                message,
+            )))
+        };
+        if !header_seen {
+            header_seen = true;
+            if record.iter().ne(columns) {
+                let found = record.iter().collect::<Vec<_>>().join(",");
+                return error(format!("{expected}, found {found}"));
+            }
+            continue;
+        }
+        if record.len() != 2 {
+            return error(format!("expected two values, found {}", record.len()));
+        }
+        let mut row = [0.0; 2];
+        for ((place, text), column) in row.iter_mut().zip(&record).zip(columns) {
+            *place = match text.parse::<f64>() {
+                Ok(number) if number.abs() <= Number::MOST => number,
+                _ => {
+                    return error(format!(
+                        "expected a finite number as {column}, found {text:?}"
+                    ));
+                }
+            };
+        }
+        if let Some([before, _]) = curve.last().filter(|[before, _]| *before >= row[0]) {
+            return error(format!(
+                "{} does not rise above {before}, the one before",
+                row[0]
+            ));
+        }
+        curve.push(row);
+    }
+    if curve.len() < 2 {
+        let message = match header_seen {
+            false => format!("the file is empty; {expected}"),
+            true => format!("a curve has at least two points, found {}", curve.len()),
+        };
+        return Err(Box::new(StudyError::of_file(&source.name, message)));
+    }
+    Ok(curve)
+}

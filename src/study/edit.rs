@@ -1,0 +1,88 @@
+//! Studies written back: edits of the text, so that comments and layout stay.
+
+use super::Study;
+use super::targets::WrittenCurve;
+use crate::model::Axis;
+use crate::number::Vector3;
+use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+
+impl Study {
+    /// The study's text with the points of another design (kernel frame, by
+    /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are
+    /// rewritten, and reading the text gives exactly the numbers of `design`.
+    pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
+        let Ok(mut document) = self.text.parse::<DocumentMut>() else {
+            return self.text.clone();
+        };
+        let frame = self.suspension.frame;
+        let points = self.suspension.mechanism.points.iter();
+        for ((point, old), new) in points.zip(&self.suspension.design).zip(design) {
+            let Some(coordinates) = coordinates(document.as_table_mut(), &point.name) else {
+                continue;
+            };
+            let (old, new) = (old.to_array(), new.to_array());
+            for axis in Axis::ALL {
+                let i = axis as usize;
+                if old[i].to_bits() != new[i].to_bits()
+                    && let Some(number) = coordinates.get_mut(i)
+                {
+                    replace(number, frame.sign(axis) * new[i]);
+                }
+            }
+        }
+        document.to_string()
+    }
+}
+
+/// The array with a point's coordinates.
+fn coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
+    let suspension = root.get_mut("suspension")?.as_table_like_mut()?;
+    let is_hardpoint = suspension
+        .get("hardpoints")
+        .and_then(Item::as_table_like)
+        .is_some_and(|hardpoints| hardpoints.contains_key(name));
+    let item = if is_hardpoint {
+        let hardpoints = suspension.get_mut("hardpoints")?.as_table_like_mut()?;
+        hardpoints.get_mut(name)?
+    } else {
+        let extra = suspension.get_mut("extra_points")?.as_table_like_mut()?;
+        let point = extra.get_mut(name)?.as_table_like_mut()?;
+        point.get_mut("position")?
+    };
+    item.as_array_mut()
+}
+
+/// Puts a number in place of a value, with the spaces and comments around it.
+fn replace(value: &mut Value, number: f64) {
+    let decor = value.decor().clone();
+    *value = number.into();
+    *value.decor_mut() = decor;
+}
+
+/// The text with target curves from files written out as points, so that it stands without them.
+/// `curves` are those read, by the place of their target.
+pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -> String {
+    let Ok(mut document) = text.parse::<DocumentMut>() else {
+        return text.to_owned();
+    };
+    for (place, curve) in curves {
+        let points: Array = curve
+            .iter()
+            .map(|point| Value::from(Array::from_iter(*point)))
+            .collect();
+        if let Some(target) = target(document.as_table_mut(), *place) {
+            target.remove("file");
+            target.insert("points", Item::Value(points.into()));
+        }
+    }
+    document.to_string()
+}
+
+fn target(root: &mut dyn TableLike, place: usize) -> Option<&mut dyn TableLike> {
+    let optimise = root.get_mut("optimise")?.as_table_like_mut()?;
+    match optimise.get_mut("targets")? {
+        Item::ArrayOfTables(tables) => Some(tables.get_mut(place)?),
+        Item::Value(Value::Array(array)) => Some(array.get_mut(place)?.as_inline_table_mut()?),
+        _ => None,
+    }
+}

@@ -1,0 +1,195 @@
+//! The study file as written: its sections and keys, unknown ones refused.
+//!
+//! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
+//! carries its place. `flatten` and tagged enums are avoided because they lose places.
+
+use super::value::{Number, Selection, Text, Values, Whole};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// Coordinates, three if they are right.
+pub type Coordinates = Spanned<Vec<Number>>;
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    /// `[suspension]`
+    pub suspension: Suspension,
+    /// `[wheel]`
+    #[serde(default)]
+    pub wheel: Wheel,
+    /// `[vehicle]`
+    #[serde(default)]
+    pub vehicle: Vehicle,
+    /// `[motion]`
+    pub motion: Spanned<Motion>,
+    /// `[outputs]`
+    pub outputs: Option<Outputs>,
+    /// `[sweep]`: any table. Sweeps are not part of this version, and a study that has one is still
+    /// to be solved and optimised.
+    #[expect(dead_code, reason = "only its presence is allowed for")]
+    pub sweep: Option<toml::Table>,
+    /// `[optimise]`
+    pub optimise: Option<Optimise>,
+}
+
+/// `[suspension]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Suspension {
+    /// Name of the topology.
+    pub topology: Text,
+    /// `left` or `right`.
+    pub side: Option<Text>,
+    /// `mm` or `m`.
+    pub length_unit: Option<Text>,
+    /// Name of the axis convention.
+    pub frame: Option<Text>,
+    /// `[suspension.hardpoints]`
+    pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
+    /// `[suspension.extra_points]`
+    #[serde(default)]
+    pub extra_points: BTreeMap<Text, ExtraPoint>,
+}
+
+/// A point that is not a hardpoint.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExtraPoint {
+    /// The body it moves with.
+    pub body: Text,
+    /// Its design position.
+    pub position: Coordinates,
+}
+
+/// `[wheel]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wheel {
+    /// Loaded radius.
+    pub radius: Option<Number>,
+    /// Camber in the design position, degrees.
+    pub static_camber: Option<Number>,
+    /// Toe in the design position, degrees.
+    pub static_toe: Option<Number>,
+}
+
+/// `[vehicle]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Vehicle {
+    /// Distance between the axles.
+    pub wheelbase: Option<Number>,
+    /// Distance between the wheels of the axle.
+    pub track: Option<Number>,
+    /// Height of the centre of gravity above the ground.
+    pub cg_height: Option<Number>,
+    /// Share of the braking force at the front axle.
+    pub brake_share_front: Option<Number>,
+}
+
+/// `[motion]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// `travel` or `arm_angle`.
+    pub drive: Option<Text>,
+    /// Heights of the wheel centre above its design position.
+    pub travel: Option<Spanned<Values>>,
+    /// Angles of the first arm from its design position.
+    pub arm_angle: Option<Spanned<Values>>,
+    /// `deg` or `rad`.
+    pub angle_unit: Option<Text>,
+    /// Displacements of the rack along +y.
+    pub rack: Option<Spanned<Values>>,
+    /// The drive as a function of time.
+    pub time: Option<Spanned<Time>>,
+}
+
+/// `time` of `[motion]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// Coefficients, lowest power first.
+    pub polynomial: Spanned<Vec<Number>>,
+    /// First time, seconds.
+    pub from: Number,
+    /// Last time, seconds.
+    pub to: Number,
+    /// Number of times.
+    pub steps: Whole,
+}
+
+/// `[outputs]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outputs {
+    /// Names of characteristics.
+    #[serde(default)]
+    pub characteristics: Vec<Text>,
+    /// Names of points.
+    #[serde(default)]
+    pub points: Vec<Text>,
+    /// Angular rates of the knuckle.
+    pub knuckle: Option<Spanned<bool>>,
+    /// `position`, `velocity` or `acceleration`.
+    pub order: Option<Text>,
+    /// Hardpoints by whose coordinates derivatives are wanted.
+    pub sensitivities: Option<Selection>,
+    /// Whether each pose is to be proved.
+    pub certify: Option<Spanned<bool>>,
+}
+
+/// `[optimise]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Optimise {
+    /// Name of the method.
+    pub method: Option<Text>,
+    /// Number of starts.
+    pub starts: Option<Whole>,
+    /// Seed of the starts.
+    pub seed: Option<Whole>,
+    /// Cap on iterations.
+    pub max_iterations: Option<Whole>,
+    /// What may move.
+    pub variables: Spanned<Vec<Variable>>,
+    /// What is wanted.
+    pub targets: Spanned<Vec<Spanned<Target>>>,
+}
+
+/// An element of `variables`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variable {
+    /// Name of the hardpoint.
+    pub hardpoint: Text,
+    /// `x`, `y` or `z`.
+    pub axis: Text,
+    /// Lowest and highest offset, two numbers if they are right.
+    pub range: Spanned<Vec<Number>>,
+}
+
+/// An element of `targets`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// Name of the characteristic.
+    pub characteristic: Text,
+    /// A curve: pairs of drive value and wanted value.
+    pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+    /// A curve in a CSV file.
+    pub file: Option<Text>,
+    /// A single drive value,
+    pub at: Option<Number>,
+    /// and what is wanted there.
+    pub value: Option<Number>,
+    /// The deviation that still is acceptable.
+    pub tolerance: Number,
+    /// Weight against the other targets.
+    pub weight: Option<Number>,
+    /// `linear` or `monotone_cubic`.
+    pub interpolation: Option<Text>,
+}

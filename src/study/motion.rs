@@ -1,0 +1,272 @@
+//! `[motion]`: the stations at which the mechanism is solved.
+
+use super::error::Problems;
+use super::file;
+use super::names::choose;
+use super::value::{Number, Values, Whole};
+use super::{Drive, Motion, TimeLaw};
+use crate::model::Suspension;
+use std::ops::RangeInclusive;
+use toml::Spanned;
+
+/// The most stations of one motion: as many as a machine can hold the results of.
+const MOST_STATIONS: i64 = 10_000_000;
+
+/// The motion, if nothing is wrong with it.
+pub fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
+    let place = section.span();
+    let section = section.get_ref();
+    let drive = match &section.drive {
+        None => Some(Drive::Travel),
+        Some(text) => {
+            let drives = [("travel", Drive::Travel), ("arm_angle", Drive::ArmAngle)];
+            choose(text, "drive", &drives, problems)
+        }
+    };
+    let to_radians = match &section.angle_unit {
+        None => Some(true),
+        Some(text) => choose(
+            text,
+            "angle unit",
+            &[("deg", true), ("rad", false)],
+            problems,
+        ),
+    };
+    let rack = match &section.rack {
+        None => Some(vec![0.0]),
+        Some(rack) => values(rack, problems),
+    };
+    let drive = drive?;
+    let (given, other) = match drive {
+        Drive::Travel => (&section.travel, &section.arm_angle),
+        Drive::ArmAngle => (&section.arm_angle, &section.travel),
+    };
+    let name = |drive| match drive {
+        Drive::Travel => "travel",
+        Drive::ArmAngle => "arm_angle",
+    };
+    if let Some(other) = other {
+        let wrong = match drive {
+            Drive::Travel => "arm_angle",
+            Drive::ArmAngle => "travel",
+        };
+        let message = format!("{wrong} is given, but the drive is \"{}\"", name(drive));
+        let help = format!("drive = \"{wrong}\" would use it");
+        problems.add(other.span(), message).help(help);
+        return None;
+    }
+    let to_internal = |value: f64| match (drive, to_radians) {
+        (Drive::ArmAngle, Some(true)) => value.to_radians(),
+        _ => value,
+    };
+    let (drive_values, time) = match (given, &section.time) {
+        (Some(given), None) => {
+            let written = values(given, problems)?;
+            (written.into_iter().map(to_internal).collect(), None)
+        }
+        (None, Some(time)) => {
+            let mut law = time_law(time.get_ref(), problems)?;
+            for coefficient in &mut law.polynomial {
+                *coefficient = to_internal(*coefficient);
+            }
+            let at_times: Vec<f64> = law.times.iter().map(|t| law.value(*t)).collect();
+            if at_times.iter().any(|v| v.abs() > Number::MOST) {
+                let message = "the polynomial grows beyond 1e12 between these times";
+                problems.add(time.get_ref().polynomial.span(), message);
+                return None;
+            }
+            (at_times, Some(law))
+        }
+        (Some(given), Some(time)) => {
+            let message = format!(
+                "time already gives the drive; expected {} or time",
+                name(drive)
+            );
+            let error = problems.add(given.span(), message);
+            error.related(time.span(), "given here");
+            return None;
+        }
+        (None, None) => {
+            let message = format!(
+                "expected {} or time: where the mechanism is to be solved",
+                name(drive)
+            );
+            problems.add(place, message);
+            return None;
+        }
+    };
+    to_radians?;
+    let rack = rack?;
+    let stations = drive_values.len().saturating_mul(rack.len());
+    if stations > MOST_STATIONS as usize {
+        let message =
+            format!("{stations} combinations with the rack; at most {MOST_STATIONS} are solved");
+        problems.add(place, message);
+        return None;
+    }
+    Some(Motion {
+        drive,
+        values: drive_values,
+        rack,
+        rack_moves: section
+            .rack
+            .as_ref()
+            .is_some_and(|rack| !matches!(rack.get_ref(), Values::One(_))),
+        time,
+    })
+}
+
+/// What the topology must have for the motion.
+pub fn check_drive(
+    section: &Spanned<file::Motion>,
+    motion: &Motion,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) {
+    let mechanism = &suspension.mechanism;
+    if motion.drive == Drive::ArmAngle && mechanism.arms.is_empty() {
+        let place = section
+            .get_ref()
+            .drive
+            .as_ref()
+            .map_or(section.span(), |d| d.span());
+        let message = format!(
+            "{} has no arm whose angle could drive it",
+            mechanism.topology.name
+        );
+        problems.add(place, message);
+    }
+}
+
+impl TimeLaw {
+    /// The drive at a time.
+    pub fn value(&self, time: f64) -> f64 {
+        self.polynomial
+            .iter()
+            .rev()
+            .fold(0.0, |sum, c| sum * time + c)
+    }
+}
+
+fn time_law(time: &file::Time, problems: &mut Problems) -> Option<TimeLaw> {
+    let polynomial = time.polynomial.get_ref();
+    if polynomial.is_empty() {
+        let message = "expected coefficients, lowest power first, found an empty list";
+        problems.add(time.polynomial.span(), message);
+        return None;
+    }
+    Some(TimeLaw {
+        polynomial: polynomial.iter().map(|c| c.value).collect(),
+        times: range(&time.from, &time.to, &time.steps, problems)?,
+    })
+}
+
+/// The values, in the unit they are written in.
+fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
+    match written.get_ref() {
+        Values::One(value) => Some(vec![*value]),
+        Values::Range(r) => range(&r.from, &r.to, &r.steps, problems),
+        Values::List(list) => {
+            if list.is_empty() {
+                problems.add(
+                    written.span(),
+                    "expected at least one value, found an empty list",
+                );
+                return None;
+            }
+            let mut sorted: Vec<&Number> = list.iter().collect();
+            sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
+            if let Some(pair) = sorted
+                .windows(2)
+                .find(|pair| pair[0].value == pair[1].value)
+            {
+                let message = format!("{} is listed twice", pair[1].value);
+                let error = problems.add(pair[1].span.clone(), message);
+                error.related(pair[0].span.clone(), "first here");
+                return None;
+            }
+            Some(list.iter().map(|number| number.value).collect())
+        }
+    }
+}
+
+fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> Option<Vec<f64>> {
+    let count = within(steps, 1..=MOST_STATIONS, problems)?;
+    if from.value > to.value {
+        let message = format!(
+            "the range is reversed: from {} is above to {}",
+            from.value, to.value
+        );
+        let help = format!("from = {}, to = {}", to.value, from.value);
+        problems.add(from.span.clone(), message).help(help);
+        return None;
+    }
+    if from.value == to.value && count != 1 {
+        let message = format!("the range is empty: from and to are both {}", from.value);
+        let error = problems.add(to.span.clone(), message);
+        error.help("steps = 1 solves this one value");
+        return None;
+    }
+    if from.value < to.value && count == 1 {
+        let message = format!("one step cannot reach from {} to {}", from.value, to.value);
+        let error = problems.add(steps.span(), message);
+        error.help("steps is the number of values, both ends included");
+        return None;
+    }
+    Some(evenly_spaced(from.value, to.value, count as usize))
+}
+
+/// A whole number within bounds.
+pub fn within(number: &Whole, bounds: RangeInclusive<i64>, problems: &mut Problems) -> Option<i64> {
+    let found = *number.get_ref();
+    if bounds.contains(&found) {
+        return Some(found);
+    }
+    let (least, most) = (bounds.start(), bounds.end());
+    let message = match *most {
+        i64::MAX => format!("expected at least {least}, found {found}"),
+        _ => format!("expected from {least} to {most}, found {found}"),
+    };
+    problems.add(number.span(), message);
+    None
+}
+
+/// `count` values from `from` to `to`, both hit exactly, the values between correctly rounded where
+/// the products are exact, and symmetric (with an exact zero) where the ends are.
+fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = count - 1;
+    (0..count)
+        .map(|i| match i {
+            0 => from,
+            _ if i == last => to,
+            _ => (from * (last - i) as f64 + to * i as f64) / last as f64,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hit_their_ends_and_are_symmetric() {
+        for (end, count) in [
+            (80.0, 41),
+            (0.1, 7),
+            (1.0 / 3.0, 1001),
+            (std::f64::consts::PI, 33),
+        ] {
+            let values = evenly_spaced(-end, end, count);
+            assert_eq!(values.len(), count);
+            assert_eq!((values[0], values[count - 1]), (-end, end));
+            assert_eq!(values[count / 2].to_bits(), 0.0f64.to_bits());
+            for (low, high) in values.iter().zip(values.iter().rev()) {
+                assert_eq!(*low, -high);
+            }
+            assert!(values.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+        assert_eq!(evenly_spaced(-80.0, 80.0, 41)[3], -68.0);
+        assert_eq!(evenly_spaced(0.0, 1.0, 11)[3], 0.3);
+        assert_eq!(evenly_spaced(5.0, 5.0, 1), [5.0]);
+    }
+}

@@ -1,0 +1,88 @@
+//! Names: looking them up, and what was probably meant.
+
+use super::error::Problems;
+use super::value::Text;
+
+/// The candidate that was probably meant by `name`.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
+    let name = plain(name);
+    let length = name.chars().count();
+    candidates
+        .into_iter()
+        .filter_map(|candidate| {
+            let target = plain(candidate);
+            let distance = strsim::damerau_levenshtein(&name, &target);
+            let close = 3 * distance <= length.max(target.chars().count());
+            // An abbreviation or one part of the name: "kingpin", "ball_joint".
+            let part = length >= 3 && target.contains(&name);
+            (close || part).then_some((!close, distance, candidate))
+        })
+        .min_by_key(|(far, distance, _)| (*far, *distance))
+        .map(|(_, _, candidate)| candidate)
+}
+
+/// "a", "a or b", "a, b or c", each in quotes.
+pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.into_iter().map(|n| format!("\"{n}\"")).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        [only] => only.clone(),
+        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
+    }
+}
+
+/// The option of this name, or an error that says which there are.
+pub fn choose<T: Clone>(
+    text: &Text,
+    what: &str,
+    options: &[(&str, T)],
+    problems: &mut Problems,
+) -> Option<T> {
+    let name = text.get_ref();
+    if let Some((_, found)) = options.iter().find(|(option, _)| option == name) {
+        return Some(found.clone());
+    }
+    let names = || options.iter().map(|(option, _)| *option);
+    let few = options.len() <= 6;
+    let mut message = format!("unknown {what} {name:?}");
+    if few && !options.is_empty() {
+        message += &format!("; expected {}", alternatives(names()));
+    }
+    let error = problems.add(text.span(), message);
+    if let Some(near) = nearest(name, names()) {
+        error.help(format!("did you mean \"{near}\"?"));
+    } else if !few {
+        error.help(format!(
+            "there are {}",
+            names().collect::<Vec<_>>().join(", ")
+        ));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_abbreviations_and_other_spellings_are_recognised() {
+        let names = [
+            "camber",
+            "camber_gain",
+            "kingpin_inclination",
+            "wheel_centre",
+        ];
+        for (written, meant) in [
+            ("chamber", Some("camber")),
+            ("Camber", Some("camber")),
+            ("camber-gain", Some("camber_gain")),
+            ("wheel_center", Some("wheel_centre")),
+            ("kingpin", Some("kingpin_inclination")),
+            ("roll_centre_height", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest(written, names), meant, "{written}");
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! `[outputs]`: what is asked for.
+
+use super::error::Problems;
+use super::file::{self, File};
+use super::names::choose;
+use super::value::{Selection, Text};
+use super::{Order, Outputs};
+use crate::characteristics::{Characteristic, Need};
+use crate::model::{PointId, Suspension};
+
+/// What a study without `[outputs]` gets: the angles of wheel and steering axis.
+const DEFAULT: [Characteristic; 4] = [
+    Characteristic::Camber,
+    Characteristic::Toe,
+    Characteristic::KingpinInclination,
+    Characteristic::Caster,
+];
+
+/// What is asked for, if nothing is wrong with it.
+pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<Outputs> {
+    let Some(section) = &file.outputs else {
+        return Some(Outputs {
+            characteristics: DEFAULT.to_vec(),
+            points: Vec::new(),
+            knuckle: false,
+            order: Order::Position,
+            sensitivities: Vec::new(),
+        });
+    };
+    let characteristics = distinct(&section.characteristics, problems, |text, problems| {
+        characteristic(text, suspension, problems)
+    });
+    let points = suspension.mechanism.points.iter().enumerate();
+    let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
+    let reported = distinct(&section.points, problems, |text, problems| {
+        choose(text, "point", &points, problems)
+    });
+    let order = order(section, problems);
+    let sensitivities = match &section.sensitivities {
+        None | Some(Selection::All(false)) => Some(Vec::new()),
+        Some(Selection::All(true)) => Some(hardpoints(suspension).map(|(_, id)| id).collect()),
+        Some(Selection::Named(names)) => distinct(names, problems, |text, problems| {
+            hardpoint(text, suspension, problems)
+        }),
+    };
+    if let Some(certify) = section
+        .certify
+        .as_ref()
+        .filter(|certify| *certify.get_ref())
+    {
+        problems.add(
+            certify.span(),
+            "certify is not available in this version; expected false",
+        );
+    }
+    let order = order?;
+    let knuckle = section.knuckle.as_ref();
+    if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
+        let message = "the knuckle's angular velocity is asked for, but order is \"position\"";
+        let error = problems.add(knuckle.span(), message);
+        error.help("order = \"velocity\" or \"acceleration\" reports it");
+    }
+    Some(Outputs {
+        characteristics: characteristics?,
+        points: reported?,
+        knuckle: knuckle.is_some_and(|k| *k.get_ref()),
+        order,
+        sensitivities: sensitivities?,
+    })
+}
+
+fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
+    let orders = [
+        ("position", Order::Position),
+        ("velocity", Order::Velocity),
+        ("acceleration", Order::Acceleration),
+    ];
+    match &section.order {
+        None => Some(Order::Position),
+        Some(text) => choose(text, "order", &orders, problems),
+    }
+}
+
+/// What each name stands for; each may stand there once.
+fn distinct<T>(
+    names: &[Text],
+    problems: &mut Problems,
+    mut resolve: impl FnMut(&Text, &mut Problems) -> Option<T>,
+) -> Option<Vec<T>> {
+    let resolved: Vec<_> = names.iter().map(|text| resolve(text, problems)).collect();
+    for (i, text) in names.iter().enumerate() {
+        if let Some(first) = names[..i].iter().find(|other| *other == text) {
+            let message = format!("{:?} is listed twice", text.get_ref());
+            let error = problems.add(text.span(), message);
+            error.related(first.span(), "first here");
+        }
+    }
+    resolved.into_iter().collect()
+}
+
+/// The hardpoints of the study, extra points left out.
+fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
+    let mechanism = &suspension.mechanism;
+    let points = mechanism.points.iter().enumerate();
+    points
+        .filter(|(_, p)| {
+            mechanism
+                .topology
+                .hardpoints
+                .iter()
+                .any(|h| h.name == p.name)
+        })
+        .map(|(i, p)| (p.name.as_str(), PointId(i)))
+}
+
+/// The hardpoint of this name, which the study must give.
+pub fn hardpoint(text: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
+    let name = text.get_ref();
+    let mechanism = &suspension.mechanism;
+    if let Some(absent) = mechanism
+        .topology
+        .hardpoints
+        .iter()
+        .find(|h| h.name == name)
+        && mechanism.point(name).is_none()
+    {
+        let message = format!("this study does not give {name} ({})", absent.about);
+        problems.add(text.span(), message);
+        return None;
+    }
+    if mechanism.point(name).is_some() && !hardpoints(suspension).any(|(known, _)| known == name) {
+        let message = format!("{name} is an extra point; expected a hardpoint");
+        problems.add(text.span(), message);
+        return None;
+    }
+    let hardpoints: Vec<_> = hardpoints(suspension).collect();
+    choose(text, "hardpoint", &hardpoints, problems)
+}
+
+/// The characteristic of this name, for which the study must give what it needs.
+pub fn characteristic(
+    text: &Text,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Characteristic> {
+    let all: Vec<_> = Characteristic::ALL
+        .iter()
+        .map(|c| (c.info().name, *c))
+        .collect();
+    let characteristic = choose(text, "characteristic", &all, problems)?;
+    let vehicle = &suspension.vehicle;
+    let missing = |need: &Need| match need {
+        Need::WheelRadius => suspension
+            .wheel_radius
+            .is_none()
+            .then_some("radius in [wheel]"),
+        Need::Wheelbase => vehicle
+            .wheelbase
+            .is_none()
+            .then_some("wheelbase in [vehicle]"),
+        Need::CgHeight => vehicle
+            .cg_height
+            .is_none()
+            .then_some("cg_height in [vehicle]"),
+        Need::BrakeShareFront => {
+            let absent = vehicle.brake_share_front.is_none();
+            absent.then_some("brake_share_front in [vehicle]")
+        }
+        Need::Spring => suspension
+            .mechanism
+            .spring
+            .is_none()
+            .then_some("a spring or strut"),
+    };
+    let missing: Vec<&str> = characteristic
+        .info()
+        .needs
+        .iter()
+        .filter_map(missing)
+        .collect();
+    if missing.is_empty() {
+        return Some(characteristic);
+    }
+    let needs = missing.join(", ");
+    let message = format!(
+        "{} needs what the study does not give: {needs}",
+        text.get_ref()
+    );
+    problems.add(text.span(), message);
+    None
+}

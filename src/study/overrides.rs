@@ -1,0 +1,130 @@
+//! `--set path=value`: edits of a study's text before it is read.
+
+use super::error::StudyError;
+use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
+
+/// The text with the overrides applied in order. A text that is not TOML stays as it is: reading it
+/// says what is wrong.
+pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyError> {
+    let Ok(mut document) = text.parse::<DocumentMut>() else {
+        return Ok(text.to_owned());
+    };
+    for written in overrides {
+        set(&mut document, written)
+            .map_err(|reason| StudyError::of_file(name, format!("--set {written}: {reason}")))?;
+    }
+    Ok(document.to_string())
+}
+
+fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
+    let (path, value) = written
+        .split_once('=')
+        .ok_or("expected path=value, like motion.rack=5.0")?;
+    let path = Key::parse(path.trim()).map_err(|_| {
+        format!("{path:?} is no path; expected keys and places with dots between, like motion.rack")
+    })?;
+    let value = value.trim();
+    let value: Value = value.parse().unwrap_or_else(|_| value.into());
+    let [parents @ .., last] = path.as_slice() else {
+        return Err("expected a path before =".to_owned());
+    };
+    let mut place = Place::Item(document.as_item_mut());
+    for key in parents {
+        place = place.enter(key)?;
+    }
+    place.put(last, value)
+}
+
+/// Somewhere in a document.
+enum Place<'a> {
+    Item(&'a mut Item),
+    Table(&'a mut dyn TableLike),
+    Value(&'a mut Value),
+}
+
+impl<'a> Place<'a> {
+    /// One step down; a section that is not there is made.
+    fn enter(self, key: &Key) -> Result<Place<'a>, String> {
+        match self {
+            Place::Item(Item::ArrayOfTables(tables)) => {
+                let count = tables.len();
+                let index = index(key, count)?;
+                let table = tables
+                    .get_mut(index)
+                    .ok_or_else(|| no_element(key, count))?;
+                Ok(Place::Table(table))
+            }
+            Place::Item(Item::Value(value)) => Place::Value(value).enter(key),
+            Place::Item(item) => match item.as_table_like_mut() {
+                Some(table) => Place::Table(table).enter(key),
+                None => Err(no_table(key)),
+            },
+            Place::Value(Value::Array(array)) => {
+                let count = array.len();
+                let index = index(key, count)?;
+                let value = array.get_mut(index).ok_or_else(|| no_element(key, count))?;
+                Ok(Place::Value(value))
+            }
+            Place::Value(value) => match value.as_inline_table_mut() {
+                Some(table) => Place::Table(table).enter(key),
+                None => Err(no_table(key)),
+            },
+            Place::Table(table) => {
+                let entry = table.entry(key.get());
+                Ok(Place::Item(
+                    entry.or_insert_with(|| Item::Table(Table::new())),
+                ))
+            }
+        }
+    }
+
+    /// Puts a value at a key or index, keeping the comments around the one it replaces.
+    fn put(self, key: &Key, mut value: Value) -> Result<(), String> {
+        let table: &mut dyn TableLike = match self {
+            Place::Item(Item::Value(inner)) => return Place::Value(inner).put(key, value),
+            Place::Value(Value::Array(array)) => {
+                let count = array.len();
+                let index = index(key, count)?;
+                let old = array.get_mut(index).ok_or_else(|| no_element(key, count))?;
+                *value.decor_mut() = old.decor().clone();
+                *old = value;
+                return Ok(());
+            }
+            Place::Item(item) => item.as_table_like_mut().ok_or_else(|| no_table(key))?,
+            Place::Value(inner) => inner.as_inline_table_mut().ok_or_else(|| no_table(key))?,
+            Place::Table(table) => table,
+        };
+        match table.get_mut(key.get()) {
+            Some(item) => {
+                if let Some(old) = item.as_value() {
+                    *value.decor_mut() = old.decor().clone();
+                }
+                *item = Item::Value(value);
+            }
+            None => {
+                table.insert(key.get(), Item::Value(value));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn index(key: &Key, count: usize) -> Result<usize, String> {
+    key.get().parse().map_err(|_| {
+        format!(
+            "{:?} is no place in a list of {count}; places count from 0",
+            key.get()
+        )
+    })
+}
+
+fn no_element(key: &Key, count: usize) -> String {
+    format!(
+        "the list has {count} elements, so there is none at {}; places count from 0",
+        key.get()
+    )
+}
+
+fn no_table(key: &Key) -> String {
+    format!("what is to have the key {:?} is not a table", key.get())
+}

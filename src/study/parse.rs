@@ -1,0 +1,129 @@
+//! From text to the file as written, and the parser's messages in plain words.
+
+use super::error::{Source, StudyError};
+use super::file::File;
+use super::names::nearest;
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Reads the text of a study.
+pub fn parse(source: &Arc<Source>) -> Result<File, StudyError> {
+    let text = &source.text;
+    if text.trim_start_matches('\u{feff}').trim().is_empty() {
+        return Err(StudyError::of_file(&source.name, "the file is empty"));
+    }
+    let root = DeTable::parse(text).map_err(|error| {
+        let message = format!("not valid TOML: {}", error.message().replace('\n', "; "));
+        StudyError::new(source.clone(), error.span(), message)
+    })?;
+    toml::from_str(text).map_err(|error| {
+        // A section that is missing altogether has no place.
+        let span = error.span().filter(|span| *span != root.span());
+        let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
+        let (message, help) = in_plain_words(error.message(), place);
+        let key = span.as_ref().and_then(|span| key_at(text, span.start));
+        let mut error = StudyError::new(source.clone(), span, message);
+        error.key_named(key);
+        if let Some(help) = help {
+            error.help(help);
+        }
+        error
+    })
+}
+
+/// The path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
+pub fn key_at(text: &str, at: usize) -> Option<String> {
+    let root = DeTable::parse(text).ok()?;
+    key_in_table(root.get_ref(), at, "")
+}
+
+fn key_in_table(table: &DeTable, at: usize, path: &str) -> Option<String> {
+    table.iter().find_map(|(key, value)| {
+        let dot = if path.is_empty() { "" } else { "." };
+        let path = format!("{path}{dot}{}", key.get_ref());
+        key_in_value(value, at, &path).or_else(|| key.span().contains(&at).then_some(path))
+    })
+}
+
+fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<String> {
+    let inner = match value.get_ref() {
+        DeValue::Table(table) => key_in_table(table, at, path),
+        // Numbers of a list are told apart by the excerpt; tables in a list by their place.
+        DeValue::Array(array) => array.iter().enumerate().find_map(|(i, element)| {
+            let is_table = matches!(element.get_ref(), DeValue::Table(_));
+            let path = if is_table {
+                format!("{path}[{i}]")
+            } else {
+                path.to_owned()
+            };
+            key_in_value(element, at, &path)
+        }),
+        _ => None,
+    };
+    inner.or_else(|| value.span().contains(&at).then(|| path.to_owned()))
+}
+
+/// A message of serde about a place without its jargon, and help where it can be given.
+fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
+    // Dates are presented as tables with a key of this kind.
+    if message.contains("$__toml_private") {
+        return ("a date is not expected here".to_owned(), None);
+    }
+    if let Some(rest) = message.strip_prefix("unknown field `") {
+        let (name, candidates) = rest.split_once("`, ").unwrap_or((rest, ""));
+        let known: Vec<&str> = candidates.split('`').skip(1).step_by(2).collect();
+        let message = format!("unknown key \"{name}\"; known here: {}", known.join(", "));
+        let help = nearest(name, known).map(|near| format!("did you mean \"{near}\"?"));
+        return (message, help);
+    }
+    if let Some(rest) = message.strip_prefix("missing field `") {
+        let name = rest.trim_end_matches('`');
+        let what = match name {
+            "suspension" | "motion" => format!("the section [{name}] is missing"),
+            "hardpoints" => "the section [suspension.hardpoints] is missing".to_owned(),
+            _ => format!("the key \"{name}\" is missing"),
+        };
+        return (what, None);
+    }
+    let mismatch = ["invalid type: ", "invalid value: "]
+        .iter()
+        .find_map(|prefix| message.strip_prefix(prefix))
+        .and_then(|rest| rest.rsplit_once(", expected "));
+    if let Some((found, expected)) = mismatch {
+        let message = format!("expected {}, found {}", kind(expected), value(found, place));
+        return (message, None);
+    }
+    (message.trim().replace('\n', "; "), None)
+}
+
+/// What serde expected.
+fn kind(expected: &str) -> &str {
+    match expected {
+        "i64" => "a whole number",
+        "a string" => "a text in quotes",
+        "a boolean" => "true or false",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        _ if expected.starts_with("struct ") => "a table",
+        other => other,
+    }
+}
+
+/// What serde found at a place.
+fn value(found: &str, place: &str) -> String {
+    let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
+    match found {
+        "sequence" => "a list".to_owned(),
+        "map" if place.starts_with(|c: char| c.is_ascii_digit()) => format!("the date {place}"),
+        "map" => "a table".to_owned(),
+        _ => quoted("integer ")
+            .or(quoted("floating point "))
+            .or(quoted("boolean "))
+            .map(str::to_owned)
+            .or(found
+                .strip_prefix("string ")
+                .map(|text| format!("the text {text}")))
+            .unwrap_or_else(|| found.to_owned()),
+    }
+}

@@ -1,0 +1,90 @@
+//! From the file as written to what it means.
+
+use super::error::{Problems, Source, StudyError, StudyErrors};
+use super::{Motion, Study, edit, motion, optimise, outputs, overrides, parse, source, suspension};
+use crate::model::Suspension;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What the later sections refer to.
+pub struct Context<'a> {
+    /// The suspension.
+    pub suspension: &'a Suspension,
+    /// The motion, if nothing is wrong with it.
+    pub motion: Option<&'a Motion>,
+    /// Where the study file is.
+    pub directory: &'a Path,
+}
+
+impl Study {
+    /// Reads a study file. `overrides` are edits `path=value` (as in `optimise.starts=4`), applied to
+    /// the text before it is read.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
+        let name = path.display().to_string();
+        let text = source::read_text(path)
+            .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        if overrides.is_empty() {
+            return Study::from_text(&name, &text, directory);
+        }
+        let text = overrides::apply(&name, &text, overrides)?;
+        resolve(path, format!("{name} (with --set)"), text, directory)
+    }
+
+    /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
+    /// names are.
+    pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Study, StudyErrors> {
+        resolve(Path::new(name), name.to_owned(), text.to_owned(), directory)
+    }
+}
+
+/// `shown` is the name of the file in messages.
+fn resolve(
+    path: &Path,
+    shown: String,
+    text: String,
+    directory: &Path,
+) -> Result<Study, StudyErrors> {
+    let source = Arc::new(Source { name: shown, text });
+    let file = parse::parse(&source)?;
+    let mut problems = Problems::new(source.clone());
+
+    let suspension = suspension::suspension(&file, &mut problems);
+    let motion = motion::motion(&file.motion, &mut problems);
+    // Without a suspension there are no names that the rest could be right or wrong about.
+    let Some(suspension) = suspension else {
+        return problems.finish(None);
+    };
+    if let Some(motion) = &motion {
+        motion::check_drive(&file.motion, motion, &suspension, &mut problems);
+    }
+    let outputs = outputs::outputs(&file, &suspension, &mut problems);
+    let context = Context {
+        suspension: &suspension,
+        motion: motion.as_ref(),
+        directory,
+    };
+    let optimise = match &file.optimise {
+        None => Some((None, Vec::new())),
+        Some(section) => optimise::optimise(section, &context, &mut problems)
+            .map(|(optimise, curves)| (Some(optimise), curves)),
+    };
+    let (motion, outputs, (optimise, curves)) = problems.finish(
+        motion
+            .zip(outputs)
+            .zip(optimise)
+            .map(|((m, o), p)| (m, o, p)),
+    )?;
+    Ok(Study {
+        name: path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        text: edit::with_curves_inside(&source.text, &curves),
+        suspension,
+        motion,
+        outputs,
+        optimise,
+    })
+}

@@ -1,0 +1,354 @@
+//! `[suspension]`, `[wheel]` and `[vehicle]`: the mechanism with its dimensions.
+
+use super::error::Problems;
+use super::file::{self, Coordinates, File};
+use super::names::{choose, nearest};
+use super::value::{Number, Text};
+use crate::model::{
+    Body, Frame, FrameConvention, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
+    Topology, Vehicle,
+};
+use crate::number::Vector3;
+
+/// Points closer than this share of the mechanism's size coincide.
+const COINCIDENT: f64 = 1e-9;
+
+/// Sizes of a suspension that are believed, in metres: from a small model car to a haul truck. The
+/// wrong unit is a factor of a thousand.
+const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
+
+/// The suspension, if nothing is wrong with it.
+pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
+    let section = &file.suspension;
+    let topologies: Vec<_> = Topology::ALL.iter().map(|t| (t.name, *t)).collect();
+    let topology = choose(&section.topology, "topology", &topologies, problems);
+    let frame = frame(section, problems);
+    let length_unit = match &section.length_unit {
+        None => Some(LengthUnit::Millimetre),
+        Some(text) => {
+            let units = [LengthUnit::Millimetre, LengthUnit::Metre].map(|u| (u.symbol(), u));
+            choose(text, "length unit", &units, problems)
+        }
+    };
+    let vehicle = vehicle(&file.vehicle, problems);
+    let wheel_radius = positive(&file.wheel.radius, problems);
+    let given = hardpoints(section, topology?, problems)?;
+    let (frame, length_unit) = (frame?, length_unit?);
+
+    let mut mechanism =
+        (topology?.build)(topology?, &given.iter().map(|g| g.name).collect::<Vec<_>>());
+    let mut design: Vec<_> = mechanism
+        .points
+        .iter()
+        .filter_map(|point| given.iter().find(|g| g.name == point.name))
+        .map(|g| frame.vector(g.position))
+        .collect();
+    spin_axis(file, &mut mechanism, &given, problems)?;
+    let mut suspension = Suspension {
+        mechanism,
+        design: design.clone(),
+        frame,
+        length_unit,
+        wheel_radius: wheel_radius?,
+        vehicle: vehicle?,
+    };
+    check_geometry(section, &suspension, &given, problems)?;
+    extra_points(
+        section,
+        frame,
+        &mut suspension.mechanism,
+        &mut design,
+        problems,
+    )?;
+    suspension.design = design;
+    Some(suspension)
+}
+
+/// A hardpoint the file gives, in the study's axes.
+struct Given<'a> {
+    name: &'static str,
+    text: &'a Text,
+    position: Vector3<f64>,
+}
+
+fn frame(section: &file::Suspension, problems: &mut Problems) -> Option<Frame> {
+    let sides = [("left", Side::Left), ("right", Side::Right)];
+    let conventions = [
+        ("iso8855", FrameConvention::Iso8855),
+        ("sae_j670", FrameConvention::SaeJ670),
+        ("x_rear", FrameConvention::XRear),
+    ];
+    let side = match &section.side {
+        None => Some(Side::Left),
+        Some(text) => choose(text, "side", &sides, problems),
+    };
+    let convention = match &section.frame {
+        None => Some(FrameConvention::Iso8855),
+        Some(text) => choose(text, "frame", &conventions, problems),
+    };
+    Some(Frame::new(convention?, side?))
+}
+
+fn hardpoints<'a>(
+    section: &'a file::Suspension,
+    topology: &'static Topology,
+    problems: &mut Problems,
+) -> Option<Vec<Given<'a>>> {
+    let written = section.hardpoints.get_ref();
+    let mut given = Vec::new();
+    let mut sound = true;
+    for (text, coordinates) in written {
+        let known = topology
+            .hardpoints
+            .iter()
+            .find(|h| h.name == text.get_ref());
+        let position = position(coordinates, problems);
+        match (known, position) {
+            (Some(hardpoint), Some(position)) => given.push(Given {
+                name: hardpoint.name,
+                text,
+                position,
+            }),
+            (Some(_), None) => sound = false,
+            (None, _) => {
+                sound = false;
+                let message = format!("{} has no hardpoint {:?}", topology.name, text.get_ref());
+                let absent = topology
+                    .hardpoints
+                    .iter()
+                    .map(|h| h.name)
+                    .filter(|name| !written.keys().any(|written| written.get_ref() == name));
+                let error = problems.add(text.span(), message);
+                match nearest(text.get_ref(), absent) {
+                    Some(near) => error.help(format!("did you mean \"{near}\"?")),
+                    None => error.help(
+                        "points that only are to be reported go into [suspension.extra_points]",
+                    ),
+                };
+            }
+        }
+    }
+    let missing: Vec<String> = topology
+        .hardpoints
+        .iter()
+        .filter(|h| h.required && !written.keys().any(|text| text.get_ref() == h.name))
+        .map(|h| format!("{} ({})", h.name, h.about))
+        .collect();
+    if !missing.is_empty() {
+        let message = format!("missing for {}: {}", topology.name, missing.join(", "));
+        problems.add(section.hardpoints.span(), message);
+        return None;
+    }
+    sound.then_some(given)
+}
+
+fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
+    match coordinates.get_ref().as_slice() {
+        [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
+        other => {
+            let message = format!(
+                "expected three coordinates [x, y, z], found {}",
+                other.len()
+            );
+            problems.add(coordinates.span(), message);
+            None
+        }
+    }
+}
+
+/// Static camber and toe, where the spin axis is not given by a hardpoint.
+fn spin_axis(
+    file: &File,
+    mechanism: &mut Mechanism,
+    given: &[Given],
+    problems: &mut Problems,
+) -> Option<()> {
+    let wheel = &file.wheel;
+    let angles = [&wheel.static_camber, &wheel.static_toe];
+    let first = angles.into_iter().flatten().next();
+    match (mechanism.spin_axis, first) {
+        (SpinAxis::From(inner), Some(angle)) => {
+            let name = mechanism.name(inner);
+            let message = format!("{name} already gives camber and toe of the design position");
+            let error = problems.add(angle.span.clone(), message);
+            if let Some(point) = given.iter().find(|g| g.name == name) {
+                error.related(point.text.span(), "given here");
+            }
+            error.help(format!("leave out {name}, or static_camber and static_toe"));
+            None
+        }
+        (SpinAxis::From(_), None) => Some(()),
+        (SpinAxis::Along(_), None) => {
+            let message = "the direction of the wheel is missing: expected the hardpoint spindle_inner, \
+                           or static_camber and static_toe in [wheel]";
+            problems.add(file.suspension.hardpoints.span(), message);
+            None
+        }
+        (SpinAxis::Along(_), Some(_)) => {
+            let [camber, toe] = angles.map(|angle| below_right_angle(angle, problems));
+            let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
+            mechanism.spin_axis = SpinAxis::Along(Vector3::new(
+                camber.cos() * toe.sin(),
+                camber.cos() * toe.cos(),
+                -camber.sin(),
+            ));
+            Some(())
+        }
+    }
+}
+
+fn below_right_angle(angle: &Option<Number>, problems: &mut Problems) -> Option<f64> {
+    let Some(angle) = angle else { return Some(0.0) };
+    if angle.value.abs() < 90.0 {
+        return Some(angle.value);
+    }
+    let message = format!("expected between -90 and 90 degrees, found {}", angle.value);
+    problems.add(angle.span.clone(), message);
+    None
+}
+
+/// Size, side and distinct points.
+fn check_geometry(
+    section: &file::Suspension,
+    suspension: &Suspension,
+    given: &[Given],
+    problems: &mut Problems,
+) -> Option<()> {
+    let mechanism = &suspension.mechanism;
+    let mut sound = true;
+    let size = suspension.size();
+    let unit = suspension.length_unit;
+    let metres = match unit {
+        LengthUnit::Millimetre => size / 1000.0,
+        LengthUnit::Metre => size,
+    };
+    let place = given.iter().map(|g| (g.name, g.text.span()));
+    let place = |name: &str| {
+        let found = place.clone().find(|(given, _)| *given == name);
+        found.map(|(_, span)| span)
+    };
+
+    for (first, second, reason) in mechanism.topology.distinct {
+        let (Some(a), Some(b)) = (mechanism.point(first), mechanism.point(second)) else {
+            continue;
+        };
+        let distance = (suspension.design[a.0] - suspension.design[b.0]).norm();
+        if distance > COINCIDENT * size {
+            continue;
+        }
+        sound = false;
+        let message = format!("{second} coincides with {first}: {reason}");
+        if let (Some(first), Some(second)) = (place(first), place(second)) {
+            problems
+                .add(second, message)
+                .related(first, "the same place");
+        }
+    }
+    let [smallest, largest] = PLAUSIBLE_SIZE;
+    if sound && !(smallest..=largest).contains(&metres) {
+        sound = false;
+        let span = section
+            .length_unit
+            .as_ref()
+            .map_or(section.hardpoints.span(), Text::span);
+        let message = format!(
+            "the hardpoints span {size:.3} {}, which is no suspension",
+            unit.symbol()
+        );
+        let help = "length_unit is the unit of every length in the file: \"mm\" or \"m\"";
+        problems.add(span, message).help(help);
+    }
+
+    let lateral = |p: usize| suspension.design[p].y;
+    let inboard: Vec<f64> = (0..mechanism.points.len())
+        .filter(|p| matches!(mechanism.points[*p].body, Body::Chassis | Body::Rack))
+        .map(lateral)
+        .collect();
+    let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
+    if sound && lateral(mechanism.wheel_centre.0) < mean {
+        sound = false;
+        let name = mechanism.name(mechanism.wheel_centre);
+        let span = place(name).unwrap_or(section.hardpoints.span());
+        let message = format!("{name} is inboard of the points on the body");
+        let help = "side and frame must fit the coordinates: a left wheel has positive y in \"iso8855\", \
+                    negative y in \"sae_j670\" and \"x_rear\"";
+        problems.add(span, message).help(help);
+    }
+    sound.then_some(())
+}
+
+fn extra_points(
+    section: &file::Suspension,
+    frame: Frame,
+    mechanism: &mut Mechanism,
+    design: &mut Vec<Vector3<f64>>,
+    problems: &mut Problems,
+) -> Option<()> {
+    let mut sound = true;
+    let hardpoints = mechanism.topology.hardpoints;
+    for (text, extra) in &section.extra_points {
+        let name = text.get_ref();
+        let position = position(&extra.position, problems);
+        let body = choose(&extra.body, "body", &mechanism.bodies, problems);
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if hardpoints.iter().any(|h| h.name == name) {
+            sound = false;
+            let message = format!("{name:?} is the name of a hardpoint; expected another one");
+            problems.add(text.span(), message);
+        } else if name.is_empty() || !name.chars().all(plain) {
+            sound = false;
+            let message =
+                format!("{name:?} is to be part of column names; expected letters, digits and _");
+            problems.add(text.span(), message);
+        }
+        match (position, body) {
+            (Some(position), Some(body)) => {
+                design.push(frame.vector(position));
+                mechanism.points.push(Point {
+                    name: name.clone(),
+                    body,
+                });
+            }
+            _ => sound = false,
+        }
+    }
+    sound.then_some(())
+}
+
+fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> {
+    let wheelbase = positive(&section.wheelbase, problems);
+    let track = positive(&section.track, problems);
+    let cg_height = positive(&section.cg_height, problems);
+    let share = match &section.brake_share_front {
+        Some(share) if !(0.0..=1.0).contains(&share.value) => {
+            let message = format!("expected a share from 0 to 1, found {}", share.value);
+            problems.add(share.span.clone(), message);
+            None
+        }
+        share => Some(share.as_ref().map(|s| s.value)),
+    };
+    Some(Vehicle {
+        wheelbase: wheelbase?,
+        track: track?,
+        cg_height: cg_height?,
+        brake_share_front: share?,
+    })
+}
+
+/// The number, if it is given; `None` if it is wrong.
+fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
+    match number {
+        Some(number) => above_zero(number, problems).map(Some),
+        None => Some(None),
+    }
+}
+
+/// The number, which must be above zero.
+pub fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64> {
+    if number.value > 0.0 {
+        return Some(number.value);
+    }
+    let message = format!("expected a number above 0, found {}", number.value);
+    problems.add(number.span.clone(), message);
+    None
+}

@@ -1,0 +1,171 @@
+//! Values as written, with their place in the file.
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::fmt;
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// A text.
+pub type Text = Spanned<String>;
+
+/// A whole number; the resolver knows its bounds.
+pub type Whole = Spanned<i64>;
+
+/// A finite number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// The number, within [`Number::MOST`] of zero.
+    pub value: f64,
+    /// Its place.
+    pub span: Span<usize>,
+}
+
+impl Number {
+    /// The largest magnitude: far beyond any dimension, far below where products overflow.
+    pub const MOST: f64 = 1e12;
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let finite = Spanned::<Finite>::deserialize(deserializer)?;
+        Ok(Number {
+            span: finite.span(),
+            value: finite.into_inner().0,
+        })
+    }
+}
+
+struct Finite(f64);
+
+impl<'de> Deserialize<'de> for Finite {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FiniteVisitor).map(Finite)
+    }
+}
+
+struct FiniteVisitor;
+
+impl Visitor<'_> for FiniteVisitor {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
+        let refused = |wanted: &str| Err(E::invalid_value(Unexpected::Float(value), &wanted));
+        if !value.is_finite() {
+            refused("a finite number")
+        } else if value.abs() > Number::MOST {
+            refused("a number between -1e12 and 1e12")
+        } else {
+            Ok(value)
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
+        self.visit_f64(value as f64)
+    }
+}
+
+/// One value, a list of values, or a range.
+#[derive(Clone, Debug)]
+pub enum Values {
+    /// One value.
+    One(f64),
+    /// A list.
+    List(Vec<Number>),
+    /// Evenly spaced values.
+    Range(Range),
+}
+
+/// Evenly spaced values, ends included.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// First value.
+    pub from: Number,
+    /// Last value.
+    pub to: Number,
+    /// Number of values.
+    pub steps: Whole,
+}
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ValuesVisitor)
+    }
+}
+
+struct ValuesVisitor;
+
+impl<'de> Visitor<'de> for ValuesVisitor {
+    type Value = Values;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number, a list of numbers or { from, to, steps }")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Values, E> {
+        FiniteVisitor.visit_f64(value).map(Values::One)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Values, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Values, A::Error> {
+        let mut list = Vec::new();
+        while let Some(number) = seq.next_element()? {
+            list.push(number);
+        }
+        Ok(Values::List(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
+        Range::deserialize(MapAccessDeserializer::new(map)).map(Values::Range)
+    }
+}
+
+/// All, none, or those named.
+#[derive(Clone, Debug)]
+pub enum Selection {
+    /// All or none.
+    All(bool),
+    /// Those named.
+    Named(Vec<Text>),
+}
+
+impl<'de> Deserialize<'de> for Selection {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SelectionVisitor)
+    }
+}
+
+struct SelectionVisitor;
+
+impl<'de> Visitor<'de> for SelectionVisitor {
+    type Value = Selection;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("true, false or a list of hardpoint names")
+    }
+
+    fn visit_bool<E: Error>(self, all: bool) -> Result<Selection, E> {
+        Ok(Selection::All(all))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Selection, A::Error> {
+        let mut names = Vec::new();
+        while let Some(name) = seq.next_element()? {
+            names.push(name);
+        }
+        Ok(Selection::Named(names))
+    }
+}

@@ -1,6 +1,7 @@
-//! Nonlinear least squares with box bounds, from one start or several.
+//! Tuning hardpoints: targets as nonlinear least squares with box bounds, from one start or several.
 //!
-//! Nothing here knows of suspensions: a [`LeastSquares`] problem yields residuals (in units of their
+//! [`tune`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of
+//! suspensions: a [`LeastSquares`] problem yields residuals (in units of their
 //! tolerances) and their exact Jacobian in one pass, [`fit`] finds a minimum from one start,
 //! [`multistart`] from several in parallel, and [`Identifiability`] says what the residuals at the
 //! solution cannot tell apart. This is the only place that knows argmin.
@@ -15,15 +16,18 @@ mod bounded_least_squares;
 mod bounds;
 mod fit;
 mod identifiability;
+mod interpolation;
 mod levenberg_marquardt;
 mod local_model;
 mod multistart;
+mod objective;
 mod problem;
 mod qr;
 #[cfg(test)]
 mod test_problems;
 #[cfg(test)]
 mod tests;
+mod tune;
 
 pub use bounded_least_squares::{BoundedLeastSquares, Hold};
 pub use bounds::{Bounds, EmptyRange};
@@ -31,4 +35,6 @@ pub use fit::{Control, Fit, Iteration, Termination, fit};
 pub use identifiability::{Direction, Identifiability};
 pub use levenberg_marquardt::{LevenbergMarquardt, Options, State};
 pub use multistart::{Multistart, Start, multistart, starting_point};
+pub use objective::{Deviation, Objective, Wishes, moved_design};
 pub use problem::{Evaluation, Infeasible, LeastSquares};
+pub use tune::{Best, Fulfilment, Tuning, tune};

@@ -1,0 +1,130 @@
+//! Reading a target curve between its points.
+
+use crate::study::{Interpolation, Wanted};
+
+impl Wanted {
+    /// What is wanted, as (drive value, value): at those of the stations that lie on the curve, or at
+    /// the single value's own place.
+    pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
+        match self {
+            Wanted::At { drive, value } => vec![(*drive, *value)],
+            Wanted::Curve {
+                points,
+                interpolation,
+            } => {
+                let slopes = match interpolation {
+                    Interpolation::Linear => None,
+                    Interpolation::MonotoneCubic => Some(monotone_slopes(points)),
+                };
+                let (first, last) = (points[0][0], points[points.len() - 1][0]);
+                let on_curve = stations.iter().filter(|s| (first..=last).contains(*s));
+                on_curve.map(|s| (*s, at(points, slopes.as_deref(), *s))).collect()
+            }
+        }
+    }
+}
+
+/// The curve at `x`, between its first and last point.
+fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
+    let right = points.partition_point(|p| p[0] <= x).clamp(1, points.len() - 1);
+    let ([x0, y0], [x1, y1]) = (points[right - 1], points[right]);
+    let width = x1 - x0;
+    let t = (x - x0) / width;
+    match slopes {
+        None => y0 + (y1 - y0) * t,
+        Some(slopes) => {
+            // Hermite's cubic.
+            let (m0, m1) = (slopes[right - 1] * width, slopes[right] * width);
+            let rise = y1 - y0;
+            y0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
+        }
+    }
+}
+
+/// Slopes of a piecewise cubic that is monotone wherever its points are: zero at turning points, else
+/// the weighted harmonic mean of the neighbouring secants (F. N. Fritsch, J. Butland, A method for
+/// constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984). At
+/// the ends the slope of the parabola through three points, limited likewise.
+fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
+    let widths: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
+    let secants: Vec<f64> = points
+        .windows(2)
+        .zip(&widths)
+        .map(|(p, width)| (p[1][1] - p[0][1]) / width)
+        .collect();
+    let last = points.len() - 1;
+    if last == 1 {
+        return vec![secants[0]; 2];
+    }
+    let inner = |k: usize| {
+        let (before, after) = (secants[k - 1], secants[k]);
+        if before * after <= 0.0 {
+            return 0.0;
+        }
+        let (a, b) = (2.0 * widths[k] + widths[k - 1], widths[k] + 2.0 * widths[k - 1]);
+        (a + b) / (a / before + b / after)
+    };
+    let end = |near: usize, far: usize| {
+        let (h0, h1) = (widths[near], widths[far]);
+        let (s0, s1) = (secants[near], secants[far]);
+        let slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
+        if slope * s0 <= 0.0 {
+            0.0
+        } else if s0 * s1 <= 0.0 && slope.abs() > 3.0 * s0.abs() {
+            3.0 * s0
+        } else {
+            slope
+        }
+    };
+    (0..=last)
+        .map(|k| match k {
+            0 => end(0, 1),
+            k if k == last => end(last - 1, last - 2),
+            k => inner(k),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(points: &[[f64; 2]], interpolation: Interpolation) -> Wanted {
+        Wanted::Curve {
+            points: points.to_vec(),
+            interpolation,
+        }
+    }
+
+    #[test]
+    fn a_curve_is_compared_between_its_ends_only() {
+        let wanted = curve(&[[-1.0, 2.0], [1.0, 4.0]], Interpolation::MonotoneCubic);
+        let found = wanted.at_stations(&[-2.0, -1.0, 0.0, 0.5, 1.0, 1.5]);
+        assert_eq!(found, [(-1.0, 2.0), (0.0, 3.0), (0.5, 3.5), (1.0, 4.0)]);
+    }
+
+    #[test]
+    fn three_points_of_a_monotone_parabola_give_the_parabola_near_its_ends() {
+        // y = x^2 at 1, 2, 3: end slopes 2 and 6 are exact.
+        let slopes = monotone_slopes(&[[1.0, 1.0], [2.0, 4.0], [3.0, 9.0]]);
+        assert_eq!((slopes[0], slopes[2]), (2.0, 6.0));
+    }
+
+    #[test]
+    fn nothing_overshoots() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0], [3.0, 1.0], [5.0, -2.0]];
+        let stations: Vec<f64> = (0..=500).map(|i| f64::from(i) / 100.0).collect();
+        let found = curve(&points, Interpolation::MonotoneCubic).at_stations(&stations);
+        for pair in found.windows(2) {
+            let (x, rise) = (pair[0].0, pair[1].1 - pair[0].1);
+            let wanted = if x < 1.0 || (2.0..3.0).contains(&x) {
+                rise.abs() < 1e-15
+            } else if x < 2.0 {
+                rise >= 0.0
+            } else {
+                rise <= 0.0
+            };
+            assert!(wanted, "at {x}: {rise}");
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! The targets of a study as a least-squares problem over its variables.
+//!
+//! A residual is the deviation of a characteristic from its target at one station, in tolerances,
+//! times a share s of the weight such that the misfit (the root mean square of all residuals) is
+//!
+//! ```text
+//! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
+//! ```
+//!
+//! however many stations each target has. Residuals and Jacobian come from one march: the pose, one
+//! factorisation, and one adjoint for each target.
+
+use super::{Evaluation, Infeasible, LeastSquares};
+use crate::characteristics::{Characteristic, Constants, Quantity, View};
+use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Solver};
+use crate::model::{Axis, Drive, Frame, PointId, Suspension};
+use crate::number::{Jet, Vector3};
+use crate::study::{Motion, Optimise, Variable};
+use nalgebra::DVector;
+use std::ops::ControlFlow;
+
+/// What is wanted at one station.
+#[derive(Clone, Debug)]
+struct Wish {
+    row: usize,
+    target: usize,
+    station: usize,
+    characteristic: Characteristic,
+    value: f64,
+    /// Residual per deviation.
+    scale: f64,
+}
+
+/// The targets laid out over the stations: which row of the problem wants what, where.
+#[derive(Clone, Debug)]
+pub struct Wishes {
+    drive: Drive,
+    rack: f64,
+    march: March,
+    by_station: Vec<Vec<Wish>>,
+    rows: usize,
+    /// Residual per deviation in tolerances, by target.
+    shares: Vec<f64>,
+    depth: usize,
+}
+
+impl Wishes {
+    /// Lays out the targets. Curves are compared at the stations of the motion between their ends;
+    /// single values at their own. The rack is where the study puts it, or straight ahead where the
+    /// study moves it.
+    pub fn of(optimise: &Optimise, motion: &Motion, frame: &Frame) -> Self {
+        let mut values = motion.values.clone();
+        let mut wanted: Vec<(usize, usize, f64)> = Vec::new();
+        for (number, target) in optimise.targets.iter().enumerate() {
+            for (drive, value) in target.wanted.at_stations(&motion.values) {
+                let station = values.iter().position(|v| *v == drive).unwrap_or_else(|| {
+                    values.push(drive);
+                    values.len() - 1
+                });
+                wanted.push((number, station, value));
+            }
+        }
+        let rows = wanted.len();
+        let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
+        let shares: Vec<f64> = optimise
+            .targets
+            .iter()
+            .enumerate()
+            .map(|(number, target)| {
+                let own = wanted.iter().filter(|w| w.0 == number).count();
+                (target.weight / total * rows as f64 / own as f64).sqrt()
+            })
+            .collect();
+        let mut by_station = vec![Vec::new(); values.len()];
+        for (row, (target, station, value)) in wanted.into_iter().enumerate() {
+            by_station[station].push(Wish {
+                row,
+                target,
+                station,
+                characteristic: optimise.targets[target].characteristic,
+                value,
+                scale: shares[target] / optimise.targets[target].tolerance,
+            });
+        }
+        // Stations nobody wants anything of are not visited.
+        let used: Vec<usize> = (0..values.len()).filter(|s| !by_station[*s].is_empty()).collect();
+        let values: Vec<f64> = used.iter().map(|s| values[*s]).collect();
+        let by_station: Vec<Vec<Wish>> = used
+            .iter()
+            .enumerate()
+            .map(|(station, old)| {
+                let wishes = by_station[*old].iter().cloned();
+                wishes.map(|w| Wish { station, ..w }).collect()
+            })
+            .collect();
+        Wishes {
+            drive: motion.drive,
+            rack: frame.sign(Axis::Y) * if motion.rack_moves { 0.0 } else { motion.rack[0] },
+            march: March::through(&values),
+            depth: optimise
+                .targets
+                .iter()
+                .map(|t| Quantity::Characteristic(t.characteristic).depth())
+                .max()
+                .unwrap_or(0),
+            by_station,
+            rows,
+            shares,
+        }
+    }
+
+    /// Derivatives by the drive that some target takes.
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// The deviations of each target in tolerances, from the residuals.
+    pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
+        self.shares
+            .iter()
+            .enumerate()
+            .map(|(target, share)| {
+                let (mut sum, mut count, mut worst, mut worst_at) = (0.0, 0, 0.0_f64, 0.0);
+                for wish in self.by_station.iter().flatten().filter(|w| w.target == target) {
+                    let deviation = residuals[wish.row] / share;
+                    sum += deviation * deviation;
+                    count += 1;
+                    if deviation.abs() >= worst.abs() {
+                        worst = deviation;
+                        worst_at = self.march.values()[wish.station];
+                    }
+                }
+                Deviation {
+                    rms: (sum / count as f64).sqrt(),
+                    worst,
+                    worst_at,
+                }
+            })
+            .collect()
+    }
+}
+
+/// How far a target is missed, in its tolerances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Root mean square over the target's stations.
+    pub rms: f64,
+    /// The largest deviation, with its sign.
+    pub worst: f64,
+    /// The drive value where it is.
+    pub worst_at: f64,
+}
+
+/// The problem, with its workspace. `N` is one more than [`Wishes::depth`].
+pub struct Objective<'a, const N: usize> {
+    frame: Frame,
+    variables: &'a [Variable],
+    wishes: &'a Wishes,
+    constants: Constants,
+    design: &'a [Vector3<f64>],
+    moved: Vec<Vector3<f64>>,
+    solver: Solver<'a>,
+    lifted: Lifted<N>,
+    buffer: Vec<Vector3<Jet<f64, N>>>,
+}
+
+impl<'a, const N: usize> Objective<'a, N> {
+    /// The problem of a suspension.
+    pub fn new(
+        suspension: &'a Suspension,
+        variables: &'a [Variable],
+        wishes: &'a Wishes,
+    ) -> Result<Self, DesignFault> {
+        let design = &suspension.design;
+        Ok(Objective {
+            frame: suspension.frame,
+            variables,
+            wishes,
+            constants: Constants::of(suspension),
+            design,
+            moved: design.clone(),
+            solver: Solver::new(&suspension.mechanism, design)?,
+            lifted: Lifted::new(&suspension.mechanism, design),
+            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
+        })
+    }
+}
+
+/// The design with its variables moved by `x`.
+pub fn moved_design(
+    design: &[Vector3<f64>],
+    frame: &Frame,
+    variables: &[Variable],
+    x: &DVector<f64>,
+    moved: &mut [Vector3<f64>],
+) {
+    moved.copy_from_slice(design);
+    for (variable, offset) in variables.iter().zip(x) {
+        let point = &mut moved[variable.point.0];
+        let coordinate = match variable.axis {
+            Axis::X => &mut point.x,
+            Axis::Y => &mut point.y,
+            Axis::Z => &mut point.z,
+        };
+        *coordinate += frame.sign(variable.axis) * offset;
+    }
+}
+
+impl<const N: usize> LeastSquares for Objective<'_, N> {
+    fn variables(&self) -> usize {
+        self.variables.len()
+    }
+
+    fn residuals(&self) -> usize {
+        self.wishes.rows
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+        let Objective {
+            frame,
+            variables,
+            wishes,
+            constants,
+            design,
+            moved,
+            solver,
+            lifted,
+            buffer,
+        } = self;
+        moved_design(design, frame, variables, x, moved);
+        let mechanism = solver.mechanism();
+        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
+        solver.prepare(moved).map_err(refused)?;
+        lifted.prepare(mechanism, moved);
+        let mut failed: Option<(f64, Failure)> = None;
+        let visited = solver.march(
+            wishes.drive,
+            &wishes.march,
+            wishes.rack,
+            |solver, station, pose| {
+                let value = wishes.march.values()[station];
+                let motion = MotionPoint {
+                    drive: wishes.drive,
+                    value,
+                    rack: wishes.rack,
+                }
+                .along_drive::<N>();
+                let linearised =
+                    match pose.and_then(|pose| solver.linearised(lifted, pose, &motion)) {
+                        Ok(linearised) => linearised,
+                        Err(failure) => {
+                            failed = Some((value, failure));
+                            return ControlFlow::Break(());
+                        }
+                    };
+                let view = View::of(&linearised.at, *constants);
+                for wish in &wishes.by_station[station] {
+                    let quantity = Quantity::Characteristic(wish.characteristic);
+                    let found = view.value(&linearised.at, quantity)[0];
+                    into.residuals[wish.row] = (found - wish.value) * wish.scale;
+                    view.gradients(&linearised, quantity, 0, buffer, |_, PointId(p), gradient| {
+                        for (column, variable) in variables.iter().enumerate() {
+                            if variable.point.0 == p {
+                                let by_axis = gradient.to_array()[variable.axis as usize];
+                                into.jacobian[(wish.row, column)] =
+                                    by_axis * frame.sign(variable.axis) * wish.scale;
+                            }
+                        }
+                    });
+                }
+                ControlFlow::Continue(())
+            },
+        );
+        visited.map_err(refused)?;
+        match failed {
+            None => Ok(()),
+            Some((value, failure)) => Err(Infeasible::Refused(match wishes.drive {
+                Drive::Travel => format!("travel {value} is not reached: {failure}"),
+                Drive::ArmAngle => {
+                    format!("arm angle {} deg is not reached: {failure}", value.to_degrees())
+                }
+            })),
+        }
+    }
+}

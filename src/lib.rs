@@ -6,4 +6,5 @@ pub mod model;
 pub mod number;
 pub mod optimise;
 pub mod plan;
+pub mod report;
 pub mod study;

@@ -3,7 +3,7 @@
 //! Every decision on cost is made here: how many derivatives of a pose are taken, whether a Jacobian is
 //! factorised at all, to which hardpoints gradients are formed and of which outputs.
 
-use crate::characteristics::{Constants, Quantity};
+use crate::characteristics::{Characteristic, Constants, Quantity};
 use crate::kinematics::March;
 use crate::model::{Axis, Drive, PointId};
 use crate::study::{Order, Study, TimeLaw};
@@ -32,6 +32,8 @@ pub struct Plan {
     pub march: March,
     /// Rack displacements, in the study's axes.
     pub racks: Vec<f64>,
+    /// Whether the study moves the rack, so that results carry a column for it.
+    pub rack_moves: bool,
     /// What a rack displacement in the study's axes is multiplied by for the kernel's.
     pub rack_sign: f64,
     /// The drive over time, where derivatives are by time.
@@ -49,11 +51,26 @@ pub struct Plan {
 impl Plan {
     /// The plan of a study's curves.
     pub fn of(study: &Study) -> Plan {
+        Plan::with(study, &study.outputs.characteristics)
+    }
+
+    /// The plan of the curves before and after an optimisation: those of the study, and the targets'.
+    pub fn with_targets(study: &Study) -> Plan {
+        let mut characteristics = study.outputs.characteristics.clone();
+        for target in study.optimise.iter().flat_map(|o| &o.targets) {
+            if !characteristics.contains(&target.characteristic) {
+                characteristics.push(target.characteristic);
+            }
+        }
+        Plan::with(study, &characteristics)
+    }
+
+    fn with(study: &Study, characteristics: &[Characteristic]) -> Plan {
         let suspension = &study.suspension;
         let highest = study.outputs.order as usize;
         let length = suspension.length_unit;
         let mut outputs = Vec::new();
-        for c in &study.outputs.characteristics {
+        for c in characteristics {
             let unit = c.info().unit;
             outputs.push(Output {
                 quantity: Quantity::Characteristic(*c),
@@ -94,6 +111,7 @@ impl Plan {
             drive: study.motion.drive,
             march: March::through(&study.motion.values),
             racks: study.motion.rack.clone(),
+            rack_moves: study.motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
             time: study.motion.time.clone(),
             outputs,

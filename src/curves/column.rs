@@ -33,6 +33,11 @@ impl Column {
         columns
     }
 
+    /// The unit of this column's derivative by a hardpoint coordinate.
+    pub fn unit_per(&self, length: LengthUnit) -> String {
+        per(&self.unit, length.symbol(), 1)
+    }
+
     fn new(of: usize, output: &Output, order: usize, plan: &Plan, length: LengthUnit) -> Column {
         // The angular velocity is a first derivative already.
         let depth = match output.quantity {

@@ -18,7 +18,9 @@ impl Wanted {
                 };
                 let (first, last) = (points[0][0], points[points.len() - 1][0]);
                 let on_curve = stations.iter().filter(|s| (first..=last).contains(*s));
-                on_curve.map(|s| (*s, at(points, slopes.as_deref(), *s))).collect()
+                on_curve
+                    .map(|s| (*s, at(points, slopes.as_deref(), *s)))
+                    .collect()
             }
         }
     }
@@ -26,7 +28,9 @@ impl Wanted {
 
 /// The curve at `x`, between its first and last point.
 fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
-    let right = points.partition_point(|p| p[0] <= x).clamp(1, points.len() - 1);
+    let right = points
+        .partition_point(|p| p[0] <= x)
+        .clamp(1, points.len() - 1);
     let ([x0, y0], [x1, y1]) = (points[right - 1], points[right]);
     let width = x1 - x0;
     let t = (x - x0) / width;
@@ -61,7 +65,10 @@ fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
         if before * after <= 0.0 {
             return 0.0;
         }
-        let (a, b) = (2.0 * widths[k] + widths[k - 1], widths[k] + 2.0 * widths[k - 1]);
+        let (a, b) = (
+            2.0 * widths[k] + widths[k - 1],
+            widths[k] + 2.0 * widths[k - 1],
+        );
         (a + b) / (a / before + b / after)
     };
     let end = |near: usize, far: usize| {

@@ -83,7 +83,9 @@ impl Wishes {
             });
         }
         // Stations nobody wants anything of are not visited.
-        let used: Vec<usize> = (0..values.len()).filter(|s| !by_station[*s].is_empty()).collect();
+        let used: Vec<usize> = (0..values.len())
+            .filter(|s| !by_station[*s].is_empty())
+            .collect();
         let values: Vec<f64> = used.iter().map(|s| values[*s]).collect();
         let by_station: Vec<Vec<Wish>> = used
             .iter()
@@ -95,7 +97,12 @@ impl Wishes {
             .collect();
         Wishes {
             drive: motion.drive,
-            rack: frame.sign(Axis::Y) * if motion.rack_moves { 0.0 } else { motion.rack[0] },
+            rack: frame.sign(Axis::Y)
+                * if motion.rack_moves {
+                    0.0
+                } else {
+                    motion.rack[0]
+                },
             march: March::through(&values),
             depth: optimise
                 .targets
@@ -121,7 +128,12 @@ impl Wishes {
             .enumerate()
             .map(|(target, share)| {
                 let (mut sum, mut count, mut worst, mut worst_at) = (0.0, 0, 0.0_f64, 0.0);
-                for wish in self.by_station.iter().flatten().filter(|w| w.target == target) {
+                for wish in self
+                    .by_station
+                    .iter()
+                    .flatten()
+                    .filter(|w| w.target == target)
+                {
                     let deviation = residuals[wish.row] / share;
                     sum += deviation * deviation;
                     count += 1;
@@ -258,15 +270,21 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                     let quantity = Quantity::Characteristic(wish.characteristic);
                     let found = view.value(&linearised.at, quantity)[0];
                     into.residuals[wish.row] = (found - wish.value) * wish.scale;
-                    view.gradients(&linearised, quantity, 0, buffer, |_, PointId(p), gradient| {
-                        for (column, variable) in variables.iter().enumerate() {
-                            if variable.point.0 == p {
-                                let by_axis = gradient.to_array()[variable.axis as usize];
-                                into.jacobian[(wish.row, column)] =
-                                    by_axis * frame.sign(variable.axis) * wish.scale;
+                    view.gradients(
+                        &linearised,
+                        quantity,
+                        0,
+                        buffer,
+                        |_, PointId(p), gradient| {
+                            for (column, variable) in variables.iter().enumerate() {
+                                if variable.point.0 == p {
+                                    let by_axis = gradient.to_array()[variable.axis as usize];
+                                    into.jacobian[(wish.row, column)] =
+                                        by_axis * frame.sign(variable.axis) * wish.scale;
+                                }
                             }
-                        }
-                    });
+                        },
+                    );
                 }
                 ControlFlow::Continue(())
             },
@@ -277,7 +295,10 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
             Some((value, failure)) => Err(Infeasible::Refused(match wishes.drive {
                 Drive::Travel => format!("travel {value} is not reached: {failure}"),
                 Drive::ArmAngle => {
-                    format!("arm angle {} deg is not reached: {failure}", value.to_degrees())
+                    format!(
+                        "arm angle {} deg is not reached: {failure}",
+                        value.to_degrees()
+                    )
                 }
             })),
         }

@@ -100,7 +100,13 @@ fn tune_at<const N: usize>(
     );
     let best = starts.best_fit().map(|fit| {
         let mut moved = suspension.design.clone();
-        moved_design(&suspension.design, &suspension.frame, variables, &fit.x, &mut moved);
+        moved_design(
+            &suspension.design,
+            &suspension.frame,
+            variables,
+            &fit.x,
+            &mut moved,
+        );
         Best {
             offsets: fit.x.iter().copied().collect(),
             design: moved,

@@ -1,0 +1,74 @@
+//! The directory a run writes to.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A file or directory that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {path}: {source}")]
+pub struct WriteError {
+    /// What was to be written.
+    pub path: PathBuf,
+    /// Why it could not be.
+    pub source: std::io::Error,
+}
+
+/// An output directory. Files appear in it whole or not at all.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+}
+
+impl RunDirectory {
+    /// Makes the directory and sees whether files can be made in it, before anything is computed.
+    pub fn create(path: &Path) -> Result<Self, WriteError> {
+        let failed = |source| WriteError {
+            path: path.to_owned(),
+            source,
+        };
+        std::fs::create_dir_all(path).map_err(failed)?;
+        tempfile::NamedTempFile::new_in(path).map_err(failed)?;
+        Ok(RunDirectory {
+            path: path.to_owned(),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes a file: beside its place first, then moved there.
+    pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        let written = || -> std::io::Result<()> {
+            let mut file = tempfile::Builder::new()
+                .prefix(".hardpoint-")
+                .permissions(readable())
+                .tempfile_in(&self.path)?;
+            file.write_all(contents)?;
+            file.flush()?;
+            file.persist(&path).map_err(|e| e.error)?;
+            Ok(())
+        };
+        written().map_err(|source| WriteError {
+            path: path.clone(),
+            source,
+        })
+    }
+}
+
+/// Ordinary permissions: a temporary file would be the owner's alone.
+#[cfg(unix)]
+fn readable() -> std::fs::Permissions {
+    std::os::unix::fs::PermissionsExt::from_mode(0o644)
+}
+
+#[cfg(not(unix))]
+fn readable() -> std::fs::Permissions {
+    // Elsewhere permissions are inherited from the directory; there is nothing to set, but the type
+    // has no constructor of its own.
+    std::fs::metadata(".")
+        .map(|m| m.permissions())
+        .expect("the current directory exists")
+}

@@ -1,0 +1,157 @@
+//! What a solve came to.
+
+use super::{Table, shortest};
+use crate::curves::{Curves, Station, Status};
+use crate::study::Study;
+use serde::Serialize;
+
+/// `summary.json` of a solve.
+#[derive(Clone, Debug, Serialize)]
+pub struct SolveSummary {
+    command: &'static str,
+    version: &'static str,
+    study: String,
+    topology: &'static str,
+    stations: usize,
+    failed: Vec<FailedStation>,
+    outputs: Vec<Range>,
+}
+
+/// A station without a pose.
+#[derive(Clone, Debug, Serialize)]
+struct FailedStation {
+    travel: Option<f64>,
+    arm_angle_deg: Option<f64>,
+    rack: f64,
+    status: &'static str,
+    reason: String,
+}
+
+/// The range of a column over the motion.
+#[derive(Clone, Debug, Serialize)]
+struct Range {
+    output: String,
+    /// Where the drive and the rack are zero, if that is a station.
+    at_design: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+impl SolveSummary {
+    /// The summary of some curves.
+    pub fn of(study: &Study, curves: &Curves) -> Self {
+        let failed = curves.stations.iter().filter_map(|s| match s.status {
+            Status::Ok => None,
+            Status::Failed(failure) => Some(FailedStation {
+                travel: s.travel,
+                arm_angle_deg: s.arm_angle,
+                rack: s.rack,
+                status: s.status.word(),
+                reason: failure.to_string(),
+            }),
+        });
+        let is_design = |s: &&Station| {
+            s.arm_angle.or(s.travel) == Some(0.0) && s.rack == 0.0 && s.time.is_none()
+        };
+        let design = curves.stations.iter().find(is_design);
+        let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
+            let values = || curves.stations.iter().filter_map(|s| s.values[k]);
+            Range {
+                output: column.name.clone(),
+                at_design: design.and_then(|s| s.values[k]),
+                min: values().min_by(f64::total_cmp),
+                max: values().max_by(f64::total_cmp),
+            }
+        });
+        SolveSummary {
+            command: "solve",
+            version: env!("CARGO_PKG_VERSION"),
+            study: study.name.clone(),
+            topology: study.suspension.mechanism.topology.name,
+            stations: curves.stations.len(),
+            failed: failed.collect(),
+            outputs: outputs.collect(),
+        }
+    }
+
+    /// The range of every output.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(["output", "at design", "min", "max"]);
+        let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+        for range in &self.outputs {
+            table.push([
+                range.output.clone(),
+                cell(range.at_design),
+                cell(range.min),
+                cell(range.max),
+            ]);
+        }
+        table
+    }
+
+    /// One line for each run of stations that failed for one reason.
+    pub fn failures(&self) -> Vec<String> {
+        let mut lines: Vec<(String, usize, String, String)> = Vec::new();
+        for f in &self.failed {
+            let place = match (f.arm_angle_deg, f.travel) {
+                (Some(angle), _) => format!("arm angle {} deg", shortest(angle)),
+                (None, travel) => format!("travel {}", travel.map_or_else(String::new, shortest)),
+            };
+            let place = match f.rack {
+                0.0 => place,
+                rack => format!("{place}, rack {}", shortest(rack)),
+            };
+            match lines.last_mut() {
+                Some((reason, count, _, last)) if *reason == f.reason => {
+                    *count += 1;
+                    *last = place;
+                }
+                _ => lines.push((f.reason.clone(), 1, place.clone(), place)),
+            }
+        }
+        lines
+            .into_iter()
+            .map(|(reason, count, first, last)| match count {
+                1 => format!("{first}: {reason}"),
+                _ => format!("{first} to {last} ({count} stations): {reason}"),
+            })
+            .collect()
+    }
+}
+
+/// A number for reading: six significant digits.
+pub(super) fn brief(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-5..7).contains(&magnitude) {
+        return format!("{value:.5e}");
+    }
+    let decimals = (5 - magnitude).clamp(0, 9) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::brief;
+
+    #[test]
+    fn brief_numbers_keep_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.515661, "-0.515661"),
+            (12.5, "12.5"),
+            (123456.7, "123457"),
+            (1e-9, "1.00000e-9"),
+            (300.0, "300"),
+            (9.9999999, "10"),
+        ] {
+            assert_eq!(brief(value), text);
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! What a tuning came to.
+
+use super::solve_summary::brief;
+use super::{Table, shortest};
+use crate::model::Drive;
+use crate::optimise::{Fulfilment, Hold, Tuning};
+use crate::study::{Optimise, Study};
+use serde::Serialize;
+
+/// `summary.json` of an optimisation.
+#[derive(Clone, Debug, Serialize)]
+pub struct TuningSummary {
+    command: &'static str,
+    version: &'static str,
+    study: String,
+    topology: &'static str,
+    /// In tolerances; absent where the design itself cannot be evaluated.
+    misfit_before: Option<f64>,
+    /// Why the design itself cannot be evaluated.
+    design_failure: Option<String>,
+    misfit_after: Option<f64>,
+    best_start: Option<usize>,
+    variables: Vec<VariableSummary>,
+    targets: Vec<TargetSummary>,
+    starts: Vec<StartSummary>,
+    /// Directions of the variables that the targets see, and all there are.
+    rank: Option<usize>,
+    singular_values: Vec<f64>,
+    /// Combinations of variables that the targets cannot tell apart: offsets by variable.
+    unseen: Vec<Vec<f64>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct VariableSummary {
+    hardpoint: String,
+    axis: &'static str,
+    design: f64,
+    tuned: Option<f64>,
+    offset: Option<f64>,
+    range: [f64; 2],
+    /// `lower` or `upper` where the variable ended at that bound.
+    at_bound: Option<&'static str>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct TargetSummary {
+    output: String,
+    tolerance: f64,
+    weight: f64,
+    before: Option<DeviationSummary>,
+    after: Option<DeviationSummary>,
+}
+
+/// In tolerances.
+#[derive(Clone, Debug, Serialize)]
+struct DeviationSummary {
+    rms: f64,
+    worst: f64,
+    /// Travel in the study's unit, or arm angle in degrees.
+    worst_at: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct StartSummary {
+    start: usize,
+    offsets: Vec<f64>,
+    /// How it ended, or why it could not begin.
+    ended: String,
+    iterations: Option<u64>,
+    evaluations: Option<u64>,
+    misfit: Option<f64>,
+}
+
+impl TuningSummary {
+    /// The summary of a tuning.
+    pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning) -> Self {
+        let suspension = &study.suspension;
+        let best = tuning.best.as_ref();
+        let fit = tuning.starts.best_fit();
+        let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
+            let coordinate = |design: &[crate::number::Vector3<f64>]| {
+                suspension.frame.vector(design[v.point.0]).to_array()[v.axis as usize]
+            };
+            VariableSummary {
+                hardpoint: suspension.mechanism.name(v.point).to_owned(),
+                axis: v.axis.name(),
+                design: coordinate(&suspension.design),
+                tuned: best.map(|b| coordinate(&b.design)),
+                offset: best.map(|b| b.offsets[k] + 0.0),
+                range: v.range,
+                at_bound: fit.and_then(|fit| match fit.holds[k] {
+                    Hold::Free => None,
+                    Hold::Lower => Some("lower"),
+                    Hold::Upper => Some("upper"),
+                }),
+            }
+        });
+        let targets = optimise.targets.iter().enumerate().map(|(k, target)| {
+            let unit = target.characteristic.info().unit;
+            let deviation = |fulfilment: &Fulfilment| {
+                let d = fulfilment.targets[k];
+                DeviationSummary {
+                    rms: d.rms,
+                    worst: d.worst,
+                    worst_at: match study.motion.drive {
+                        Drive::Travel => d.worst_at,
+                        Drive::ArmAngle => d.worst_at.to_degrees(),
+                    },
+                }
+            };
+            TargetSummary {
+                output: target.characteristic.column(suspension.length_unit),
+                tolerance: target.tolerance * unit.printed_factor(),
+                weight: target.weight,
+                before: tuning.before.as_ref().ok().map(deviation),
+                after: best.map(|b| deviation(&b.after)),
+            }
+        });
+        let starts = tuning
+            .starts
+            .starts
+            .iter()
+            .enumerate()
+            .map(|(number, start)| {
+                let offsets = start.x.iter().map(|v| v + 0.0).collect();
+                match &start.outcome {
+                    Ok(fit) => StartSummary {
+                        start: number,
+                        offsets,
+                        ended: fit.termination.to_string(),
+                        iterations: Some(fit.history.last().map_or(0, |i| i.iteration)),
+                        evaluations: Some(fit.evaluations()),
+                        misfit: Some(fit.misfit()),
+                    },
+                    Err(infeasible) => StartSummary {
+                        start: number,
+                        offsets,
+                        ended: format!("not begun: {infeasible}"),
+                        iterations: None,
+                        evaluations: None,
+                        misfit: None,
+                    },
+                }
+            });
+        TuningSummary {
+            command: "optimise",
+            version: env!("CARGO_PKG_VERSION"),
+            study: study.name.clone(),
+            topology: suspension.mechanism.topology.name,
+            misfit_before: tuning.before.as_ref().ok().map(|f| f.misfit),
+            design_failure: tuning.before.as_ref().err().map(ToString::to_string),
+            misfit_after: best.map(|b| b.after.misfit),
+            best_start: tuning.starts.best,
+            variables: variables.collect(),
+            targets: targets.collect(),
+            starts: starts.collect(),
+            rank: best.map(|b| b.identifiability.rank),
+            singular_values: best
+                .map(|b| b.identifiability.singular_values.clone())
+                .unwrap_or_default(),
+            unseen: best
+                .map(|b| {
+                    let directions = b.identifiability.unseen.iter();
+                    directions
+                        .map(|d| d.change.iter().copied().collect())
+                        .collect()
+                })
+                .unwrap_or_default(),
+        }
+    }
+
+    /// What moved by how much.
+    pub fn variables_table(&self) -> Table {
+        let mut table = Table::new([
+            "hardpoint",
+            "axis",
+            "design",
+            "tuned",
+            "moved",
+            "range",
+            "bound",
+        ]);
+        for v in &self.variables {
+            let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+            table.push([
+                v.hardpoint.clone(),
+                v.axis.to_owned(),
+                brief(v.design),
+                cell(v.tuned),
+                v.offset.map_or_else(String::new, |o| match brief(o) {
+                    text if o > 0.0 => format!("+{text}"),
+                    text => text,
+                }),
+                format!(
+                    "{} .. {}",
+                    shortest_whole(v.range[0]),
+                    shortest_whole(v.range[1])
+                ),
+                v.at_bound
+                    .map_or_else(String::new, |side| format!("at {side} bound")),
+            ]);
+        }
+        table
+    }
+
+    /// How well each target was and is met, in tolerances.
+    pub fn targets_table(&self) -> Table {
+        let mut table = Table::new([
+            "target",
+            "tolerance",
+            "rms before",
+            "rms after",
+            "worst after",
+            "at",
+        ]);
+        for t in &self.targets {
+            let cell = |value: Option<f64>| value.map_or_else(String::new, hundredths);
+            table.push([
+                t.output.clone(),
+                brief(t.tolerance),
+                cell(t.before.as_ref().map(|d| d.rms)),
+                cell(t.after.as_ref().map(|d| d.rms)),
+                cell(t.after.as_ref().map(|d| d.worst)),
+                t.after
+                    .as_ref()
+                    .map_or_else(String::new, |d| shortest_whole(d.worst_at)),
+            ]);
+        }
+        table
+    }
+
+    /// How each start ended.
+    pub fn starts_table(&self) -> Table {
+        let mut table = Table::new(["start", "misfit", "iterations", "ended"]);
+        for s in &self.starts {
+            table.push([
+                match self.best_start == Some(s.start) {
+                    true => format!("{} (kept)", s.start),
+                    false => s.start.to_string(),
+                },
+                s.misfit.map_or_else(String::new, hundredths),
+                s.iterations.map_or_else(String::new, |n| n.to_string()),
+                s.ended.clone(),
+            ]);
+        }
+        table
+    }
+
+    /// The outcome in a sentence or two.
+    pub fn headline(&self) -> String {
+        match (self.misfit_before, self.misfit_after) {
+            (Some(before), Some(after)) => format!(
+                "misfit {} -> {} tolerances",
+                hundredths(before),
+                hundredths(after)
+            ),
+            (None, Some(after)) => format!(
+                "misfit {} tolerances; the design itself cannot be compared: {}",
+                hundredths(after),
+                self.design_failure.as_deref().unwrap_or_default()
+            ),
+            _ => format!(
+                "no start could be evaluated: {}",
+                self.design_failure
+                    .as_deref()
+                    .or(self.starts.first().map(|s| s.ended.as_str()))
+                    .unwrap_or_default()
+            ),
+        }
+    }
+
+    /// Combinations of variables that the targets cannot tell apart, in words.
+    pub fn unseen(&self) -> Vec<String> {
+        let describe = |change: &Vec<f64>| {
+            let parts = change
+                .iter()
+                .zip(&self.variables)
+                .filter(|(c, v)| c.abs() > 1e-3 * (v.range[1] - v.range[0]));
+            let parts: Vec<String> = parts
+                .map(|(c, v)| format!("{}.{} {:+.3}", v.hardpoint, v.axis, c))
+                .collect();
+            parts.join(", ")
+        };
+        self.unseen.iter().map(describe).collect()
+    }
+}
+
+/// A misfit for reading: two decimals, or its order of magnitude.
+fn hundredths(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else if value.abs() < 0.005 {
+        format!("{value:.0e}")
+    } else {
+        format!("{value:.2}")
+    }
+}
+
+/// A number the user wrote, as written but for a trailing ".0".
+fn shortest_whole(value: f64) -> String {
+    let text = shortest(value);
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}

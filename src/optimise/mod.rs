@@ -18,6 +18,7 @@ mod identifiability;
 mod levenberg_marquardt;
 mod local_model;
 mod multistart;
+mod options;
 mod problem;
 mod qr;
 #[cfg(test)]
@@ -27,8 +28,9 @@ mod tests;
 
 pub use bounded_least_squares::{BoundedLeastSquares, Hold};
 pub use bounds::{Bounds, EmptyRange};
-pub use fit::{Control, Fit, Iteration, Termination, fit};
+pub use fit::{Control, Fit, Iteration, Termination, Watch, fit};
 pub use identifiability::{Direction, Identifiability};
-pub use levenberg_marquardt::{LevenbergMarquardt, Options, State};
+pub use levenberg_marquardt::{LevenbergMarquardt, State};
 pub use multistart::{Multistart, Start, multistart, starting_point};
+pub use options::Options;
 pub use problem::{Evaluation, Infeasible, LeastSquares};

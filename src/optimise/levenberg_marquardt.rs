@@ -299,6 +299,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 let goal = cost - POOR * predicted;
                 let (more, outcome) = self.correct(problem, &x, damping, goal);
                 evaluations += more;
+                infeasible += u32::from(outcome.is_err());
                 accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
             }
             if accepted {

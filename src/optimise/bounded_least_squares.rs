@@ -301,7 +301,7 @@ mod tests {
         fn random(seed: u64, n: usize, m: usize) -> Self {
             let mut noise = Noise::new(seed);
             let mut jacobian = DMatrix::from_fn(m, n, |_, _| noise.next());
-            if seed % 3 == 0 {
+            if seed.is_multiple_of(3) {
                 let rank = 1 + n / 2;
                 let right = DMatrix::from_fn(rank, n, |_, _| noise.next());
                 jacobian = jacobian.columns(0, rank) * right;
@@ -315,8 +315,8 @@ mod tests {
                     size
                 }
             };
-            let lower = (0..n).map(|_| -bound(seed % 2 == 0)).collect();
-            let upper = (0..n).map(|_| bound(seed % 2 == 0)).collect();
+            let lower = (0..n).map(|_| -bound(seed.is_multiple_of(2))).collect();
+            let upper = (0..n).map(|_| bound(seed.is_multiple_of(2))).collect();
             Case {
                 jacobian,
                 residuals: DVector::from_fn(m, |_, _| noise.next()),

@@ -11,10 +11,12 @@ use std::sync::atomic::AtomicBool;
 pub struct Control<'a> {
     /// Once true, the run ends after the iteration under way, with what it has.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Called after each iteration with the index of the start and the iteration. Where several
-    /// starts run in parallel, from their threads.
-    pub watch: Option<&'a (dyn Fn(usize, &Iteration) + Sync)>,
+    /// Called after each iteration; where several starts run in parallel, from their threads.
+    pub watch: Option<&'a Watch<'a>>,
 }
+
+/// Is told the index of a start and its latest iteration.
+pub type Watch<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
 
 /// One iteration.
 #[derive(Clone, Debug, PartialEq)]

@@ -40,45 +40,13 @@
 
 use super::local_model::LocalModel;
 use super::{
-    Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration, LeastSquares, Termination,
+    Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration, LeastSquares, Options,
+    Termination,
 };
 use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use argmin::kv;
 use nalgebra::DVector;
 use std::sync::atomic::Ordering;
-
-/// When to stop. Each is an inequality; the first that holds ends the run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// misfit <= this, the misfit being the root mean square of the residuals, in tolerances. The
-    /// default is the rounding of curves that are some thousand tolerances high. Below it, fits are
-    /// equally good.
-    pub misfit_below: f64,
-    /// Reductions of the cost, both predicted and found, <= this times the cost. The default, 1e-10,
-    /// leaves the misfit right to ten digits; a minimum with zero misfit is found to the last digit
-    /// whatever this is, because the cost keeps falling by large fractions of itself.
-    pub reduction_below: f64,
-    /// max_j |step_j| / range_j <= this. The default is the rounding of a coordinate up to sixteen
-    /// times as large as the range it moves in.
-    pub step_below: f64,
-    /// |r . column_j| <= this |r| |column_j| for all columns of the Jacobian whose variable is free to
-    /// descend. The default is the rounding of that inner product over some thousand residuals.
-    pub gradient_below: f64,
-    /// iterations >= this.
-    pub max_iterations: u64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            misfit_below: 4096.0 * f64::EPSILON,
-            reduction_below: 1e-10,
-            step_below: 16.0 * f64::EPSILON,
-            gradient_below: 64.0 * f64::EPSILON,
-            max_iterations: 200,
-        }
-    }
-}
 
 /// The fraction of its range a direction that the residuals do not see may move by in one step,
 /// because of the rounding of J.
@@ -331,6 +299,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 let goal = cost - POOR * predicted;
                 let (more, outcome) = self.correct(problem, &x, damping, goal);
                 evaluations += more;
+                infeasible += u32::from(outcome.is_err());
                 accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
             }
             if accepted {

@@ -21,6 +21,7 @@ mod levenberg_marquardt;
 mod local_model;
 mod multistart;
 mod objective;
+mod options;
 mod problem;
 mod qr;
 #[cfg(test)]
@@ -31,10 +32,11 @@ mod tune;
 
 pub use bounded_least_squares::{BoundedLeastSquares, Hold};
 pub use bounds::{Bounds, EmptyRange};
-pub use fit::{Control, Fit, Iteration, Termination, fit};
+pub use fit::{Control, Fit, Iteration, Termination, Watch, fit};
 pub use identifiability::{Direction, Identifiability};
-pub use levenberg_marquardt::{LevenbergMarquardt, Options, State};
+pub use levenberg_marquardt::{LevenbergMarquardt, State};
 pub use multistart::{Multistart, Start, multistart, starting_point};
 pub use objective::{Deviation, Objective, Wishes, moved_design};
+pub use options::Options;
 pub use problem::{Evaluation, Infeasible, LeastSquares};
 pub use tune::{Best, Fulfilment, Tuning, tune};

@@ -108,3 +108,114 @@ fn best_of(
     let first = moves.iter().find(|&&(_, length)| length <= short);
     first.map(|&(index, _)| index)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::{Function, Written, freudenstein_roth};
+
+    fn vector(entries: &[f64]) -> DVector<f64> {
+        DVector::from_column_slice(entries)
+    }
+
+    fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
+        let problem = || Written {
+            variables: 2,
+            residuals: 2,
+            rows: freudenstein_roth,
+        };
+        let bounds = Bounds::new(&[[-20.0, 20.0], [-6.0, 6.0]]).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let (design, options) = (vector(&[0.5, -2.0]), Options::default());
+        pool.install(|| {
+            multistart(
+                problem,
+                &bounds,
+                &design,
+                starts,
+                1,
+                &options,
+                Control::default(),
+            )
+        })
+    }
+
+    #[test]
+    fn several_starts_find_what_one_does_not() {
+        let one = freudenstein_roth_from(1, 1);
+        assert!(one.best_fit().unwrap().misfit() > 1.0);
+        let several = freudenstein_roth_from(8, 2);
+        assert!((&several.best_fit().unwrap().x - vector(&[5.0, 4.0])).amax() < 1e-9);
+        assert_eq!(several.starts[0], one.starts[0]);
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing() {
+        let one = freudenstein_roth_from(16, 1);
+        for threads in [2, 3] {
+            assert_eq!(freudenstein_roth_from(16, threads), one);
+        }
+    }
+
+    /// Two zeros, at -1 and 0.5: the nearer to the design is kept. Some starts have no residuals.
+    #[test]
+    fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
+        let rows: Function = |x| match x[0] > 1.5 {
+            true => Err(Infeasible::Refused("too far".into())),
+            false => Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])]),
+        };
+        let problem = || Written {
+            variables: 1,
+            residuals: 1,
+            rows,
+        };
+        let bounds = Bounds::new(&[[-3.0, 3.0]]).unwrap();
+        for (design, nearest) in [(-0.4, -1.0), (-0.1, 0.5), (2.5, 0.5)] {
+            let design = vector(&[design]);
+            let found = multistart(
+                problem,
+                &bounds,
+                &design,
+                12,
+                5,
+                &Options::default(),
+                Control::default(),
+            );
+            let best = found.best_fit().unwrap();
+            assert!(
+                (best.x[0] - nearest).abs() < 1e-9,
+                "{} {nearest}",
+                best.x[0]
+            );
+            let failed = found.starts.iter().filter(|start| start.outcome.is_err());
+            assert!(failed.count() > 0);
+        }
+    }
+
+    #[test]
+    fn starting_points_fill_the_box_in_any_dimension() {
+        let ranges: Vec<[f64; 2]> = (0..300)
+            .map(|j| [-f64::from(j), 1.0])
+            .map(|[a, b]| [a - 1.0, b])
+            .collect();
+        let bounds = Bounds::new(&ranges).unwrap();
+        let design = DVector::zeros(300);
+        for j in [0, 255, 256, 299] {
+            let fraction = |index: usize| {
+                let x = starting_point(&bounds, &design, index, 7);
+                (x[j] - bounds.lower()[j]) / bounds.width()[j]
+            };
+            // Sixteen points of the sequence fall into sixteen different sixteenths.
+            let mut cells: Vec<usize> = (1..=16)
+                .map(|index| (fraction(index) * 16.0) as usize)
+                .collect();
+            cells.sort_unstable();
+            assert_eq!(cells, (0..16).collect::<Vec<_>>());
+        }
+        let far = starting_point(&bounds, &design, 70_000, 7);
+        assert_eq!(bounds.nearest(&far), far);
+    }
+}

@@ -54,6 +54,11 @@ impl Evaluation {
     pub(super) fn check(&self) -> Result<(), Infeasible> {
         // Squares of 1e8 such numbers still have a finite sum.
         let usable = |value: &f64| value.abs() < 1e150;
+        // Nearly always all are; looking at all of them at once is faster than stopping at the first.
+        let all = |values: &[f64]| values.iter().fold(true, |all, value| all & usable(value));
+        if all(self.residuals.as_slice()) && all(self.jacobian.as_slice()) {
+            return Ok(());
+        }
         if let Some(row) = self.residuals.iter().position(|value| !usable(value)) {
             let value = self.residuals[row];
             return Err(Infeasible::Residual { row, value });

@@ -83,8 +83,8 @@ fn val_published_minima_are_found() {
     }
 }
 
-/// Central differences are right to about the third power of the step, the square root of the cube
-/// root of rounding away from that.
+/// Central differences with a step h of the cube root of rounding are off by some h^2 = 4e-11 times
+/// third derivatives, which here go up to a thousand.
 #[test]
 fn derivatives_of_the_test_problems_are_right() {
     for published in PUBLISHED {
@@ -266,12 +266,6 @@ fn val_a_planted_design_is_found_through_weak_directions() {
         };
         let fit = run(problem, &[[-0.02, 0.02]; 6], &[0.0; 6], &options);
         let off = (&fit.x - planted).amax();
-        println!(
-            "{off:e} {} iterations {} evaluations, {}",
-            fit.history.len() - 1,
-            fit.evaluations(),
-            fit.termination
-        );
         assert!(off < 1e-9, "seed {seed}: {off:e} after {}", fit.termination);
         assert!(fit.history.len() < 40, "{} iterations", fit.history.len());
     }
@@ -450,195 +444,5 @@ fn random_bounded_problems_end_at_kuhn_tucker_points() {
                 .all(|pair| pair[1].cost <= pair[0].cost)
         );
         assert!(violation(&fit) < 1e-6, "seed {seed}: {:e}", violation(&fit));
-    }
-}
-
-fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
-    let problem = || Written {
-        variables: 2,
-        residuals: 2,
-        rows: freudenstein_roth,
-    };
-    let bounds = Bounds::new(&[[-20.0, 20.0], [-6.0, 6.0]]).unwrap();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap();
-    let (design, options) = (vector(&[0.5, -2.0]), Options::default());
-    pool.install(|| {
-        multistart(
-            problem,
-            &bounds,
-            &design,
-            starts,
-            1,
-            &options,
-            Control::default(),
-        )
-    })
-}
-
-#[test]
-fn several_starts_find_what_one_does_not() {
-    let one = freudenstein_roth_from(1, 1);
-    assert!(one.best_fit().unwrap().misfit() > 1.0);
-    let several = freudenstein_roth_from(8, 2);
-    assert!((&several.best_fit().unwrap().x - vector(&[5.0, 4.0])).amax() < 1e-9);
-    assert_eq!(several.starts[0], one.starts[0]);
-}
-
-#[test]
-fn the_number_of_threads_changes_nothing() {
-    let one = freudenstein_roth_from(16, 1);
-    for threads in [2, 3] {
-        assert_eq!(freudenstein_roth_from(16, threads), one);
-    }
-}
-
-/// Two zeros, at -1 and 0.5: the nearer to the design is kept. Some starts have no residuals.
-#[test]
-fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
-    let rows: Function = |x| match x[0] > 1.5 {
-        true => Err(Infeasible::Refused("too far".into())),
-        false => Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])]),
-    };
-    let problem = || Written {
-        variables: 1,
-        residuals: 1,
-        rows,
-    };
-    let bounds = Bounds::new(&[[-3.0, 3.0]]).unwrap();
-    for (design, nearest) in [(-0.2, -1.0), (0.1, 0.5), (2.5, 0.5)] {
-        let design = vector(&[design]);
-        let found = multistart(
-            problem,
-            &bounds,
-            &design,
-            12,
-            5,
-            &Options::default(),
-            Control::default(),
-        );
-        let best = found.best_fit().unwrap();
-        let distance = |x: f64| (x - design[0]).abs();
-        let expected = if distance(-1.0) < distance(0.5) {
-            -1.0
-        } else {
-            0.5
-        };
-        assert!(
-            (best.x[0] - expected).abs() < 1e-9,
-            "{} {nearest}",
-            best.x[0]
-        );
-        let failed = found.starts.iter().filter(|start| start.outcome.is_err());
-        assert!(failed.count() > 0);
-    }
-}
-
-#[test]
-fn starting_points_fill_the_box_in_any_dimension() {
-    let ranges: Vec<[f64; 2]> = (0..300)
-        .map(|j| [-f64::from(j), 1.0])
-        .map(|[a, b]| [a - 1.0, b])
-        .collect();
-    let bounds = Bounds::new(&ranges).unwrap();
-    let design = DVector::zeros(300);
-    for j in [0, 255, 256, 299] {
-        let fraction = |index: usize| {
-            let x = starting_point(&bounds, &design, index, 7);
-            (x[j] - bounds.lower()[j]) / bounds.width()[j]
-        };
-        // Sixteen points of the sequence fall into sixteen different sixteenths.
-        let mut cells: Vec<usize> = (1..=16)
-            .map(|index| (fraction(index) * 16.0) as usize)
-            .collect();
-        cells.sort_unstable();
-        assert_eq!(cells, (0..16).collect::<Vec<_>>());
-    }
-    let far = starting_point(&bounds, &design, 70_000, 7);
-    assert_eq!(bounds.nearest(&far), far);
-}
-
-/// What an iteration costs without the evaluation; run with `--release --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement"]
-fn speed() {
-    let mut noise = Noise::new(9);
-    for (m, n) in [(82, 6), (82, 20), (1000, 40)] {
-        let a = DMatrix::from_fn(m, n, |_, _| noise.next());
-        let b = DVector::from_fn(m, |_, _| noise.next());
-        let mut solver = BoundedLeastSquares::new(n, m);
-        let width = DVector::repeat(n, 1.0);
-        let (lower, upper) = (vec![-0.02; n], vec![0.02; n]);
-        let far = vec![10.0; n];
-        let near: Vec<f64> = far.iter().map(|f| -f).collect();
-        let time = |name: &str, work: &mut dyn FnMut()| {
-            let begin = std::time::Instant::now();
-            for _ in 0..2000 {
-                work();
-            }
-            println!(
-                "{m} x {n} {name}: {:.2} us",
-                begin.elapsed().as_secs_f64() * 1e6 / 2000.0
-            );
-        };
-        time("reduce", &mut || solver.reduce(&a, &width, &b));
-        time("solve free", &mut || solver.solve(1e-6, &near, &far));
-        time("solve bounded", &mut || solver.solve(1e-6, &lower, &upper));
-        println!(
-            "held {}",
-            solver.holds().iter().filter(|h| **h != Hold::Free).count()
-        );
-        struct Flat {
-            a: DMatrix<f64>,
-            b: DVector<f64>,
-            calls: f64,
-        }
-        impl LeastSquares for Flat {
-            fn variables(&self) -> usize {
-                self.a.ncols()
-            }
-            fn residuals(&self) -> usize {
-                self.a.nrows()
-            }
-            fn evaluate(
-                &mut self,
-                _: &DVector<f64>,
-                into: &mut Evaluation,
-            ) -> Result<(), Infeasible> {
-                self.calls += 1.0;
-                into.residuals.copy_from(&self.b);
-                into.residuals *= 0.999f64.powf(self.calls);
-                into.jacobian.copy_from(&self.a);
-                into.jacobian *= 0.01;
-                Ok(())
-            }
-        }
-        let bounds = Bounds::new(&vec![[-1e3, 1e3]; n]).unwrap();
-        let options = Options {
-            misfit_below: 0.0,
-            reduction_below: 0.0,
-            step_below: 0.0,
-            gradient_below: 0.0,
-            max_iterations: 2000,
-        };
-        let begin = std::time::Instant::now();
-        let found = fit(
-            Flat { a, b, calls: 0.0 },
-            &bounds,
-            &DVector::zeros(n),
-            &options,
-            Control::default(),
-        )
-        .unwrap();
-        let evaluations = found.evaluations();
-        println!(
-            "{m} x {n} run: {:.2} us per iteration, {} iterations {} evaluations {}",
-            begin.elapsed().as_secs_f64() * 1e6 / (found.history.len() as f64),
-            found.history.len(),
-            evaluations,
-            found.termination
-        );
     }
 }

@@ -118,7 +118,7 @@ pub fn history_csv(starts: &Multistart) -> Vec<u8> {
             "step",
             "damping",
             "at_bounds",
-            "rejected",
+            "evaluations",
             "infeasible",
         ])?;
         for (number, start) in starts.starts.iter().enumerate() {
@@ -131,7 +131,7 @@ pub fn history_csv(starts: &Multistart) -> Vec<u8> {
                     shortest(i.step),
                     shortest(i.damping),
                     i.held.to_string(),
-                    i.rejected.to_string(),
+                    i.evaluations.to_string(),
                     i.infeasible.to_string(),
                 ])?;
             }

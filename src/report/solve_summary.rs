@@ -89,6 +89,16 @@ impl SolveSummary {
         table
     }
 
+    /// The values in the design position alone.
+    pub fn design_table(&self) -> Table {
+        let mut table = Table::new(["output", "at design"]);
+        for range in &self.outputs {
+            let value = range.at_design.map_or_else(String::new, brief);
+            table.push([range.output.clone(), value]);
+        }
+        table
+    }
+
     /// One line for each run of stations that failed for one reason.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<(String, usize, String, String)> = Vec::new();

@@ -1,0 +1,77 @@
+//! How a command ends.
+
+use crate::report::WriteError;
+use crate::study::StudyErrors;
+use std::io::{self, ErrorKind, IsTerminal};
+use std::process::ExitCode;
+
+/// The documented exit codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Exit {
+    /// Everything asked for was done.
+    Done = 0,
+    /// It ran, but something could not be solved or written; the rest is there.
+    Incomplete = 1,
+    /// The input or the call is wrong; nothing was written.
+    WrongInput = 2,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        ExitCode::from(exit as u8)
+    }
+}
+
+/// What stops a command before its end.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// Whoever read our output has seen enough.
+    ClosedPipe,
+    /// Something is wrong.
+    Failed {
+        /// For the user.
+        message: String,
+        /// The exit code it leads to.
+        exit: Exit,
+    },
+}
+
+impl Stop {
+    /// The input or the call is wrong.
+    pub(super) fn wrong_input(message: impl std::fmt::Display) -> Self {
+        Stop::Failed {
+            message: format!("error: {message}"),
+            exit: Exit::WrongInput,
+        }
+    }
+
+    /// Results that were computed could not be written.
+    pub(super) fn unwritten(error: WriteError) -> Self {
+        Stop::Failed {
+            message: format!("error: {error}"),
+            exit: Exit::Incomplete,
+        }
+    }
+}
+
+impl From<StudyErrors> for Stop {
+    fn from(errors: StudyErrors) -> Self {
+        Stop::Failed {
+            message: errors.render(io::stderr().is_terminal()),
+            exit: Exit::WrongInput,
+        }
+    }
+}
+
+/// Of standard output and standard error.
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::BrokenPipe => Stop::ClosedPipe,
+            _ => Stop::Failed {
+                message: format!("error: cannot write to standard output: {error}"),
+                exit: Exit::Incomplete,
+            },
+        }
+    }
+}

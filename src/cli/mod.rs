@@ -1,0 +1,109 @@
+//! The command line: arguments, exit codes, progress. The only place that knows clap.
+
+mod check;
+mod exit;
+mod new;
+mod optimise;
+mod output;
+mod progress;
+mod solve;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use exit::{Exit, Stop};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Exact suspension kinematics, and the tuning of hardpoints towards target curves.
+#[derive(Parser)]
+#[command(name = "hardpoint", version, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done; 1 it ran, but something asked for could not be solved \
+                        (the rest is written); 2 the input or the call is wrong (nothing is written).")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Print a commented study that runs as it is
+    New {
+        /// Kind of suspension, such as macpherson
+        topology: String,
+    },
+    /// Read and validate a study, print what it will compute and why, solve the design position
+    Check(StudyArguments),
+    /// Curves over the motion
+    Solve(RunArguments),
+    /// Tune the hardpoints towards the targets
+    #[command(alias = "optimize")]
+    Optimise(RunArguments),
+}
+
+/// What names a study.
+#[derive(Args)]
+struct StudyArguments {
+    /// The study file (TOML)
+    study: PathBuf,
+    /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// How tables are printed
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    format: TableFormat,
+}
+
+/// What a run needs besides.
+#[derive(Args)]
+struct RunArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Directory for the results, or - for the main CSV on standard output [default: out/<study>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TableFormat {
+    Text,
+    Csv,
+    Json,
+}
+
+impl From<TableFormat> for crate::report::Format {
+    fn from(format: TableFormat) -> Self {
+        match format {
+            TableFormat::Text => Self::Text,
+            TableFormat::Csv => Self::Csv,
+            TableFormat::Json => Self::Json,
+        }
+    }
+}
+
+/// Runs the command line and says how it ended.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are errors to clap, too. A closed pipe is not ours to report.
+            let _ = error.print();
+            return if error.use_stderr() { Exit::WrongInput } else { Exit::Done }.into();
+        }
+    };
+    let ended = match arguments.command {
+        Command::New { topology } => new::run(&topology),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Optimise(arguments) => optimise::run(&arguments),
+    };
+    match ended {
+        Ok(exit) => exit.into(),
+        Err(Stop::ClosedPipe) => Exit::Done.into(),
+        Err(Stop::Failed { message, exit }) => {
+            eprintln!("{}", message.trim_end());
+            exit.into()
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! `hardpoint optimise`
+
+use super::RunArguments;
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault, pool};
+use super::progress;
+use crate::curves::curves;
+use crate::model::Suspension;
+use crate::optimise::{Control, Tuning, tune};
+use crate::plan::Plan;
+use crate::report::{TuningSummary, curves_csv, history_csv};
+use crate::study::{Optimise, Study};
+use std::sync::atomic::Ordering;
+
+pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read(path, &arguments.study.set)?;
+    let Some(optimise) = &study.optimise else {
+        return Err(Stop::wrong_input(format!(
+            "{}: there is no [optimise] section, which says what may move and what is wanted",
+            path.display()
+        )));
+    };
+    let pool = pool(arguments)?;
+    // Solved first: a design that is wrong must be known before anything is written.
+    let plan = Plan::with_targets(&study);
+    let fault = |fault| design_fault(&study, path, &fault);
+    let before = curves(&study.suspension, &plan).map_err(fault)?;
+    let output = Output::open(arguments, &study)?;
+    let tuning = pool.install(|| tune_with_progress(&study, optimise)).map_err(fault)?;
+    let summary = TuningSummary::of(&study, optimise, &tuning);
+
+    let length = study.suspension.length_unit;
+    let mut complete = true;
+    let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
+    output.file("curves_before.csv", &curves_csv(&before, &plan, length))?;
+    output.file("history.csv", &history_csv(&tuning.starts))?;
+    output.json("summary.json", &summary)?;
+    if let Some(best) = &tuning.best {
+        let tuned = Suspension {
+            design: best.design.clone(),
+            ..study.suspension.clone()
+        };
+        let after = curves(&tuned, &plan).map_err(fault)?;
+        complete &= after.failed() == 0;
+        output.main_csv("curves.csv", &curves_csv(&after, &plan, length))?;
+        output.file("optimised.toml", study.with_design(&best.design).as_bytes())?;
+        files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
+    } else {
+        complete = false;
+    }
+
+    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
+    if output.is_text() && tuning.best.is_some() {
+        output.table(&summary.targets_table())?;
+        output.say("\n  rms and worst in tolerances\n\n")?;
+    }
+    if tuning.best.is_some() {
+        output.table(&summary.variables_table())?;
+    }
+    for combination in summary.unseen() {
+        output.say(&format!("\n  the targets cannot tell apart: {combination}\n"))?;
+    }
+    if output.is_text() {
+        output.say("\n")?;
+        output.table(&summary.starts_table())?;
+    }
+    output.farewell(&files)?;
+    let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
+    Ok(match complete && !interrupted {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}
+
+fn tune_with_progress(
+    study: &Study,
+    optimise: &Optimise,
+) -> Result<Tuning, crate::kinematics::DesignFault> {
+    let line = progress::line(optimise.starts as u64, "starts");
+    let watch = |start: usize, iteration: &crate::optimise::Iteration| {
+        if iteration.iteration == 0 {
+            line.inc(1);
+        }
+        line.set_message(format!("start {start}: misfit {:.3}", iteration.misfit));
+    };
+    let control = Control {
+        interrupt: Some(progress::interrupt_flag()),
+        watch: (!line.is_hidden()).then_some(&watch),
+    };
+    let tuning = tune(&study.suspension, &study.motion, optimise, control);
+    line.finish_and_clear();
+    tuning
+}

@@ -1,0 +1,109 @@
+//! Where a run's results go: a directory with a summary on standard output, or the main CSV on
+//! standard output with everything else on standard error.
+
+use super::RunArguments;
+use super::exit::Stop;
+use crate::kinematics::DesignFault;
+use crate::report::{Format, RunDirectory, Table};
+use crate::study::Study;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+pub(super) struct Output {
+    directory: Option<RunDirectory>,
+    format: Format,
+}
+
+impl Output {
+    /// Opens the output, so that a place that cannot be written is known before the work is done.
+    pub(super) fn open(arguments: &RunArguments, study: &Study) -> Result<Self, Stop> {
+        let path = match &arguments.out {
+            Some(path) if path == Path::new("-") => None,
+            Some(path) => Some(path.clone()),
+            None => Some(PathBuf::from("out").join(&study.name)),
+        };
+        let directory = path.map(|path| RunDirectory::create(&path)).transpose();
+        Ok(Output {
+            directory: directory.map_err(Stop::wrong_input)?,
+            format: arguments.study.format.into(),
+        })
+    }
+
+    /// Writes the main CSV: to the directory under this name, or to standard output.
+    pub(super) fn main_csv(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
+            None => Ok(io::stdout().write_all(contents)?),
+        }
+    }
+
+    /// Writes another file, where there is a directory.
+    pub(super) fn file(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a summary as JSON.
+    pub(super) fn json(&self, name: &str, summary: &impl serde::Serialize) -> Result<(), Stop> {
+        let text = serde_json::to_string_pretty(summary).expect("summaries are plain data");
+        self.file(name, (text + "\n").as_bytes())
+    }
+
+    /// Whether the summary is for reading.
+    pub(super) fn is_text(&self) -> bool {
+        self.format == Format::Text
+    }
+
+    /// Prints text of the summary. With another format than text only tables are printed, so that
+    /// standard output can be read by a program; the rest goes to standard error.
+    pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
+        if self.directory.is_some() && self.is_text() {
+            io::stdout().write_all(text.as_bytes())?;
+        } else {
+            io::stderr().write_all(text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Prints a table of the summary.
+    pub(super) fn table(&self, table: &Table) -> Result<(), Stop> {
+        let text = table.render(self.format);
+        match self.directory {
+            Some(_) => io::stdout().write_all(text.as_bytes())?,
+            None => io::stderr().write_all(text.as_bytes())?,
+        }
+        Ok(())
+    }
+
+    /// Says where the results are.
+    pub(super) fn farewell(&self, files: &[&str]) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => self.say(&format!(
+                "\n{}: {}\n",
+                directory.path().display(),
+                files.join(", ")
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The rayon pool of a run.
+pub(super) fn pool(arguments: &RunArguments) -> Result<rayon::ThreadPool, Stop> {
+    let threads = arguments.threads.map_or(0, std::num::NonZeroUsize::get);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Stop::wrong_input(format!("cannot start {threads} threads: {e}")))
+}
+
+/// A design that cannot be solved is a mistake of the study.
+pub(super) fn design_fault(study: &Study, path: &Path, fault: &DesignFault) -> Stop {
+    Stop::wrong_input(format!(
+        "{}: {}",
+        path.display(),
+        fault.describe(&study.suspension.mechanism)
+    ))
+}

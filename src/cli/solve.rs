@@ -1,0 +1,48 @@
+//! `hardpoint solve`
+
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault};
+use super::RunArguments;
+use crate::curves::curves;
+use crate::plan::Plan;
+use crate::report::{SolveSummary, curves_csv, sensitivities_csv};
+use crate::study::Study;
+
+pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read(path, &arguments.study.set)?;
+    let plan = Plan::of(&study);
+    let suspension = &study.suspension;
+    let curves =
+        curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
+    let output = Output::open(arguments, &study)?;
+
+    let length = suspension.length_unit;
+    let summary = SolveSummary::of(&study, &curves);
+    let mut files = vec!["curves.csv"];
+    output.main_csv("curves.csv", &curves_csv(&curves, &plan, length))?;
+    if !plan.sensitivities.is_empty() {
+        let csv = sensitivities_csv(&curves, &plan, &suspension.mechanism, length);
+        output.file("sensitivities.csv", &csv)?;
+        files.push("sensitivities.csv");
+    }
+    output.json("summary.json", &summary)?;
+    files.push("summary.json");
+
+    output.say(&format!(
+        "{}: {}, {} of {} stations solved\n\n",
+        study.name,
+        suspension.mechanism.topology.name,
+        curves.stations.len() - curves.failed(),
+        curves.stations.len()
+    ))?;
+    output.table(&summary.table())?;
+    for failure in summary.failures() {
+        output.say(&format!("\nnot solved: {failure}\n"))?;
+    }
+    output.farewell(&files)?;
+    Ok(match curves.failed() {
+        0 => Exit::Done,
+        _ => Exit::Incomplete,
+    })
+}

@@ -1,0 +1,5 @@
+//! The command `hardpoint`.
+
+fn main() -> std::process::ExitCode {
+    hardpoint::cli::run()
+}

@@ -7,9 +7,9 @@
 use super::{Formula, Info, Inputs, Slot, Unit, angles};
 use crate::number::{Jet, Real, Vector3};
 
-#[inline(always)]
+#[inline]
 fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
-    #[inline(always)]
+    #[inline]
     fn along<T: Real>(now: Vector3<T>, rate: Vector3<T>) -> Vector3<Jet<T, 2>> {
         Vector3::new(
             Jet([now.x, rate.x]),
@@ -40,7 +40,7 @@ macro_rules! gain {
                 reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                 needs: &[],
             };
-            #[inline(always)]
+            #[inline]
             fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
                 by_travel::<angles::$angle, T>(inputs)
             }

@@ -16,9 +16,11 @@ mod instant_centre;
 mod steering;
 mod track;
 mod unit;
+mod view;
 mod wheel;
 
 pub use unit::Unit;
+pub use view::{Quantity, View};
 pub use wheel::{Constants, Inputs, Slot, Wheel};
 
 use crate::number::{Dual, Real, Vector3};
@@ -93,10 +95,18 @@ macro_rules! catalogue {
             }
 
             /// The value, from the wheel's position and rates.
-            #[inline(always)]
+            #[inline]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
                     $(Characteristic::$variant => <$formula as Formula>::evaluate(inputs),)*
+                }
+            }
+
+            /// The derivatives by everything the formula reads.
+            #[inline]
+            pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> Gradient<T> {
+                match self {
+                    $(Characteristic::$variant => gradient_of::<$formula, T>(inputs),)*
                 }
             }
         }
@@ -136,31 +146,19 @@ impl Characteristic {
     pub fn named(name: &str) -> Option<Characteristic> {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
     }
+}
 
-    /// The value with its derivatives by everything the formula reads.
-    #[inline(always)]
-    pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
-        match self.info().reads.len() {
-            1 => self.gradient_by::<T, 3>(inputs),
-            2 => self.gradient_by::<T, 6>(inputs),
-            3 => self.gradient_by::<T, 9>(inputs),
-            _ => self.gradient_by::<T, 12>(inputs),
-        }
+/// The derivatives of a formula by everything it reads, slot by slot.
+#[inline(never)]
+fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
+    let constant = inputs.map(Dual::<T, 3>::constant);
+    let mut gradient = [inputs.turn.zero(); Slot::MOST];
+    for (place, slot) in gradient.iter_mut().zip(F::INFO.reads) {
+        let mut seeded = constant;
+        slot.seed(&mut seeded);
+        *place = Vector3::from(F::evaluate(&seeded).partials);
     }
-
-    #[inline(always)]
-    fn gradient_by<T: Real, const N: usize>(self, inputs: &Inputs<T>) -> (T, Gradient<T>) {
-        let mut seeded = inputs.map(Dual::<T, N>::constant);
-        for (place, slot) in self.info().reads.iter().enumerate() {
-            slot.seed(&mut seeded, 3 * place);
-        }
-        let Dual { value, partials } = self.evaluate(&seeded);
-        let mut gradient = [Vector3::new(value, value, value).zero(); Slot::MOST];
-        for (place, part) in partials.chunks_exact(3).enumerate() {
-            gradient[place] = Vector3::new(part[0], part[1], part[2]);
-        }
-        (value, gradient)
-    }
+    gradient
 }
 
 #[cfg(test)]
@@ -186,7 +184,7 @@ mod tests {
             assert!(before.is_finite(), "{}", c.info().name);
             for slot in Slot::ALL {
                 let mut moved = plain.map(Dual::<f64, 3>::constant);
-                slot.seed(&mut moved, 0);
+                slot.seed(&mut moved);
                 let partials = c.evaluate(&moved).partials;
                 let depends = partials.iter().any(|p| *p != 0.0);
                 assert_eq!(

@@ -1,6 +1,6 @@
 //! What the formulas read: the wheel, its steering axis and their rates.
 
-use crate::number::{Real, Vector3};
+use crate::number::{Dual, Real, Vector3};
 
 /// Wheel and steering axis in one position, or their rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,13 +108,9 @@ impl Slot {
         )
     }
 
-    /// Makes this slot of `inputs` the independent variables `first`, `first + 1`, `first + 2`.
-    #[inline(always)]
-    pub(super) fn seed<T: Real, const N: usize>(
-        self,
-        inputs: &mut Inputs<crate::number::Dual<T, N>>,
-        first: usize,
-    ) {
+    /// Makes this slot of `inputs` the independent variables.
+    #[inline]
+    pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>) {
         let vector = match self {
             Slot::SpinAxis => &mut inputs.now.spin_axis,
             Slot::Centre => &mut inputs.now.centre,
@@ -131,19 +127,19 @@ impl Slot {
                     Slot::SpringLength => &mut inputs.now.spring_length,
                     _ => &mut inputs.rate.spring_length,
                 };
-                length.partials[first] = length.value.one();
+                length.partials[0] = length.value.one();
                 return;
             }
         };
-        vector.x.partials[first] = vector.x.value.one();
-        vector.y.partials[first + 1] = vector.y.value.one();
-        vector.z.partials[first + 2] = vector.z.value.one();
+        vector.x.partials[0] = vector.x.value.one();
+        vector.y.partials[1] = vector.y.value.one();
+        vector.z.partials[2] = vector.z.value.one();
     }
 }
 
 impl<T: Real> Wheel<T> {
     /// The wheel over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Wheel<U> {
         Wheel {
             spin_axis: self.spin_axis.map(&mut f),
@@ -156,7 +152,7 @@ impl<T: Real> Wheel<T> {
 
     /// From the wheel centre to the contact point: in the wheel plane, straight down, as long as the
     /// loaded radius. C - W = -r (z - (z.a) a)/|z - (z.a) a|
-    #[inline(always)]
+    #[inline]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
         let a = self.spin_axis;
         let down = Vector3::new(a.z * a.x, a.z * a.y, a.z * a.z - a.z.one());
@@ -164,14 +160,14 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The contact point C.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
         self.centre + self.contact_lever(radius)
     }
 
     /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
     /// to it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
         let a = self.spin_axis;
         let zero = a.x.zero();
@@ -183,7 +179,7 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The point of the steering axis at this height.
-    #[inline(always)]
+    #[inline]
     pub(super) fn steering_axis_at(&self, height: T) -> Vector3<T> {
         let (point, along) = (self.steering_point, self.steering_direction);
         point + along * ((height - point.z) / along.z)
@@ -192,7 +188,7 @@ impl<T: Real> Wheel<T> {
 
 impl<T: Real> Inputs<T> {
     /// The inputs over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Inputs<U> {
         Inputs {
             now: self.now.map(&mut f),
@@ -204,14 +200,14 @@ impl<T: Real> Inputs<T> {
     }
 
     /// The contact point in the present pose.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_point(&self) -> Vector3<T> {
         self.now.contact_point(self.constants.wheel_radius)
     }
 
     /// Velocity of the knuckle-fixed point that is at the contact point now: the wheel is taken as
     /// locked to the knuckle.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);
         self.rate.centre + self.turn.cross(lever)

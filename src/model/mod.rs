@@ -115,6 +115,16 @@ pub enum ClosedForm {
     Strut,
 }
 
+/// What drives the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The height of the wheel centre above its design position.
+    Travel,
+    /// The angle of the first control arm from its design position, about its axis taken pointing
+    /// forward: positive raises the outer end of a transverse arm.
+    ArmAngle,
+}
+
 /// The structure of a suspension without its dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanism {

@@ -1,7 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
 use super::Real;
-use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -15,7 +14,7 @@ pub struct Dual<T, const N: usize> {
 
 impl<T: Real, const N: usize> Dual<T, N> {
     /// A constant: it depends on none of the inputs.
-    #[inline(always)]
+    #[inline]
     pub fn constant(value: T) -> Self {
         Dual {
             value,
@@ -24,119 +23,138 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 
     /// Input number `index`, at `value`.
-    #[inline(always)]
+    #[inline]
     pub fn input(value: T, index: usize) -> Self {
-        Dual {
-            value,
-            partials: from_fn(|i| {
-                if i == index {
-                    value.one()
-                } else {
-                    value.zero()
-                }
-            }),
-        }
+        let mut input = Dual::constant(value);
+        input.partials[index] = value.one();
+        input
     }
 
-    #[inline(always)]
+    #[inline]
     fn chain(self, value: T, slope: T) -> Self {
-        Dual {
-            value,
-            partials: self.partials.map(|p| p * slope),
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = *p * slope;
         }
+        Dual { value, partials }
     }
 }
 
 impl<T: Real, const N: usize> Add for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p + q;
+        }
         Dual {
             value: self.value + other.value,
-            partials: from_fn(|i| self.partials[i] + other.partials[i]),
+            partials,
         }
     }
 }
 
 impl<T: Real, const N: usize> Sub for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p - q;
+        }
         Dual {
             value: self.value - other.value,
-            partials: from_fn(|i| self.partials[i] - other.partials[i]),
+            partials,
         }
     }
 }
 
 impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = -*p;
+        }
         Dual {
             value: -self.value,
-            partials: self.partials.map(|p| -p),
+            partials,
         }
     }
 }
 
 impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p * other.value + self.value * q;
+        }
         Dual {
             value: self.value * other.value,
-            partials: from_fn(|i| self.partials[i] * other.value + self.value * other.partials[i]),
+            partials,
         }
     }
 }
 
 impl<T: Real, const N: usize> Div for Dual<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
-        Dual {
-            value,
-            partials: from_fn(|i| (self.partials[i] - value * other.partials[i]) * inverse),
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = (*p - value * q) * inverse;
         }
+        Dual { value, partials }
     }
 }
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
-    #[inline(always)]
+    #[inline]
     fn lit(self, value: f64) -> Self {
         Dual::constant(self.value.lit(value))
     }
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, root.lit(0.5) / root)
     }
-    #[inline(always)]
+    #[inline]
     fn asin(self) -> Self {
         let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
         self.chain(self.value.asin(), slope)
     }
-    #[inline(always)]
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(x.partials) {
+            *p = *p * by_y + q * by_x;
+        }
         Dual {
             value: self.value.atan2(x.value),
-            partials: from_fn(|i| self.partials[i] * by_y + x.partials[i] * by_x),
+            partials,
         }
     }
-    #[inline(always)]
+    #[inline]
     fn value(self) -> f64 {
         self.value.value()
     }
-    #[inline(always)]
+    #[inline]
     fn scaled(self, factor: f64) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = p.scaled(factor);
+        }
         Dual {
             value: self.value.scaled(factor),
-            partials: self.partials.map(|p| p.scaled(factor)),
+            partials,
         }
     }
 }

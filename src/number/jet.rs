@@ -2,10 +2,10 @@
 //!
 //! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
 //! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2).
+//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
+//! the compiler ten times as much.
 
 use super::Real;
-use std::array::from_fn;
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -14,50 +14,48 @@ pub struct Jet<T, const N: usize>(pub [T; N]);
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// A constant: every derivative is zero.
-    #[inline(always)]
+    #[inline]
     pub fn constant(value: T) -> Self {
-        Jet(from_fn(|k| if k == 0 { value } else { value.zero() }))
+        let mut series = [value.zero(); N];
+        series[0] = value;
+        Jet(series)
     }
 
     /// The variable itself, at `value`: first derivative one.
-    #[inline(always)]
+    #[inline]
     pub fn variable(value: T) -> Self {
-        Jet(from_fn(|k| match k {
-            0 => value,
-            1 => value.one(),
-            _ => value.zero(),
-        }))
+        let mut series = Jet::constant(value);
+        if N > 1 {
+            series.0[1] = value.one();
+        }
+        series
     }
 
     /// The `order`-th derivative.
-    #[inline(always)]
+    #[inline]
     pub fn derivative(&self, order: usize) -> T {
         const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
         self.0[order].scaled(FACTORIAL[order])
     }
 
     /// The derivative as a series. Its highest coefficient is unknown and given as zero.
-    #[inline(always)]
+    #[inline]
     pub fn differentiated(self) -> Self {
-        Jet(from_fn(|k| {
-            if k + 1 < N {
-                self.0[k + 1].scaled((k + 1) as f64)
-            } else {
-                self.0[0].zero()
-            }
-        }))
+        let mut rate = [self.0[0].zero(); N];
+        for k in 1..N {
+            rate[k - 1] = self.0[k].scaled(k as f64);
+        }
+        Jet(rate)
     }
 
     /// The series whose derivative is `rate` and whose constant is `value`.
-    #[inline(always)]
+    #[inline]
     fn integrated(value: T, rate: Self) -> Self {
-        Jet(from_fn(|k| {
-            if k == 0 {
-                value
-            } else {
-                rate.0[k - 1].scaled(1.0 / k as f64)
-            }
-        }))
+        let mut series = [value; N];
+        for k in 1..N {
+            series[k] = rate.0[k - 1].scaled(1.0 / k as f64);
+        }
+        Jet(series)
     }
 }
 
@@ -80,7 +78,7 @@ impl<const N: usize> Jet<f64, N> {
 
 impl<T, const N: usize> Index<usize> for Jet<T, N> {
     type Output = T;
-    #[inline(always)]
+    #[inline]
     fn index(&self, order: usize) -> &T {
         &self.0[order]
     }
@@ -88,45 +86,58 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
 
 impl<T: Real, const N: usize> Add for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
-        Jet(from_fn(|k| self.0[k] + other.0[k]))
+        let mut sum = self.0;
+        for (s, o) in sum.iter_mut().zip(other.0) {
+            *s = *s + o;
+        }
+        Jet(sum)
     }
 }
 
 impl<T: Real, const N: usize> Sub for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
-        Jet(from_fn(|k| self.0[k] - other.0[k]))
+        let mut difference = self.0;
+        for (d, o) in difference.iter_mut().zip(other.0) {
+            *d = *d - o;
+        }
+        Jet(difference)
     }
 }
 
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
-        Jet(self.0.map(|c| -c))
+        let mut negative = self.0;
+        for c in &mut negative {
+            *c = -*c;
+        }
+        Jet(negative)
     }
 }
 
 impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
-        Jet(from_fn(|k| {
-            let mut sum = self.0[0] * other.0[k];
+        let mut product = self.0;
+        for (k, p) in product.iter_mut().enumerate() {
+            *p = self.0[0] * other.0[k];
             for i in 1..=k {
-                sum = sum + self.0[i] * other.0[k - i];
+                *p = *p + self.0[i] * other.0[k - i];
             }
-            sum
-        }))
+        }
+        Jet(product)
     }
 }
 
 impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
@@ -141,12 +152,12 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
-    #[inline(always)]
+    #[inline]
     fn lit(self, value: f64) -> Self {
         Jet::constant(self.0[0].lit(value))
     }
 
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         let mut root = self.0;
         root[0] = self.0[0].sqrt();
@@ -161,7 +172,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet(root)
     }
 
-    #[inline(always)]
+    #[inline]
     fn asin(self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
@@ -170,7 +181,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].asin(), rate)
     }
 
-    #[inline(always)]
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));
@@ -180,14 +191,18 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].atan2(x.0[0]), rate)
     }
 
-    #[inline(always)]
+    #[inline]
     fn value(self) -> f64 {
         self.0[0].value()
     }
 
-    #[inline(always)]
+    #[inline]
     fn scaled(self, factor: f64) -> Self {
-        Jet(self.0.map(|c| c.scaled(factor)))
+        let mut scaled = self.0;
+        for c in &mut scaled {
+            *c = c.scaled(factor);
+        }
+        Jet(scaled)
     }
 }
 

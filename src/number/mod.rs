@@ -39,45 +39,45 @@ pub trait Real:
     fn value(self) -> f64;
 
     /// Zero, in the shape of `self`.
-    #[inline(always)]
+    #[inline]
     fn zero(self) -> Self {
         self.lit(0.0)
     }
     /// One, in the shape of `self`.
-    #[inline(always)]
+    #[inline]
     fn one(self) -> Self {
         self.lit(1.0)
     }
     /// `self` times itself.
-    #[inline(always)]
+    #[inline]
     fn squared(self) -> Self {
         self * self
     }
     /// `self` times a plain constant.
-    #[inline(always)]
+    #[inline]
     fn scaled(self, factor: f64) -> Self {
         self * self.lit(factor)
     }
 }
 
 impl Real for f64 {
-    #[inline(always)]
+    #[inline]
     fn lit(self, value: f64) -> Self {
         value
     }
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
     }
-    #[inline(always)]
+    #[inline]
     fn asin(self) -> Self {
         f64::asin(self)
     }
-    #[inline(always)]
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         f64::atan2(self, x)
     }
-    #[inline(always)]
+    #[inline]
     fn value(self) -> f64 {
         self
     }

@@ -27,6 +27,7 @@ mod value;
 pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
+pub use crate::model::Drive;
 use crate::model::{Axis, PointId, Suspension};
 
 /// A study, resolved and validated.
@@ -46,16 +47,6 @@ pub struct Study {
     pub outputs: Outputs,
     /// The optimisation, if the study has one.
     pub optimise: Option<Optimise>,
-}
-
-/// What drives the mechanism.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
-    /// The height of the wheel centre above its design position.
-    Travel,
-    /// The angle of the first control arm from its design position, about its axis taken pointing
-    /// forward: positive raises the outer end of a transverse arm.
-    ArmAngle,
 }
 
 /// The motion: every combination of a drive value and a rack displacement.

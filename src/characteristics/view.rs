@@ -1,0 +1,269 @@
+//! What can be read off a pose: values along the motion and gradients by the hardpoints.
+
+use super::{Characteristic, Constants, Gradient, Inputs, Slot, Wheel};
+use crate::kinematics::{Linearised, Posture, Seeds};
+use crate::model::{Axis, PointId, Suspension};
+use crate::number::{Jet, Real, Vector3};
+
+/// Something that has a value in every pose. In the kernel's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// A wheel characteristic.
+    Characteristic(Characteristic),
+    /// A coordinate of a point.
+    Coordinate(PointId, Axis),
+    /// A component of the knuckle's angular velocity by the drive. Its first derivative is the angular
+    /// acceleration.
+    AngularVelocity(Axis),
+}
+
+impl Quantity {
+    /// Derivatives by the drive that the value itself takes: 1 for what is made of velocities, else 0.
+    pub fn depth(self) -> usize {
+        match self {
+            Quantity::Characteristic(c) => c.info().reads_rates() as usize,
+            Quantity::Coordinate(..) => 0,
+            Quantity::AngularVelocity(_) => 1,
+        }
+    }
+
+    /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
+    /// changes its value. (Characteristics made of velocities are ratios of them.)
+    pub fn is_rate(self) -> bool {
+        matches!(self, Quantity::AngularVelocity(_))
+    }
+}
+
+/// A pose, made ready for reading. `N` coefficients of every series are known.
+pub struct View<const N: usize> {
+    inputs: Inputs<Jet<f64, N>>,
+}
+
+/// The component of a vector.
+#[inline]
+fn component<T: Copy>(v: Vector3<T>, axis: Axis) -> T {
+    v.to_array()[axis as usize]
+}
+
+/// The vector with this one component.
+#[inline]
+fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
+    let mut components = [value.zero(); 3];
+    components[axis as usize] = value;
+    Vector3::from(components)
+}
+
+impl<const N: usize> View<N> {
+    /// Reads wheel and steering axis off a posture. `constants` are those of the suspension.
+    #[inline]
+    pub fn of(at: &Posture<Jet<f64, N>>, constants: Constants) -> Self {
+        let now = wheel(at);
+        let rate = now.map(Jet::differentiated);
+        View {
+            inputs: Inputs {
+                now,
+                rate,
+                turn: if N > 1 {
+                    at.angular_velocity()
+                } else {
+                    rate.centre.zero()
+                },
+                design: designed_wheel(at),
+                constants,
+            },
+        }
+    }
+
+    /// The value along the motion; the last [`Quantity::depth`] coefficients are unknown.
+    #[inline]
+    pub fn value(&self, at: &Posture<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
+        match quantity {
+            Quantity::Characteristic(c) => c.evaluate(&self.inputs),
+            Quantity::Coordinate(point, axis) => component(at.point(point), axis),
+            Quantity::AngularVelocity(axis) => component(self.inputs.turn, axis),
+        }
+    }
+
+    /// The derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every
+    /// hardpoint coordinate. `buffer` has a place for each point; `receive` gets every order and point
+    /// with the gradient.
+    ///
+    /// A quantity y(u, u') made of velocities has dy/dp = h.u_p + g.u_p' with h and g its derivatives by
+    /// u and u'. An adjoint pass yields the series of S.u_p for any seed series S; with
+    /// S_i = h_(i-1) + (j+1-i) g_i its coefficient j+1 is the coefficient j of dy/dp:
+    /// sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n.
+    #[inline]
+    pub fn gradients(
+        &self,
+        linearised: &Linearised<'_, N>,
+        quantity: Quantity,
+        highest: usize,
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        mut receive: impl FnMut(usize, PointId, Vector3<f64>),
+    ) {
+        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        match quantity {
+            Quantity::Coordinate(point, axis) => {
+                buffer.fill(zero);
+                linearised.gradient(buffer, |seeds| {
+                    seeds.point(point, along(axis, Jet::constant(1.0)));
+                });
+                for order in 0..=highest {
+                    for (point, series) in buffer.iter().enumerate() {
+                        receive(order, PointId(point), series.map(|c| c.derivative(order)));
+                    }
+                }
+            }
+            Quantity::Characteristic(c) if !c.info().reads_rates() => {
+                let gradient = c.gradient(&self.inputs);
+                buffer.fill(zero);
+                linearised.gradient(buffer, |seeds| {
+                    for (slot, seed) in c.info().reads.iter().zip(gradient) {
+                        slot.push(seed, &linearised.at, seeds);
+                    }
+                });
+                for order in 0..=highest {
+                    for (point, series) in buffer.iter().enumerate() {
+                        receive(order, PointId(point), series.map(|c| c.derivative(order)));
+                    }
+                }
+            }
+            Quantity::Characteristic(c) => {
+                let gradient = c.gradient(&self.inputs);
+                self.velocity_gradients(
+                    linearised,
+                    c.info().reads,
+                    gradient,
+                    highest,
+                    buffer,
+                    receive,
+                );
+            }
+            Quantity::AngularVelocity(axis) => {
+                let mut gradient = [zero; Slot::MOST];
+                gradient[0] = along(axis, Jet::constant(1.0));
+                self.velocity_gradients(
+                    linearised,
+                    &[Slot::Turn],
+                    gradient,
+                    highest,
+                    buffer,
+                    receive,
+                );
+            }
+        }
+    }
+
+    fn velocity_gradients(
+        &self,
+        linearised: &Linearised<'_, N>,
+        reads: &[Slot],
+        gradient: Gradient<Jet<f64, N>>,
+        highest: usize,
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        mut receive: impl FnMut(usize, PointId, Vector3<f64>),
+    ) {
+        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        for order in 0..=highest {
+            let shifted =
+                |h: Jet<f64, N>| Jet(std::array::from_fn(|i| if i == 0 { 0.0 } else { h[i - 1] }));
+            let by_rate = |g: Jet<f64, N>| {
+                Jet(std::array::from_fn(|i| {
+                    g[i] * (order as f64 + 1.0 - i as f64)
+                }))
+            };
+            buffer.fill(zero);
+            linearised.gradient(buffer, |seeds| {
+                for (slot, seed) in reads.iter().zip(gradient) {
+                    let seed = if slot.is_rate() {
+                        if *slot == Slot::Turn {
+                            // dw = d(turn)' + d(turn) x w, so g.dw has the part d(turn).(w x g).
+                            seeds.turn(self.inputs.turn.cross(seed).map(shifted));
+                        }
+                        seed.map(by_rate)
+                    } else {
+                        seed.map(shifted)
+                    };
+                    slot.push(seed, &linearised.at, seeds);
+                }
+            });
+            // Coefficient j+1 of the series, as the j-th derivative of the quantity: times j!.
+            let share = 1.0 / (order + 1) as f64;
+            for (point, series) in buffer.iter().enumerate() {
+                let gradient = series.map(|c| c.derivative(order + 1) * share);
+                receive(order, PointId(point), gradient);
+            }
+        }
+    }
+}
+
+impl Slot {
+    /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
+    #[inline]
+    fn push<T: Real>(self, seed: Vector3<T>, at: &Posture<T>, seeds: &mut Seeds<'_, '_, T>) {
+        let mechanism = at.mechanism;
+        match self {
+            Slot::SpinAxis | Slot::SpinAxisRate => seeds.spin_axis(seed),
+            Slot::Centre | Slot::CentreRate => seeds.point(mechanism.wheel_centre, seed),
+            Slot::SteeringPoint => seeds.point(mechanism.steering_axis.lower, seed),
+            Slot::SteeringDirection | Slot::SteeringDirectionRate => {
+                seeds.point(mechanism.steering_axis.upper, seed);
+                seeds.point(mechanism.steering_axis.lower, -seed);
+            }
+            Slot::SpringLength | Slot::SpringLengthRate => {
+                if let Some(spring) = mechanism.spring {
+                    let along = (at.point(spring.upper) - at.point(spring.lower)).normalised();
+                    seeds.point(spring.upper, along * seed.x);
+                    seeds.point(spring.lower, -(along * seed.x));
+                }
+            }
+            Slot::Turn => seeds.turn(seed),
+            Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
+            Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
+        }
+    }
+}
+
+/// Wheel and steering axis in a posture.
+#[inline]
+fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
+    let mechanism = at.mechanism;
+    let steering_point = at.point(mechanism.steering_axis.lower);
+    Wheel {
+        spin_axis: at.spin_axis(),
+        centre: at.point(mechanism.wheel_centre),
+        steering_point,
+        steering_direction: at.point(mechanism.steering_axis.upper) - steering_point,
+        spring_length: match mechanism.spring {
+            Some(spring) => (at.point(spring.upper) - at.point(spring.lower)).norm(),
+            None => at.rack.zero(),
+        },
+    }
+}
+
+/// Wheel and steering axis in the design position.
+#[inline]
+fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
+    let mechanism = at.mechanism;
+    let steering_point = at.designed(mechanism.steering_axis.lower);
+    Wheel {
+        spin_axis: at.designed_spin_axis(),
+        centre: at.designed(mechanism.wheel_centre),
+        steering_point,
+        steering_direction: at.designed(mechanism.steering_axis.upper) - steering_point,
+        spring_length: at.rack.zero(),
+    }
+}
+
+impl Constants {
+    /// The figures of a suspension.
+    pub fn of(suspension: &Suspension) -> Self {
+        let vehicle = suspension.vehicle;
+        Constants {
+            wheel_radius: suspension.wheel_radius.unwrap_or(0.0),
+            wheelbase: vehicle.wheelbase.unwrap_or(0.0),
+            cg_height: vehicle.cg_height.unwrap_or(0.0),
+            brake_share_front: vehicle.brake_share_front.unwrap_or(0.0),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Columns of the results: names that say what a number is and in what unit.
+
+use crate::characteristics::Quantity;
+use crate::model::{Axis, Drive, LengthUnit};
+use crate::plan::{Output, Plan};
+
+/// A column of values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Name with unit, as in `camber_d1_deg_per_mm`.
+    pub name: String,
+    /// The quantity's name without order and unit.
+    pub output: String,
+    /// The unit alone, as in `deg_per_mm`; empty for a plain number.
+    pub unit: String,
+    /// Derivative by the drive or by time.
+    pub order: usize,
+    /// Index of the output in the plan.
+    pub(super) of: usize,
+    /// What a value in radians and length units is multiplied by to be printed.
+    pub(super) factor: f64,
+}
+
+impl Column {
+    /// The columns of a plan, output by output, the value before its derivatives.
+    pub(super) fn all(plan: &Plan, length: LengthUnit) -> Vec<Column> {
+        let mut columns = Vec::new();
+        for (of, output) in plan.outputs.iter().enumerate() {
+            for order in 0..=output.highest {
+                columns.push(Column::new(of, output, order, plan, length));
+            }
+        }
+        columns
+    }
+
+    fn new(of: usize, output: &Output, order: usize, plan: &Plan, length: LengthUnit) -> Column {
+        // The angular velocity is a first derivative already.
+        let depth = match output.quantity {
+            Quantity::AngularVelocity(_) => 1,
+            _ => 0,
+        };
+        let (by, factor) = match (&plan.time, plan.drive) {
+            (Some(_), _) => ("s", 1.0),
+            (None, Drive::Travel) => (length.symbol(), 1.0),
+            (None, Drive::ArmAngle) => ("deg", 1.0_f64.to_radians()),
+        };
+        let unit = per(&output.unit, by, order + depth);
+        let by_time = plan.time.is_some();
+        let stem = match (output.quantity, order) {
+            (Quantity::AngularVelocity(axis), 0) => format!("knuckle_omega_{}", axis.name()),
+            (Quantity::AngularVelocity(axis), _) => format!("knuckle_alpha_{}", axis.name()),
+            (Quantity::Coordinate(_, axis), 1 | 2) if by_time => {
+                velocity_name(&output.name, axis, order)
+            }
+            (_, 0) => output.name.clone(),
+            _ => format!("{}_d{order}", output.name),
+        };
+        Column {
+            name: if unit.is_empty() {
+                stem
+            } else {
+                format!("{stem}_{unit}")
+            },
+            output: output.name.clone(),
+            unit,
+            order,
+            of,
+            factor: output.factor * factor.powi((order + depth) as i32),
+        }
+    }
+}
+
+/// `wheel_centre_x` -> `wheel_centre_vx` or `wheel_centre_ax`.
+fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
+    let point = coordinate.strip_suffix(axis.name()).unwrap_or(coordinate);
+    let letter = if order == 1 { 'v' } else { 'a' };
+    format!("{point}{letter}{}", axis.name())
+}
+
+/// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
+/// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
+fn per(unit: &str, by: &str, power: usize) -> String {
+    if power == 0 {
+        return unit.to_owned();
+    }
+    let (above, power) = match unit.strip_suffix(&format!("_per_{by}")) {
+        Some(above) => (above, power + 1),
+        None => (unit, power),
+    };
+    let exponent = if power == 1 {
+        String::new()
+    } else {
+        power.to_string()
+    };
+    let separator = if above.is_empty() { "" } else { "_" };
+    format!("{above}{separator}per_{by}{exponent}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_divide() {
+        assert_eq!(per("deg", "mm", 0), "deg");
+        assert_eq!(per("deg", "mm", 2), "deg_per_mm2");
+        assert_eq!(per("deg_per_mm", "mm", 1), "deg_per_mm2");
+        assert_eq!(per("deg_per_mm", "s", 1), "deg_per_mm_per_s");
+        assert_eq!(per("", "mm", 1), "per_mm");
+        assert_eq!(
+            velocity_name("wheel_centre_x", Axis::X, 1),
+            "wheel_centre_vx"
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! Curves: every output of a plan at every station of the motion.
+
+mod column;
+mod run;
+
+pub use column::Column;
+pub use run::curves;
+
+use crate::kinematics::Failure;
+use crate::model::{Axis, PointId};
+
+/// What came of a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// Solved; every value that exists is there.
+    Ok,
+    /// Not solved, and why.
+    Failed(Failure),
+}
+
+impl Status {
+    /// The word in the `status` column.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Status::Ok => "ok",
+            Status::Failed(Failure::Unreachable { .. } | Failure::RackUnreachable { .. }) => {
+                "unreachable"
+            }
+            Status::Failed(Failure::Singular) => "singular",
+        }
+    }
+}
+
+/// A station with its values, in the units they are printed in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Wheel travel; `None` where an arm-angle drive has no pose.
+    pub travel: Option<f64>,
+    /// Arm angle in degrees, where the arm drives.
+    pub arm_angle: Option<f64>,
+    /// Rack displacement, in the study's axes.
+    pub rack: f64,
+    /// Time, where the drive is a function of it.
+    pub time: Option<f64>,
+    /// What came of it.
+    pub status: Status,
+    /// A value for each column; `None` where there is none.
+    pub values: Vec<Option<f64>>,
+}
+
+/// The derivative of an output, or of its derivative, by a hardpoint coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Index of the station.
+    pub station: usize,
+    /// Index of the column of what is differentiated.
+    pub column: usize,
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// The derivative, in the column's unit per length unit.
+    pub value: f64,
+}
+
+/// Curves of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// What each value is.
+    pub columns: Vec<Column>,
+    /// Rack displacement by rack displacement, in the order of the motion's values.
+    pub stations: Vec<Station>,
+    /// Station by station, where asked for.
+    pub sensitivities: Vec<Sensitivity>,
+}
+
+impl Curves {
+    /// Number of stations without a pose.
+    pub fn failed(&self) -> usize {
+        self.stations
+            .iter()
+            .filter(|s| s.status != Status::Ok)
+            .count()
+    }
+}

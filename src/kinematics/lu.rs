@@ -1,0 +1,182 @@
+//! LU factorisation of the 6x6 Jacobian, with partial pivoting.
+
+use crate::number::{Jet, Real};
+use std::array::from_fn;
+
+/// Six numbers: residuals, multipliers or a twist (shift, turn).
+pub(super) type Vector6<T> = [T; 6];
+/// Six rows of six.
+pub(super) type Matrix6<T> = [[T; 6]; 6];
+
+/// The factors of a row-permuted matrix: unit lower and upper triangle in one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lu6<T> {
+    factors: Matrix6<T>,
+    /// Row `order[i]` of the matrix became row `i`.
+    order: [usize; 6],
+    /// Determinant of the matrix with its last three columns divided by the given length.
+    determinant: f64,
+}
+
+impl<T: Real> Lu6<T> {
+    /// Factorises; `None` where a pivot is zero or not a number. The last three columns (moments) are
+    /// lengths; `size` is the one they are compared with.
+    pub(super) fn new(mut a: Matrix6<T>, size: f64) -> Option<Self> {
+        let mut order: [usize; 6] = from_fn(|i| i);
+        let mut determinant = size.powi(-3);
+        for k in 0..6 {
+            let mut pivot = k;
+            for i in k + 1..6 {
+                if a[i][k].value().abs() > a[pivot][k].value().abs() {
+                    pivot = i;
+                }
+            }
+            if pivot != k {
+                a.swap(k, pivot);
+                order.swap(k, pivot);
+                determinant = -determinant;
+            }
+            determinant *= a[k][k].value();
+            let inverse = a[k][k].one() / a[k][k];
+            let pivot_row = a[k];
+            for row in a.iter_mut().skip(k + 1) {
+                let factor = row[k] * inverse;
+                row[k] = factor;
+                for j in k + 1..6 {
+                    row[j] = row[j] - factor * pivot_row[j];
+                }
+            }
+        }
+        (determinant.is_finite() && determinant != 0.0).then_some(Lu6 {
+            factors: a,
+            order,
+            determinant,
+        })
+    }
+
+    /// Scale-free determinant: +-1 for six orthogonal unit lines, 0 at a singularity. Its sign cannot
+    /// change along a path without passing one.
+    pub(super) fn determinant(&self) -> f64 {
+        self.determinant
+    }
+
+    /// x with A x = b.
+    #[inline]
+    pub(super) fn solve(&self, b: Vector6<T>) -> Vector6<T> {
+        let mut x: Vector6<T> = from_fn(|i| b[self.order[i]]);
+        for i in 1..6 {
+            for j in 0..i {
+                x[i] = x[i] - self.factors[i][j] * x[j];
+            }
+        }
+        for i in (0..6).rev() {
+            for j in i + 1..6 {
+                x[i] = x[i] - self.factors[i][j] * x[j];
+            }
+            x[i] = x[i] / self.factors[i][i];
+        }
+        x
+    }
+
+    /// x with A^T x = b.
+    #[inline]
+    pub(super) fn solve_transposed(&self, b: Vector6<T>) -> Vector6<T> {
+        let mut y = b;
+        for i in 0..6 {
+            for j in 0..i {
+                y[i] = y[i] - self.factors[j][i] * y[j];
+            }
+            y[i] = y[i] / self.factors[i][i];
+        }
+        for i in (0..6).rev() {
+            for j in i + 1..6 {
+                y[i] = y[i] - self.factors[j][i] * y[j];
+            }
+        }
+        let mut x = y;
+        for i in 0..6 {
+            x[self.order[i]] = y[i];
+        }
+        x
+    }
+
+    /// x with A^T x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
+    /// factors of the constant part of `matrix`. Coefficient by coefficient:
+    /// A_0^T x_k = b_k - sum_i A_i^T x_(k-i).
+    #[inline]
+    pub(super) fn solve_transposed_series<const N: usize>(
+        &self,
+        matrix: &Matrix6<Jet<T, N>>,
+        b: &Vector6<Jet<T, N>>,
+    ) -> Vector6<Jet<T, N>> {
+        let mut x = *b;
+        for k in 0..N {
+            let mut right: Vector6<T> = from_fn(|j| b[j][k]);
+            for i in 1..=k {
+                for (line, multiplier) in matrix.iter().zip(&x) {
+                    for (r, entry) in right.iter_mut().zip(line) {
+                        *r = *r - entry[i] * multiplier[k - i];
+                    }
+                }
+            }
+            for (part, series) in self.solve_transposed(right).into_iter().zip(&mut x) {
+                series.0[k] = part;
+            }
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: Matrix6<f64> = [
+        [0.0, 2.0, 1.0, -1.0, 0.5, 3.0],
+        [1.0, 0.0, -2.0, 4.0, 1.0, 0.0],
+        [3.0, 1.0, 0.0, 0.5, -1.0, 2.0],
+        [-1.0, 5.0, 2.0, 0.0, 1.0, 1.0],
+        [2.0, -2.0, 1.0, 1.0, 0.0, -3.0],
+        [0.5, 1.0, 4.0, -1.0, 2.0, 0.0],
+    ];
+
+    #[test]
+    fn solves_both_ways() {
+        let lu = Lu6::new(A, 1.0).unwrap();
+        let x = [1.0, -2.0, 3.0, 0.5, 4.0, -1.0];
+        let b: Vector6<f64> = from_fn(|i| (0..6).map(|j| A[i][j] * x[j]).sum());
+        let bt: Vector6<f64> = from_fn(|j| (0..6).map(|i| A[i][j] * x[i]).sum());
+        for (found, found_transposed) in [(lu.solve(b), lu.solve_transposed(bt))] {
+            for k in 0..6 {
+                assert!((found[k] - x[k]).abs() < 1e-14, "{found:?}");
+                assert!((found_transposed[k] - x[k]).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_refused() {
+        let mut singular = A;
+        singular[4] = [0.0; 6];
+        assert!(Lu6::new(singular, 1.0).is_none());
+    }
+
+    #[test]
+    fn a_series_solution_satisfies_the_series_equation() {
+        let matrix: Matrix6<Jet<f64, 3>> =
+            from_fn(|i| from_fn(|j| Jet([A[i][j], A[j][i] * 0.3, (i as f64 - j as f64) * 0.1])));
+        let b: Vector6<Jet<f64, 3>> = from_fn(|i| Jet([1.0 + i as f64, -0.5, 0.25 * i as f64]));
+        let x = Lu6::new(A, 1.0)
+            .unwrap()
+            .solve_transposed_series(&matrix, &b);
+        for j in 0..6 {
+            let mut sum = b[j].zero();
+            for i in 0..6 {
+                sum = sum + matrix[i][j] * x[i];
+            }
+            for k in 0..3 {
+                assert!((sum[k] - b[j][k]).abs() < 1e-13);
+            }
+        }
+    }
+}

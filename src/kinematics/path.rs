@@ -1,0 +1,630 @@
+//! Poses that are connected to the design position.
+//!
+//! A mechanism has many assemblies; the one meant is the one reached from the design position by moving
+//! it. So every pose is found by walking: the rack first, at zero travel, then the drive, station by
+//! station outward. A step is taken by the closed form where there is one and nothing is close to
+//! changing (slope, toggle), else by following the closure equations with steps small enough that
+//! Newton's method cannot leave the branch.
+
+use super::closure::{Closure, Driver};
+use super::lu::Lu6;
+use super::motion::{Lifted, MotionPoint};
+use super::pose::{Pose, Posture};
+use super::sensitivity::Linearised;
+use super::strut::{StrutForm, StrutPoints};
+use crate::model::{ClosedForm, Drive, Mechanism, PointId};
+use crate::number::{Jet, Matrix3, Vector3};
+use std::fmt;
+use std::ops::ControlFlow;
+
+/// Why a station has no pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure {
+    /// The drive cannot get there: the mechanism locks at `limit`.
+    Unreachable {
+        /// What drives.
+        drive: Drive,
+        /// The last value that was reached.
+        limit: f64,
+    },
+    /// The rack cannot get there, at zero travel.
+    RackUnreachable {
+        /// The last displacement that was reached, towards the kernel's +y.
+        limit: f64,
+    },
+    /// The pose was reached, but its derivatives do not exist there.
+    Singular,
+}
+
+/// Why a design cannot be solved at all.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DesignFault {
+    /// A coordinate is not a finite number.
+    NotFinite(PointId),
+    /// The outer joint of an arm lies on the arm's axis.
+    ArmWithoutRadius {
+        /// The joint.
+        outer: PointId,
+    },
+    /// A tie rod whose inner end is on the steering axis cannot steer.
+    NoSteering {
+        /// The end that lies on the axis.
+        end: PointId,
+    },
+    /// The tie rod is in line with the plane it should turn the knuckle out of.
+    Toggle,
+    /// The strut has no length above the ball joint.
+    NoStrutLength,
+    /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
+    Singular,
+}
+
+impl DesignFault {
+    /// The fault in words, with the names of the points.
+    pub fn describe(&self, mechanism: &Mechanism) -> String {
+        let name = |id: &PointId| mechanism.name(*id).to_owned();
+        match self {
+            DesignFault::NotFinite(id) => format!("{} is not a finite point", name(id)),
+            DesignFault::ArmWithoutRadius { outer } => {
+                format!("{} lies on the axis of its arm, so the arm cannot move it", name(outer))
+            }
+            DesignFault::NoSteering { end } => format!(
+                "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
+                name(end)
+            ),
+            DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
+                 plane with the steering axis"
+                .to_owned(),
+            DesignFault::NoStrutLength => {
+                "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
+                    .to_owned()
+            }
+            DesignFault::Singular => {
+                "the design position is singular: the drive cannot move the wheel from it".to_owned()
+            }
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Unreachable {
+                drive: Drive::Travel,
+                limit,
+            } => write!(f, "the wheel travel ends at {limit:.6}"),
+            Failure::Unreachable {
+                drive: Drive::ArmAngle,
+                limit,
+            } => write!(
+                f,
+                "the arm turns no further than {:.6} deg",
+                limit.to_degrees()
+            ),
+            Failure::RackUnreachable { limit } => {
+                write!(f, "the rack moves no further than {:.6}", limit.abs())
+            }
+            Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
+        }
+    }
+}
+
+/// The order in which stations are visited: outward from the design position, so that every step
+/// starts at a neighbour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct March {
+    /// Drive values by station.
+    values: Vec<f64>,
+    /// Stations at and above the design position, upward.
+    up: Vec<usize>,
+    /// Stations below it, downward.
+    down: Vec<usize>,
+}
+
+impl March {
+    /// The march through these drive values.
+    pub fn through(values: &[f64]) -> Self {
+        let (mut up, mut down): (Vec<_>, Vec<_>) =
+            (0..values.len()).partition(|i| values[*i] >= 0.0);
+        up.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        down.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        March {
+            values: values.to_vec(),
+            up,
+            down,
+        }
+    }
+
+    /// Drive values by station.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+/// Relative quantities below this are taken as zero: with less, fewer than six digits of a
+/// double-precision result would be left.
+pub(super) const DEGENERATE: f64 = 1e-10;
+
+/// Finds the poses of one design after another.
+#[derive(Clone, Debug)]
+pub struct Solver<'m> {
+    mechanism: &'m Mechanism,
+    design: Vec<Vector3<f64>>,
+    closure: Closure<f64>,
+    form: Option<(StrutPoints, StrutForm<f64>)>,
+    /// For the predictor of the step-by-step path; made when first needed.
+    lifted: Option<Lifted<3>>,
+    lifted_is_current: bool,
+    size: f64,
+}
+
+/// A place on the path.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    point: MotionPoint<f64>,
+    pose: Pose<f64>,
+    quick: Option<Quick>,
+}
+
+/// What the closed form knows of a place: tangent of half the arm angle, its slope by the drive, and
+/// the same at the place before.
+#[derive(Clone, Copy, Debug)]
+struct Quick {
+    tangent: f64,
+    slope: f64,
+    before: Option<(f64, f64, f64)>,
+}
+
+impl<'m> Solver<'m> {
+    /// A solver for this mechanism, at first for this design.
+    pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
+        let mut solver = Solver {
+            mechanism,
+            design: design.to_vec(),
+            closure: Closure::new(mechanism, design),
+            form: None,
+            lifted: None,
+            lifted_is_current: false,
+            size: 1.0,
+        };
+        solver.prepare(design)?;
+        Ok(solver)
+    }
+
+    /// Takes over another design of the same mechanism.
+    pub fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
+        self.design.copy_from_slice(design);
+        for (i, p) in design.iter().enumerate() {
+            if !(p.x.is_finite() && p.y.is_finite() && p.z.is_finite()) {
+                return Err(DesignFault::NotFinite(PointId(i)));
+            }
+        }
+        let origin = design[self.mechanism.origin.0];
+        let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
+        self.size = design.iter().fold(0.0, farthest).sqrt();
+        self.lifted_is_current = false;
+        for arm in &self.mechanism.arms {
+            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+            let axis = (rear - front).normalised();
+            let radius = axis.cross(outer - front).norm();
+            if radius.is_nan() || radius <= DEGENERATE * self.size {
+                return Err(DesignFault::ArmWithoutRadius { outer: arm.outer });
+            }
+        }
+        self.closure.prepare(self.mechanism, design);
+        self.form = match self.mechanism.closed_form {
+            Some(ClosedForm::Strut) => {
+                let points = StrutPoints::of(self.mechanism)
+                    .expect("a mechanism with this closed form has its constraints");
+                let form = StrutForm::new(&points, design);
+                points.check(&form, design)?;
+                Some((points, form))
+            }
+            None => None,
+        };
+        Ok(())
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &'m Mechanism {
+        self.mechanism
+    }
+
+    /// The design being solved.
+    pub fn design(&self) -> &[Vector3<f64>] {
+        &self.design
+    }
+
+    /// The size of the mechanism: the largest distance of a point from the knuckle's origin.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
+    /// from the design position; `visit` gets the station's number and its pose or the reason there is
+    /// none, and may break off the march.
+    pub fn march(
+        &mut self,
+        drive: Drive,
+        march: &March,
+        rack: f64,
+        mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
+    ) -> Result<(), DesignFault> {
+        let start = self.start(drive)?;
+        let start = match rack {
+            0.0 => Ok(start),
+            _ => self.advance(
+                &start,
+                MotionPoint {
+                    rack,
+                    ..start.point
+                },
+            ),
+        };
+        for side in [&march.up, &march.down] {
+            let mut place = start;
+            for &station in side {
+                if let Ok(from) = place {
+                    let value = march.values[station];
+                    place = self.advance(
+                        &from,
+                        MotionPoint {
+                            value,
+                            ..from.point
+                        },
+                    );
+                }
+                let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                if visit(self, station, found).is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The design position, if the drive can move the mechanism from there.
+    fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
+        let pose = Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(0.0),
+        };
+        let point = MotionPoint {
+            drive,
+            value: 0.0,
+            rack: 0.0,
+        };
+        let lu = self
+            .factorise(&pose, &point)
+            .filter(|lu| lu.determinant().abs() > DEGENERATE)
+            .ok_or(DesignFault::Singular)?;
+        debug_assert!(lu.determinant().is_finite());
+        Ok(Place {
+            point,
+            pose,
+            quick: self.quick_from(&pose, &point),
+        })
+    }
+
+    fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
+        Posture {
+            mechanism: self.mechanism,
+            design: &self.design,
+            pose: *pose,
+            rack,
+        }
+    }
+
+    fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+        let at = self.posture(pose, point.rack);
+        Lu6::new(self.closure.jacobian(&at, point.driver()), self.size)
+    }
+
+    fn advance(&mut self, from: &Place, to: MotionPoint<f64>) -> Result<Place, Failure> {
+        if to == from.point {
+            return Ok(*from);
+        }
+        match self.step_by_closed_form(from, &to) {
+            Some(place) => Ok(place),
+            None => {
+                let pose = self.follow(from, &to)?;
+                Ok(Place {
+                    point: to,
+                    pose,
+                    quick: self.quick_from(&pose, &to),
+                })
+            }
+        }
+    }
+
+    /// What the closed form needs to go on from a pose.
+    fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
+        let (_, form) = self.form.as_ref()?;
+        let tangent = form.half_tangent(pose);
+        // Beyond a right angle the tangent of the half angle loses its advantage.
+        if !tangent.is_finite() || tangent.abs() > 1.0 {
+            return None;
+        }
+        let state = form
+            .map(Jet::constant)
+            .at_half_tangent(Jet::<f64, 2>::variable(tangent), Jet::constant(point.rack));
+        let rise = form.map(Jet::constant).travel(&state)[1];
+        Some(Quick {
+            tangent,
+            slope: match point.drive {
+                Drive::Travel => 1.0 / rise,
+                Drive::ArmAngle => 0.5 * (1.0 + tangent * tangent),
+            },
+            before: None,
+        })
+    }
+
+    /// One step by the closed form, if nothing speaks against it.
+    fn step_by_closed_form(&self, from: &Place, to: &MotionPoint<f64>) -> Option<Place> {
+        let (_, form) = self.form.as_ref()?;
+        let quick = from.quick?;
+        if to.rack != from.point.rack {
+            return None;
+        }
+        let (start, end) = (from.point.value, to.value);
+        let (state, tangent, slope) = match to.drive {
+            Drive::ArmAngle => {
+                // No equation to solve; but the path to there must not have passed a gap.
+                if (end - start).abs() > LONGEST_TURN {
+                    return None;
+                }
+                let (sine, cosine) = end.sin_cos();
+                let state = form.at(cosine, sine, to.rack);
+                let before = form.at_half_tangent(quick.tangent, to.rack);
+                let steady = |now: f64, before: f64| now > 0.5 * before && now < 2.0 * before;
+                if !(steady(state.toggle_margin(), before.toggle_margin())
+                    && steady(state.strut_length(), before.strut_length()))
+                {
+                    return None;
+                }
+                (state, (0.5 * end).tan(), quick.slope)
+            }
+            Drive::Travel => {
+                let lifted = form.map(Jet::<f64, 2>::constant);
+                let rack = Jet::constant(to.rack);
+                let predicted = quick.extrapolated(start, end);
+                let mut tangent = predicted;
+                let mut slope = quick.slope;
+                let mut settled = false;
+                for iteration in 0..4 {
+                    let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
+                    let rise = lifted.travel(&state);
+                    let correction = (end - rise[0]) / rise[1];
+                    slope = 1.0 / rise[1];
+                    let steady = slope / quick.slope;
+                    let first_is_long = iteration == 0
+                        && correction.abs() > 0.1 * (predicted - quick.tangent).abs();
+                    // Written so that NaN, from a state that does not exist, is refused.
+                    if first_is_long || !(steady > 0.5 && steady < 2.0) {
+                        return None;
+                    }
+                    tangent += correction;
+                    // The error left is of the order of the correction squared.
+                    if correction.abs() <= 1e-8 {
+                        settled = true;
+                        break;
+                    }
+                }
+                if !settled {
+                    return None;
+                }
+                (form.at_half_tangent(tangent, to.rack), tangent, slope)
+            }
+        };
+        // NaN is refused here as well.
+        if !(state.toggle_margin() > 1e-4 && tangent.abs() < 1.0) {
+            return None;
+        }
+        Some(Place {
+            point: *to,
+            pose: form.pose(&state),
+            quick: Some(Quick {
+                tangent,
+                slope,
+                before: Some((start, quick.tangent, quick.slope)),
+            }),
+        })
+    }
+
+    /// Follows the closure equations from one place to a motion point, in steps that are accepted only
+    /// where a second-order prediction was good and the determinant has not changed much.
+    fn follow(&mut self, from: &Place, to: &MotionPoint<f64>) -> Result<Pose<f64>, Failure> {
+        if !self.lifted_is_current {
+            match &mut self.lifted {
+                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
+                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
+            }
+            self.lifted_is_current = true;
+        }
+        let lifted = self.lifted.as_ref().expect("just made");
+        let start = from.point;
+        let between = |t: f64| MotionPoint {
+            drive: to.drive,
+            value: start.value + (to.value - start.value) * t,
+            rack: start.rack + (to.rack - start.rack) * t,
+        };
+        let (mut reached, mut step, mut pose) = (0.0, 1.0_f64, from.pose);
+        let mut lu = self.factorise(&pose, &start);
+        while reached < 1.0 {
+            let target = if reached + step >= 1.0 {
+                1.0
+            } else {
+                reached + step
+            };
+            let here = between(reached);
+            let direction = MotionPoint {
+                drive: to.drive,
+                value: Jet([here.value, to.value - start.value, 0.0]),
+                rack: Jet([here.rack, to.rack - start.rack, 0.0]),
+            };
+            let accepted = lu.as_ref().and_then(|lu| {
+                let series = lifted.series(self.mechanism, lu, &pose, &direction);
+                let predicted = predict(&series, target - reached);
+                let point = if target == 1.0 { *to } else { between(target) };
+                self.correct(&pose, &predicted, &point, lu.determinant())
+            });
+            match accepted {
+                Some((found, factors)) => {
+                    pose = found;
+                    lu = Some(factors);
+                    reached = target;
+                    step *= 2.0;
+                }
+                None => {
+                    step = 0.5 * (target - reached);
+                    if step < SHORTEST_STEP {
+                        let limit = between(reached);
+                        return Err(if to.rack != start.rack {
+                            Failure::RackUnreachable { limit: limit.rack }
+                        } else {
+                            Failure::Unreachable {
+                                drive: to.drive,
+                                limit: limit.value,
+                            }
+                        });
+                    }
+                }
+            }
+        }
+        Ok(pose)
+    }
+
+    /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
+    /// changed much (or changed sign) or the iteration did not settle.
+    fn correct(
+        &self,
+        before: &Pose<f64>,
+        predicted: &Pose<f64>,
+        point: &MotionPoint<f64>,
+        determinant: f64,
+    ) -> Option<(Pose<f64>, Lu6<f64>)> {
+        let moved = distance(before, predicted, self.size);
+        if moved.is_nan() || moved > LONGEST_TURN * self.size {
+            return None;
+        }
+        let driver: Driver<f64> = point.driver();
+        let mut pose = *predicted;
+        let mut last = f64::INFINITY;
+        for iteration in 0..12 {
+            let at = self.posture(&pose, point.rack);
+            let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
+            if iteration == 0 && correction > 0.1 * moved + ROUNDING * self.size {
+                return None;
+            }
+            // Rounding level: the corrections no longer shrink.
+            if correction <= ROUNDING * self.size
+                || (correction >= 0.5 * last && last <= 1e-9 * self.size)
+            {
+                let settled = Pose {
+                    origin: next.origin,
+                    rotation: next.rotation.orthonormalised(),
+                };
+                let lu = self.factorise(&settled, point)?;
+                let steady = lu.determinant() / determinant;
+                return (steady > 0.25 && steady < 4.0).then_some((settled, lu));
+            }
+            if correction > last {
+                return None;
+            }
+            pose = next;
+            last = correction;
+        }
+        None
+    }
+
+    /// The posture in a pose found by this solver, as a power series along the motion; with
+    /// `linearise`, ready for sensitivities.
+    pub fn posture_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
+        lifted
+            .posture(
+                self.mechanism,
+                &self.closure,
+                &self.design,
+                pose,
+                motion,
+                false,
+            )
+            .map(|(posture, _)| posture)
+            .ok_or(Failure::Singular)
+    }
+
+    /// As [`Solver::posture_series`], ready for sensitivities.
+    pub fn linearised<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<Linearised<'a, N>, Failure> {
+        let (posture, factors) = lifted
+            .posture(
+                self.mechanism,
+                &self.closure,
+                &self.design,
+                pose,
+                motion,
+                true,
+            )
+            .ok_or(Failure::Singular)?;
+        let factors = factors.ok_or(Failure::Singular)?;
+        Ok(lifted.linearised(posture, factors, motion))
+    }
+}
+
+/// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
+const LONGEST_TURN: f64 = 0.2;
+/// The shortest step, as a part of the whole way to the next station.
+const SHORTEST_STEP: f64 = 1e-13;
+/// Corrections this small relative to the size are rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl Quick {
+    /// The tangent at `end` by the cubic through the last two places and their slopes, or along the
+    /// slope where there is only one.
+    fn extrapolated(&self, start: f64, end: f64) -> f64 {
+        let step = end - start;
+        match self.before {
+            None => self.tangent + self.slope * step,
+            Some((before, tangent, slope)) => {
+                let width = start - before;
+                let secant = (self.tangent - tangent) / width;
+                let bend = (self.slope - secant) / width;
+                let twist = (self.slope + slope - 2.0 * secant) / (width * width);
+                self.tangent + step * (self.slope + step * (bend + twist * (step + width)))
+            }
+        }
+    }
+}
+
+/// The pose a part of the way along its series.
+fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
+    let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
+    let pose = series.map(along);
+    // The truncated series is a rotation to second order only.
+    let rotation = pose.rotation.orthonormalised().orthonormalised();
+    Pose {
+        origin: pose.origin,
+        rotation: rotation.orthonormalised(),
+    }
+}
+
+/// How far apart two poses are, the rotation counted at the distance `size`.
+fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
+    let turned = a
+        .rotation
+        .columns
+        .iter()
+        .zip(b.rotation.columns)
+        .map(|(p, q)| (*p - q).norm())
+        .fold(0.0, f64::max);
+    (a.origin - b.origin).norm().max(turned * size)
+}

@@ -1,0 +1,175 @@
+//! The pose of a mechanism and where it puts every point.
+
+use crate::model::{Arm, Body, Mechanism, PointId};
+use crate::number::{Dual, Matrix3, Real, Vector3};
+use std::array::from_fn;
+
+/// Position and rotation of the knuckle, relative to the design position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<T> {
+    /// Position of the knuckle's origin (a hardpoint, see [`Mechanism::origin`]).
+    pub origin: Vector3<T>,
+    /// Rotation from the design position.
+    pub rotation: Matrix3<T>,
+}
+
+impl<T: Real> Pose<T> {
+    /// The pose over another kind of number.
+    #[inline]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Pose<U> {
+        Pose {
+            origin: self.origin.map(&mut f),
+            rotation: self.rotation.map(&mut f),
+        }
+    }
+
+    /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
+    #[inline]
+    pub(super) fn moved(&self, shift: Vector3<T>, half_turn: Vector3<T>) -> Self {
+        Pose {
+            origin: self.origin + shift,
+            rotation: self.rotation.turned(half_turn),
+        }
+    }
+}
+
+/// A design in one pose.
+#[derive(Clone, Copy)]
+pub struct Posture<'a, T> {
+    /// Structure.
+    pub mechanism: &'a Mechanism,
+    /// Design position of every point.
+    pub design: &'a [Vector3<T>],
+    /// Pose of the knuckle.
+    pub pose: Pose<T>,
+    /// Displacement of the rack, towards the kernel's +y.
+    pub rack: T,
+}
+
+/// Where the derivative of something by the pose and by the hardpoints is collected.
+///
+/// A derivative by the pose is a wrench on the knuckle: the force is the derivative by the position of
+/// its origin, the moment the derivative by its rotation.
+pub(super) trait Sink<T> {
+    /// Adds a wrench at the knuckle's origin.
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
+    /// Adds a derivative by a hardpoint at fixed pose.
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>);
+}
+
+impl<'a, T: Real> Posture<'a, T> {
+    /// Design position of a point.
+    #[inline]
+    pub fn designed(&self, id: PointId) -> Vector3<T> {
+        self.design[id.0]
+    }
+
+    /// From the knuckle's origin to a knuckle point, in the design position.
+    #[inline]
+    pub fn designed_lever(&self, id: PointId) -> Vector3<T> {
+        self.designed(id) - self.designed(self.mechanism.origin)
+    }
+
+    /// Present position of a point.
+    #[inline]
+    pub fn point(&self, id: PointId) -> Vector3<T> {
+        match self.mechanism.body(id) {
+            Body::Chassis => self.designed(id),
+            Body::Rack => {
+                let p = self.designed(id);
+                Vector3::new(p.x, p.y + self.rack, p.z)
+            }
+            Body::Knuckle if id == self.mechanism.origin => self.pose.origin,
+            Body::Knuckle => self.pose.origin + self.pose.rotation.apply(self.designed_lever(id)),
+            Body::StrutRod(top) => {
+                let top = self.designed(top);
+                top + self.pose.rotation.apply(self.designed(id) - top)
+            }
+            Body::Arm(arm) => {
+                let arm = self.mechanism.arms[arm.0];
+                arm_point(self.arm_inputs(arm, id))
+            }
+        }
+    }
+
+    /// Adds the derivative of `gradient . point(id)` to the sink.
+    #[inline]
+    pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        match self.mechanism.body(id) {
+            Body::Chassis | Body::Rack => sink.hardpoint(id, gradient),
+            Body::Knuckle if id == self.mechanism.origin => sink.wrench(gradient, gradient.zero()),
+            Body::Knuckle => {
+                let in_knuckle = self.pose.rotation.apply_transposed(gradient);
+                let lever = self.pose.rotation.apply(self.designed_lever(id));
+                sink.wrench(gradient, lever.cross(gradient));
+                sink.hardpoint(id, in_knuckle);
+                sink.hardpoint(self.mechanism.origin, -in_knuckle);
+            }
+            Body::StrutRod(top) => {
+                let in_knuckle = self.pose.rotation.apply_transposed(gradient);
+                let lever = self.point(id) - self.designed(top);
+                sink.wrench(gradient.zero(), lever.cross(gradient));
+                sink.hardpoint(id, in_knuckle);
+                sink.hardpoint(top, gradient - in_knuckle);
+            }
+            Body::Arm(arm) => self.push_arm_point(self.mechanism.arms[arm.0], id, gradient, sink),
+        }
+    }
+
+    /// Out of line: it is rare, and large.
+    #[inline(never)]
+    fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        let inputs = self.arm_inputs(arm, id);
+        let seeded: [Vector3<Dual<T, 15>>; 5] = from_fn(|k| {
+            let p = inputs[k];
+            Vector3::new(
+                Dual::input(p.x, 3 * k),
+                Dual::input(p.y, 3 * k + 1),
+                Dual::input(p.z, 3 * k + 2),
+            )
+        });
+        let image = arm_point(seeded);
+        let by = |k: usize| {
+            let along = |i: usize| {
+                gradient.x * image.x.partials[i]
+                    + gradient.y * image.y.partials[i]
+                    + gradient.z * image.z.partials[i]
+            };
+            Vector3::new(along(3 * k), along(3 * k + 1), along(3 * k + 2))
+        };
+        for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
+            sink.hardpoint(hardpoint, by(k));
+        }
+        self.push_point(arm.outer, by(4), sink);
+    }
+
+    /// What [`arm_point`] reads.
+    #[inline]
+    fn arm_inputs(&self, arm: Arm, id: PointId) -> [Vector3<T>; 5] {
+        [
+            self.designed(arm.front),
+            self.designed(arm.rear),
+            self.designed(arm.outer),
+            self.designed(id),
+            self.point(arm.outer),
+        ]
+    }
+}
+
+/// A point fixed in an arm, turned about the arm's axis as far as its outer joint is.
+///
+/// `[front, rear, outer, point, outer now]`: with e the unit axis and r the part of `outer - front`
+/// normal to it, cos = r.r'/r^2 and sin = e.(r x r')/r^2.
+#[inline]
+fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -> Vector3<T> {
+    let axis = (rear - front).normalised();
+    let across = |p: Vector3<T>| {
+        let from_front = p - front;
+        from_front - axis * axis.dot(from_front)
+    };
+    let (radius, radius_now, lever) = (across(outer), across(outer_now), across(point));
+    let inverse = axis.x.one() / radius.norm_squared();
+    let cosine = radius.dot(radius_now) * inverse;
+    let sine = axis.dot(radius.cross(radius_now)) * inverse;
+    point - lever + lever * cosine + axis.cross(lever) * sine
+}

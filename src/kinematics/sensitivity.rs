@@ -1,0 +1,171 @@
+//! Derivatives by the hardpoints, by the adjoint of the closure equations.
+//!
+//! With F(x, p) = 0 at the pose x of the design p, an output y(x, p) has
+//!
+//! ```text
+//! dy/dp = y_p - mu . F_p,   J^T mu = y_x
+//! ```
+//!
+//! y_x is a wrench on the knuckle and mu are the forces with which the six constraints balance it, so
+//! one output costs one back-substitution whatever the number of hardpoints. The design moves with the
+//! hardpoint: lengths and the shape of the knuckle are recomputed, the drive value is held.
+//!
+//! Run on power series in the drive, the same lines give d/ds(dy/dp), which is d/dp(dy/ds): the
+//! sensitivities of rates and curvatures.
+
+use super::closure::{Closure, Driver, Wrench};
+use super::lu::{Lu6, Matrix6};
+use super::pose::{Posture, Sink};
+use crate::model::{PointId, SpinAxis};
+use crate::number::{Jet, Real, Vector3};
+
+/// Gradient of an output by the hardpoints, collected together with its wrench.
+pub struct Adjoint<'a, T> {
+    wrench: Wrench<T>,
+    gradient: &'a mut [Vector3<T>],
+}
+
+impl<T: Real> Sink<T> for Adjoint<'_, T> {
+    #[inline]
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        self.wrench.wrench(force, moment);
+    }
+    #[inline]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.gradient[id.0] = self.gradient[id.0] + gradient;
+    }
+}
+
+/// A gradient by the hardpoints alone.
+struct HardpointGradient<'a, T>(&'a mut [Vector3<T>]);
+
+impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
+    #[inline]
+    fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
+    #[inline]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.0[id.0] = self.0[id.0] + gradient;
+    }
+}
+
+/// A posture made ready for adjoints: its Jacobian along the motion and the factors of its constant
+/// part.
+pub struct Linearised<'a, const N: usize> {
+    /// The posture, as a series.
+    pub at: Posture<'a, Jet<f64, N>>,
+    closure: &'a Closure<Jet<f64, N>>,
+    driver: Driver<Jet<f64, N>>,
+    jacobian: Matrix6<Jet<f64, N>>,
+    lu: Lu6<f64>,
+}
+
+impl<'a, const N: usize> Linearised<'a, N> {
+    pub(super) fn new(
+        at: Posture<'a, Jet<f64, N>>,
+        closure: &'a Closure<Jet<f64, N>>,
+        driver: Driver<Jet<f64, N>>,
+        lu: Lu6<f64>,
+    ) -> Self {
+        Linearised {
+            jacobian: closure.jacobian(&at, driver),
+            at,
+            closure,
+            driver,
+            lu,
+        }
+    }
+
+    /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
+    /// once and says how the output depends on the posture, through the methods of [`Seeds`].
+    #[inline]
+    pub fn gradient(
+        &self,
+        gradient: &mut [Vector3<Jet<f64, N>>],
+        seed: impl FnOnce(&mut Seeds<'_, '_, Jet<f64, N>>),
+    ) {
+        let like = self.at.rack;
+        let mut seeds = Seeds {
+            at: &self.at,
+            adjoint: Adjoint {
+                wrench: Wrench::zero(like),
+                gradient,
+            },
+        };
+        seed(&mut seeds);
+        let wrench = seeds.adjoint.wrench.to_row();
+        let multipliers = self.lu.solve_transposed_series(&self.jacobian, &wrench);
+        self.closure.differential(
+            &self.at,
+            self.driver,
+            &multipliers.map(|m| -m),
+            &mut HardpointGradient(gradient),
+        );
+    }
+}
+
+/// How an output depends on the posture: each call adds the derivative by one thing it reads.
+pub struct Seeds<'s, 'a, T> {
+    at: &'s Posture<'a, T>,
+    adjoint: Adjoint<'s, T>,
+}
+
+impl<T: Real> Seeds<'_, '_, T> {
+    /// By the present position of a point.
+    #[inline]
+    pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.at.push_point(id, gradient, &mut self.adjoint);
+    }
+
+    /// By a hardpoint, directly.
+    #[inline]
+    pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.adjoint.hardpoint(id, gradient);
+    }
+
+    /// By the rotation of the knuckle.
+    #[inline]
+    pub fn turn(&mut self, moment: Vector3<T>) {
+        self.adjoint.wrench(moment.zero(), moment);
+    }
+
+    /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
+    #[inline]
+    pub fn spin_axis(&mut self, gradient: Vector3<T>) {
+        let axis = self.at.spin_axis();
+        self.turn(axis.cross(gradient));
+        self.designed_spin_axis(self.at.pose.rotation.apply_transposed(gradient));
+    }
+
+    /// By the unit spin axis in the design position.
+    #[inline]
+    pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
+        if let SpinAxis::From(inner) = self.at.mechanism.spin_axis {
+            let centre = self.at.mechanism.wheel_centre;
+            let base = self.at.designed(centre) - self.at.designed(inner);
+            let inverse = base.x.one() / base.norm();
+            let axis = base * inverse;
+            let by_base = (gradient - axis * axis.dot(gradient)) * inverse;
+            self.hardpoint(centre, by_base);
+            self.hardpoint(inner, -by_base);
+        }
+    }
+}
+
+impl<T: Real> Posture<'_, T> {
+    /// Unit vector along the spin axis, outboard, in the design position.
+    #[inline]
+    pub fn designed_spin_axis(&self) -> Vector3<T> {
+        match self.mechanism.spin_axis {
+            SpinAxis::From(inner) => {
+                (self.designed(self.mechanism.wheel_centre) - self.designed(inner)).normalised()
+            }
+            SpinAxis::Along(direction) => self.pose.origin.lit(direction),
+        }
+    }
+
+    /// Unit vector along the spin axis, outboard.
+    #[inline]
+    pub fn spin_axis(&self) -> Vector3<T> {
+        self.pose.rotation.apply(self.designed_spin_axis())
+    }
+}

@@ -1,0 +1,455 @@
+//! The sub-problem: linear least squares with damping, between bounds.
+//!
+//! Minimise |J W s + r|^2 + damping |s|^2 subject to lower <= s <= upper, where W scales the columns
+//! of J. With damping > 0 the minimum is unique, whatever the rank of J; it is characterised by the
+//! Kuhn-Tucker conditions, with g = W J^T (J W s + r) + damping s:
+//!
+//! ```text
+//! g_j = 0 where lower_j < s_j < upper_j,   g_j >= 0 where s_j = lower_j,   g_j <= 0 where s_j = upper_j
+//! ```
+//!
+//! It is found exactly, by an active set: variables are held at bounds or free; the free ones are
+//! solved for by orthogonal factorisation; the first bounds in the way are added; and when nothing is
+//! in the way, the held variable that gains most by leaving its bound is freed. (Ch. L. Lawson,
+//! R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker,
+//! Bounded-variable least-squares: an algorithm and applications, Computational Statistics 10, 1995.)
+//! No normal equations are formed: they would square singular values that already spread over eight
+//! decades.
+
+use super::qr::{back_substitute, dot, triangularise};
+use nalgebra::{DMatrix, DVector};
+
+/// Where a variable is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// Between its bounds.
+    Free,
+    /// At its lower bound.
+    Lower,
+    /// At its upper bound.
+    Upper,
+}
+
+/// The sub-problem, its solution and the workspace to find it in.
+///
+/// J is reduced to a triangle once by [`reduce`](Self::reduce); each [`solve`](Self::solve) then works
+/// on n x n numbers, for any damping and bounds.
+#[derive(Clone, Debug)]
+pub struct BoundedLeastSquares {
+    variables: usize,
+    /// R of J W = Q R: n columns of n entries, zero below the diagonal.
+    triangle: Vec<f64>,
+    /// The first n entries of Q^T r.
+    offset: Vec<f64>,
+    /// Norms of the columns of R, which are those of J W.
+    norms: Vec<f64>,
+    step: Vec<f64>,
+    holds: Vec<Hold>,
+    /// R s + offset.
+    remainder: Vec<f64>,
+    /// Indices of the free variables, by rising index.
+    free: Vec<usize>,
+    /// Held variables that were freed and turned back at once.
+    turned_back: Vec<bool>,
+    matrix: Vec<f64>,
+    vector: Vec<f64>,
+}
+
+impl BoundedLeastSquares {
+    /// Room for n `variables` and m `residuals`.
+    pub fn new(variables: usize, residuals: usize) -> Self {
+        let rows = residuals.max(2 * variables);
+        BoundedLeastSquares {
+            variables,
+            triangle: vec![0.0; variables * variables],
+            offset: vec![0.0; variables],
+            norms: vec![0.0; variables],
+            step: vec![0.0; variables],
+            holds: vec![Hold::Free; variables],
+            remainder: vec![0.0; variables],
+            free: Vec::with_capacity(variables),
+            turned_back: vec![false; variables],
+            matrix: Vec::with_capacity(rows * variables),
+            vector: Vec::with_capacity(rows),
+        }
+    }
+
+    /// Takes the m x n `jacobian`, the n factors `width` of its columns and the m `residuals`.
+    pub fn reduce(
+        &mut self,
+        jacobian: &DMatrix<f64>,
+        width: &DVector<f64>,
+        residuals: &DVector<f64>,
+    ) {
+        let n = self.variables;
+        // With fewer residuals than variables, residuals that are always zero make up the difference.
+        let rows = residuals.len().max(n);
+        self.matrix.clear();
+        for (column, width) in jacobian.column_iter().zip(width.iter()) {
+            self.matrix.extend(column.iter().map(|j| j * width));
+            self.matrix
+                .resize(self.matrix.len() + rows - column.len(), 0.0);
+        }
+        self.vector.clear();
+        self.vector.extend_from_slice(residuals.as_slice());
+        self.vector.resize(rows, 0.0);
+        triangularise(&mut self.matrix, rows, &mut self.vector);
+
+        self.offset.copy_from_slice(&self.vector[..n]);
+        for (j, column) in self.triangle.chunks_exact_mut(n).enumerate() {
+            column[..=j].copy_from_slice(&self.matrix[j * rows..][..=j]);
+            self.norms[j] = dot(&column[..=j], &column[..=j]).sqrt();
+        }
+    }
+
+    /// Solves for the step between `lower` <= 0 and `upper` >= 0.
+    pub fn solve(&mut self, damping: f64, lower: &[f64], upper: &[f64]) {
+        self.step.fill(0.0);
+        self.remainder.copy_from_slice(&self.offset);
+        for j in 0..self.variables {
+            let slope = self.slope(j, damping);
+            self.holds[j] = match slope {
+                slope if slope > 0.0 && lower[j] == 0.0 => Hold::Lower,
+                slope if slope < 0.0 && upper[j] == 0.0 => Hold::Upper,
+                _ => Hold::Free,
+            };
+        }
+        self.descend(damping, lower, upper);
+
+        // Each round lowers the objective, so no set of held variables comes twice and the rounds
+        // end. The cap only guards against rounding; the step is feasible and a descent anyway.
+        self.turned_back.fill(false);
+        for _ in 0..10 * self.variables {
+            let Some(j) = self.most_eager(damping) else {
+                return;
+            };
+            let held = std::mem::replace(&mut self.holds[j], Hold::Free);
+            self.solve_free(damping);
+            let place = self.free.iter().position(|&free| free == j);
+            let goal = place.map_or(self.step[j], |place| self.vector[place]);
+            let leaves = match held {
+                Hold::Lower => goal > lower[j],
+                _ => goal < upper[j],
+            };
+            if leaves {
+                self.descend(damping, lower, upper);
+                self.turned_back.fill(false);
+            } else {
+                // Its multiplier was zero but for rounding (Stark and Parker, step 6).
+                self.holds[j] = held;
+                self.turned_back[j] = true;
+            }
+        }
+    }
+
+    /// The solution s.
+    pub fn step(&self) -> &[f64] {
+        &self.step
+    }
+
+    /// Where each variable of the solution is.
+    pub fn holds(&self) -> &[Hold] {
+        &self.holds
+    }
+
+    /// Norms of the scaled columns of J.
+    pub fn column_norms(&self) -> &[f64] {
+        &self.norms
+    }
+
+    /// Half the derivative of |J W s + r|^2 by s_j at s = 0.
+    pub fn gradient(&self, j: usize) -> f64 {
+        dot(self.column(j), &self.offset)
+    }
+
+    /// |r|^2 - |J W s + r|^2 of the solution s, free of the cancellation of that difference.
+    pub fn predicted_reduction(&self) -> f64 {
+        // With d = J W s: |r|^2 - |r + d|^2 = -d . (2 r + d), and Q leaves inner products as they are.
+        let twice = self.remainder.iter().zip(&self.offset);
+        -twice
+            .map(|(after, before)| (after - before) * (after + before))
+            .sum::<f64>()
+    }
+
+    fn column(&self, j: usize) -> &[f64] {
+        &self.triangle[j * self.variables..][..self.variables]
+    }
+
+    /// g_j.
+    fn slope(&self, j: usize, damping: f64) -> f64 {
+        dot(self.column(j), &self.remainder) + damping * self.step[j]
+    }
+
+    /// The held variable that gains most per length of its column by leaving its bound.
+    fn most_eager(&self, damping: f64) -> Option<usize> {
+        // A slope is an inner product of n terms with the remainder, itself a sum of the offset and
+        // n columns: what it may be off by.
+        let size = self.offset.iter().map(|c| c * c).sum::<f64>().sqrt()
+            + dot(&self.norms, &self.step).abs()
+            + self
+                .norms
+                .iter()
+                .zip(&self.step)
+                .map(|(n, s)| (n * s).abs())
+                .sum::<f64>();
+        let rounding = 2.0 * self.variables as f64 * f64::EPSILON * size;
+        let mut best = (rounding, None);
+        for j in 0..self.variables {
+            let outward = match self.holds[j] {
+                Hold::Lower => -self.slope(j, damping),
+                Hold::Upper => self.slope(j, damping),
+                Hold::Free => continue,
+            };
+            let gain = outward / self.norms[j].hypot(damping.sqrt());
+            if !self.turned_back[j] && gain > best.0 {
+                best = (gain, Some(j));
+            }
+        }
+        best.1
+    }
+
+    /// Moves to the minimum over the free variables, holding those whose bounds are in the way.
+    fn descend(&mut self, damping: f64, lower: &[f64], upper: &[f64]) {
+        loop {
+            self.solve_free(damping);
+            let mut fraction = 1.0;
+            let mut nearest = None;
+            for (place, &j) in self.free.iter().enumerate() {
+                let (from, goal) = (self.step[j], self.vector[place]);
+                let (bound, hold) = match goal {
+                    goal if goal < lower[j] => (lower[j], Hold::Lower),
+                    goal if goal > upper[j] => (upper[j], Hold::Upper),
+                    _ => continue,
+                };
+                let reach = (bound - from) / (goal - from);
+                if nearest.is_none() || reach < fraction {
+                    fraction = reach;
+                    nearest = Some((j, bound, hold));
+                }
+            }
+            for (place, &j) in self.free.iter().enumerate() {
+                let (from, goal) = (self.step[j], self.vector[place]);
+                self.step[j] = match nearest {
+                    None => goal,
+                    Some(_) => (from + fraction * (goal - from)).clamp(lower[j], upper[j]),
+                };
+            }
+            let Some((j, bound, hold)) = nearest else {
+                break;
+            };
+            self.step[j] = bound;
+            self.holds[j] = hold;
+        }
+        self.remainder.copy_from_slice(&self.offset);
+        for j in 0..self.variables {
+            add_scaled(
+                &self.triangle[j * self.variables..],
+                self.step[j],
+                &mut self.remainder,
+            );
+        }
+    }
+
+    /// Writes the minimum over the free variables, the held ones where they are, into the head of
+    /// `vector`, in the order of `free`.
+    fn solve_free(&mut self, damping: f64) {
+        let n = self.variables;
+        self.free.clear();
+        self.free
+            .extend((0..n).filter(|&j| self.holds[j] == Hold::Free));
+        let rows = n + self.free.len();
+        self.matrix.clear();
+        for (place, &j) in self.free.iter().enumerate() {
+            self.matrix.extend_from_slice(&self.triangle[j * n..][..n]);
+            self.matrix.resize((place + 1) * rows, 0.0);
+            self.matrix[place * rows + n + place] = damping.sqrt();
+        }
+        self.vector.clear();
+        self.vector.extend(self.offset.iter().map(|c| -c));
+        for j in (0..n).filter(|&j| self.holds[j] != Hold::Free) {
+            add_scaled(&self.triangle[j * n..], -self.step[j], &mut self.vector);
+        }
+        self.vector.resize(rows, 0.0);
+        triangularise(&mut self.matrix, rows, &mut self.vector);
+        back_substitute(&self.matrix, rows, &mut self.vector);
+    }
+}
+
+/// Adds `factor` times the head of `x` to `to`.
+fn add_scaled(x: &[f64], factor: f64, to: &mut [f64]) {
+    for (to, x) in to.iter_mut().zip(x) {
+        *to += factor * x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::Noise;
+
+    struct Case {
+        jacobian: DMatrix<f64>,
+        residuals: DVector<f64>,
+        damping: f64,
+        lower: Vec<f64>,
+        upper: Vec<f64>,
+    }
+
+    impl Case {
+        /// A random problem with n variables and m residuals; every third is of low rank, and in
+        /// every second some bounds are in the way from the beginning.
+        fn random(seed: u64, n: usize, m: usize) -> Self {
+            let mut noise = Noise::new(seed);
+            let mut jacobian = DMatrix::from_fn(m, n, |_, _| noise.next());
+            if seed % 3 == 0 {
+                let rank = 1 + n / 2;
+                let right = DMatrix::from_fn(rank, n, |_, _| noise.next());
+                jacobian = jacobian.columns(0, rank) * right;
+            }
+            let scale = 10f64.powf(2.0 * noise.next());
+            let mut bound = |blocked: bool| {
+                let size = scale * (1.0 + noise.next());
+                if blocked && noise.next() < 0.0 {
+                    0.0
+                } else {
+                    size
+                }
+            };
+            let lower = (0..n).map(|_| -bound(seed % 2 == 0)).collect();
+            let upper = (0..n).map(|_| bound(seed % 2 == 0)).collect();
+            Case {
+                jacobian,
+                residuals: DVector::from_fn(m, |_, _| noise.next()),
+                damping: 10f64.powf(-5.0 + 5.0 * noise.next()),
+                lower,
+                upper,
+            }
+        }
+
+        fn solve(&self) -> BoundedLeastSquares {
+            let (m, n) = self.jacobian.shape();
+            let mut solver = BoundedLeastSquares::new(n, m);
+            solver.reduce(&self.jacobian, &DVector::repeat(n, 1.0), &self.residuals);
+            solver.solve(self.damping, &self.lower, &self.upper);
+            solver
+        }
+
+        fn objective(&self, s: &DVector<f64>) -> f64 {
+            (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
+        }
+
+        /// The least objective over all ways to hold variables, where what is free is feasible.
+        fn by_enumeration(&self) -> f64 {
+            let n = self.lower.len();
+            let mut least = f64::INFINITY;
+            for code in 0..3usize.pow(n as u32) {
+                let digit = |j: usize| code / 3usize.pow(j as u32) % 3;
+                let free: Vec<usize> = (0..n).filter(|&j| digit(j) == 0).collect();
+                let mut s =
+                    DVector::from_fn(n, |j, _| [0.0, self.lower[j], self.upper[j]][digit(j)]);
+                let m = self.residuals.len();
+                let mut stacked = DMatrix::zeros(m + free.len(), free.len());
+                let mut right = DVector::zeros(m + free.len());
+                right
+                    .rows_mut(0, m)
+                    .copy_from(&-(&self.jacobian * &s + &self.residuals));
+                for (place, &j) in free.iter().enumerate() {
+                    stacked
+                        .view_mut((0, place), (m, 1))
+                        .copy_from(&self.jacobian.column(j));
+                    stacked[(m + place, place)] = self.damping.sqrt();
+                }
+                if !free.is_empty() {
+                    let qr = stacked.qr();
+                    let goal = qr
+                        .r()
+                        .solve_upper_triangular(&(qr.q().transpose() * right))
+                        .unwrap();
+                    free.iter()
+                        .zip(goal.iter())
+                        .for_each(|(&j, &goal)| s[j] = goal);
+                }
+                if (0..n).all(|j| self.lower[j] <= s[j] && s[j] <= self.upper[j]) {
+                    least = least.min(self.objective(&s));
+                }
+            }
+            least
+        }
+
+        /// Asserts the Kuhn-Tucker conditions, computed from J itself, to rounding.
+        fn assert_optimal(&self, solver: &BoundedLeastSquares) {
+            let s = DVector::from_column_slice(solver.step());
+            let remainder = &self.jacobian * &s + &self.residuals;
+            let size = self.jacobian.norm()
+                * (self.jacobian.norm() * s.norm() + self.residuals.norm())
+                + self.damping * s.norm();
+            let rounding = 4.0 * (self.residuals.len() + s.len()) as f64 * f64::EPSILON * size;
+            let slopes = self.jacobian.transpose() * remainder + self.damping * &s;
+            for j in 0..s.len() {
+                assert!(self.lower[j] <= s[j] && s[j] <= self.upper[j]);
+                match solver.holds()[j] {
+                    Hold::Free => {
+                        assert!(slopes[j].abs() <= rounding, "{} {rounding:e}", slopes[j])
+                    }
+                    Hold::Lower => assert!(slopes[j] >= -rounding && s[j] == self.lower[j]),
+                    Hold::Upper => assert!(slopes[j] <= rounding && s[j] == self.upper[j]),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_solution_is_the_best_of_all_active_sets() {
+        for seed in 0..2000 {
+            let case = Case::random(seed, 1 + seed as usize % 4, 2 + seed as usize % 7);
+            let solver = case.solve();
+            case.assert_optimal(&solver);
+            let found = case.objective(&DVector::from_column_slice(solver.step()));
+            let least = case.by_enumeration();
+            assert!(
+                (found - least).abs() <= 1e-12 * (least + case.residuals.norm_squared()),
+                "seed {seed}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_conditions_of_kuhn_and_tucker_hold() {
+        for seed in 0..600 {
+            let n = 1 + seed as usize % 40;
+            let case = Case::random(seed, n, [5, 60, 200][seed as usize % 3]);
+            case.assert_optimal(&case.solve());
+        }
+    }
+
+    #[test]
+    fn the_predicted_reduction_is_the_difference_of_the_squares() {
+        for seed in 0..100 {
+            let case = Case::random(seed, 5, 30);
+            let solver = case.solve();
+            let s = DVector::from_column_slice(solver.step());
+            let after = (&case.jacobian * s + &case.residuals).norm_squared();
+            let difference = case.residuals.norm_squared() - after;
+            let bound = 200.0 * f64::EPSILON * (after + case.residuals.norm_squared());
+            assert!((solver.predicted_reduction() - difference).abs() <= bound);
+        }
+    }
+
+    /// Two equal columns, one residual: damping shares the move, and a bound on one passes the rest
+    /// to the other.
+    #[test]
+    fn equal_columns_share_the_move() {
+        let mut solver = BoundedLeastSquares::new(2, 1);
+        let (jacobian, residuals) = (
+            DMatrix::from_element(1, 2, 1.0),
+            DVector::from_element(1, -1.0),
+        );
+        solver.reduce(&jacobian, &DVector::repeat(2, 1.0), &residuals);
+        solver.solve(1e-8, &[-1.0, -1.0], &[1.0, 1.0]);
+        assert!((solver.step()[0] - 0.5).abs() < 1e-8 && (solver.step()[1] - 0.5).abs() < 1e-8);
+        solver.solve(1e-8, &[-1.0, -1.0], &[0.25, 1.0]);
+        assert_eq!(solver.step()[0], 0.25);
+        assert!((solver.step()[1] - 0.75).abs() < 1e-8);
+        assert_eq!(solver.holds(), [Hold::Upper, Hold::Free]);
+    }
+}

@@ -1,0 +1,90 @@
+//! The box the variables stay in.
+
+use super::Hold;
+use nalgebra::DVector;
+
+/// Lowest and highest values of the variables, in their own units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    lower: DVector<f64>,
+    upper: DVector<f64>,
+    width: DVector<f64>,
+}
+
+/// A range that is empty, or not finite.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("variable {variable}: the range {lower} to {upper} is empty or not finite")]
+pub struct EmptyRange {
+    /// Which variable.
+    pub variable: usize,
+    /// Its lowest value.
+    pub lower: f64,
+    /// Its highest value.
+    pub upper: f64,
+}
+
+impl Bounds {
+    /// The box of the ranges `[lowest, highest]`. Every one must have a width that is positive and
+    /// finite: steps are measured in it.
+    pub fn new(ranges: &[[f64; 2]]) -> Result<Self, EmptyRange> {
+        for (variable, &[lower, upper]) in ranges.iter().enumerate() {
+            if !(lower < upper && (upper - lower).is_finite()) {
+                return Err(EmptyRange {
+                    variable,
+                    lower,
+                    upper,
+                });
+            }
+        }
+        let column = |value: fn(&[f64; 2]) -> f64| {
+            DVector::from_iterator(ranges.len(), ranges.iter().map(value))
+        };
+        Ok(Bounds {
+            lower: column(|range| range[0]),
+            upper: column(|range| range[1]),
+            width: column(|range| range[1] - range[0]),
+        })
+    }
+
+    /// Number of variables.
+    pub fn variables(&self) -> usize {
+        self.width.len()
+    }
+
+    /// Lowest values.
+    pub fn lower(&self) -> &DVector<f64> {
+        &self.lower
+    }
+
+    /// Highest values.
+    pub fn upper(&self) -> &DVector<f64> {
+        &self.upper
+    }
+
+    /// Highest less lowest values.
+    pub fn width(&self) -> &DVector<f64> {
+        &self.width
+    }
+
+    /// The point of the box nearest to `x`.
+    pub fn nearest(&self, x: &DVector<f64>) -> DVector<f64> {
+        x.zip_zip_map(&self.lower, &self.upper, |x, lower, upper| {
+            x.clamp(lower, upper)
+        })
+    }
+
+    /// Which variables of `x` are at a bound.
+    pub fn holds(&self, x: &DVector<f64>) -> Vec<Hold> {
+        let of = |j: usize| match x[j] {
+            x if x <= self.lower[j] => Hold::Lower,
+            x if x >= self.upper[j] => Hold::Upper,
+            _ => Hold::Free,
+        };
+        (0..self.variables()).map(of).collect()
+    }
+
+    /// The length of the move from `from` to `to`, each coordinate in fractions of its range.
+    pub fn distance(&self, from: &DVector<f64>, to: &DVector<f64>) -> f64 {
+        (to - from).component_div(&self.width).norm()
+    }
+}

@@ -1,0 +1,152 @@
+//! A minimum from one start, and the story of how it was found.
+
+use super::{Bounds, Evaluation, Hold, Infeasible, LeastSquares, LevenbergMarquardt, Options};
+use argmin::core::Executor;
+use nalgebra::DVector;
+use std::fmt;
+use std::sync::atomic::AtomicBool;
+
+/// What the outside world has to do with a run: it may stop it, and watch it.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Once true, the run ends after the iteration under way, with what it has.
+    pub interrupt: Option<&'a AtomicBool>,
+    /// Called after each iteration with the index of the start and the iteration. Where several
+    /// starts run in parallel, from their threads.
+    pub watch: Option<&'a (dyn Fn(usize, &Iteration) + Sync)>,
+}
+
+/// One iteration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iteration {
+    /// Its number; 0 is the start.
+    pub iteration: u64,
+    /// Half the sum of the squared residuals, at its end.
+    pub cost: f64,
+    /// The root mean square of the residuals, at its end.
+    pub misfit: f64,
+    /// Length of the accepted step in fractions of the ranges; 0 where none was accepted.
+    pub step: f64,
+    /// Damping of its last trial.
+    pub damping: f64,
+    /// Variables at bounds, at its end.
+    pub held: usize,
+    /// Points evaluated on the way.
+    pub evaluations: u32,
+    /// How many of those had no residuals.
+    pub infeasible: u32,
+}
+
+/// Why a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Termination {
+    /// The misfit is not above [`Options::misfit_below`].
+    MisfitReached,
+    /// No step lowers the cost by more than [`Options::reduction_below`] of it.
+    NoFurtherDescent,
+    /// The step would be shorter than [`Options::step_below`].
+    StepBelowResolution,
+    /// The residuals are at right angles to all columns of the Jacobian, but for variables that
+    /// their bounds keep from descending: [`Options::gradient_below`].
+    Stationary,
+    /// Every step that would lower the cost, however short, leads where there are no residuals.
+    NoFeasibleStep(Infeasible),
+    /// [`Options::max_iterations`] iterations were made.
+    IterationLimit,
+    /// It was asked to stop.
+    Interrupted,
+}
+
+impl Termination {
+    /// Whether the run ended at what it takes for a minimum.
+    pub fn at_minimum(&self) -> bool {
+        match self {
+            Termination::MisfitReached
+            | Termination::NoFurtherDescent
+            | Termination::StepBelowResolution
+            | Termination::Stationary => true,
+            Termination::NoFeasibleStep(_)
+            | Termination::IterationLimit
+            | Termination::Interrupted => false,
+        }
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Termination::MisfitReached => write!(f, "converged: the targets are met"),
+            Termination::NoFurtherDescent => write!(f, "converged: no further descent"),
+            Termination::StepBelowResolution => {
+                write!(f, "converged: the step is below resolution")
+            }
+            Termination::Stationary => write!(f, "converged: stationary between the bounds"),
+            Termination::NoFeasibleStep(reason) => write!(f, "no feasible step: {reason}"),
+            Termination::IterationLimit => write!(f, "the limit of iterations was reached"),
+            Termination::Interrupted => write!(f, "interrupted"),
+        }
+    }
+}
+
+/// Where a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The variables, within their bounds.
+    pub x: DVector<f64>,
+    /// Residuals and Jacobian there.
+    pub evaluation: Evaluation,
+    /// Which variables are at a bound.
+    pub holds: Vec<Hold>,
+    /// Why it ended.
+    pub termination: Termination,
+    /// The start and every iteration after it.
+    pub history: Vec<Iteration>,
+}
+
+impl Fit {
+    /// The root mean square of the residuals.
+    pub fn misfit(&self) -> f64 {
+        self.evaluation.misfit()
+    }
+
+    /// Number of evaluations made, failed ones included.
+    pub fn evaluations(&self) -> u64 {
+        let evaluations = |iteration: &Iteration| u64::from(iteration.evaluations);
+        self.history.iter().map(evaluations).sum()
+    }
+}
+
+/// Minimises from the point of the box nearest to `start`; an error says why there are no residuals
+/// even there.
+pub fn fit(
+    problem: impl LeastSquares,
+    bounds: &Bounds,
+    start: &DVector<f64>,
+    options: &Options,
+    control: Control<'_>,
+) -> Result<Fit, Infeasible> {
+    fit_start(0, problem, bounds, start, options, control)
+}
+
+/// The same, where the start is one of several.
+pub(super) fn fit_start(
+    index: usize,
+    problem: impl LeastSquares,
+    bounds: &Bounds,
+    start: &DVector<f64>,
+    options: &Options,
+    control: Control<'_>,
+) -> Result<Fit, Infeasible> {
+    let solver = LevenbergMarquardt::new(bounds, options, control, index);
+    let result = Executor::new(problem, solver)
+        .configure(|state| state.param(bounds.nearest(start)))
+        // The process has one handler for Ctrl-C, and it is not argmin's.
+        .ctrlc(false)
+        .run();
+    match result {
+        Ok(result) => Ok(result.solver.into_fit(result.state)),
+        Err(error) => Err(error
+            .downcast()
+            .expect("the only error of the solver is that of its start")),
+    }
+}

@@ -1,0 +1,208 @@
+//! What the residuals at a solution can tell apart.
+
+use super::{Bounds, Evaluation};
+use nalgebra::{DMatrix, DVector};
+
+/// A direction in the space of the variables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// The change of each variable in its own unit, scaled so that the variable with the longest way
+    /// to go, relative to its range, goes across the whole of it, upwards.
+    pub change: DVector<f64>,
+    /// By how much (root mean square, in tolerances) the residuals change along `change`, to first
+    /// order.
+    pub effect: f64,
+}
+
+/// The singular value decomposition of the Jacobian scaled by the ranges, and what it means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identifiability {
+    /// Singular values, falling: change of the residuals (norm, in tolerances) per fraction of the
+    /// ranges. As many as variables.
+    pub singular_values: Vec<f64>,
+    /// Number of directions the residuals see: those with an effect above the given one.
+    pub rank: usize,
+    /// A basis of the rest: combinations of variables the targets cannot tell apart. Each has a
+    /// variable that goes across its range and does not occur in the others.
+    pub unseen: Vec<Direction>,
+}
+
+impl Identifiability {
+    /// Analyses the Jacobian at a point. A direction is unseen if moving along it across the whole
+    /// range changes the residuals (root mean square, in tolerances) by no more than `effect_below`.
+    ///
+    /// This is a statement about small moves; bounds that are active are not regarded.
+    pub fn new(evaluation: &Evaluation, bounds: &Bounds, effect_below: f64) -> Self {
+        let n = bounds.variables();
+        let mut scaled = evaluation.jacobian.clone();
+        for (mut column, &width) in scaled.column_iter_mut().zip(bounds.width()) {
+            column *= width;
+        }
+        let effect = |direction: &DVector<f64>| {
+            (&scaled * direction).norm() / (scaled.nrows() as f64).sqrt()
+        };
+        let (singular_values, directions) = right_singular_vectors(&scaled);
+        let (seen, unseen): (Vec<_>, Vec<_>) = directions
+            .column_iter()
+            .map(|column| across(column.into_owned()))
+            .partition(|direction| effect(direction) > effect_below);
+        let rank = seen.len();
+
+        let mut basis = DMatrix::zeros(n, unseen.len());
+        for (mut column, direction) in basis.column_iter_mut().zip(&unseen) {
+            column.copy_from(direction);
+        }
+        separate(&mut basis);
+        let unseen = basis
+            .column_iter()
+            .map(|column| across(column.into_owned()))
+            .map(|direction| Direction {
+                effect: effect(&direction),
+                change: direction.component_mul(bounds.width()),
+            })
+            .collect();
+        Identifiability {
+            singular_values,
+            rank,
+            unseen,
+        }
+    }
+}
+
+/// Scales a direction so that its largest component is 1.
+fn across(direction: DVector<f64>) -> DVector<f64> {
+    let largest = direction[direction.iamax()];
+    direction / largest
+}
+
+/// Singular values, falling, and right singular vectors (columns) of `a`, by rotating its columns
+/// until all are at right angles (one-sided Jacobi: G. H. Golub, Ch. F. Van Loan, Matrix
+/// Computations, 4th ed., 8.6.3). It finds even small singular values of badly scaled columns to high
+/// relative accuracy.
+fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    let n = a.ncols();
+    let mut columns = a.clone();
+    let mut vectors = DMatrix::identity(n, n);
+    let rounding = f64::EPSILON * (a.nrows() as f64).sqrt();
+    // Convergence is quadratic after a few sweeps; the cap is never met in practice.
+    for _ in 0..60 {
+        let mut rotated = false;
+        for p in 0..n {
+            for q in p + 1..n {
+                let (pp, qq) = (
+                    columns.column(p).norm_squared(),
+                    columns.column(q).norm_squared(),
+                );
+                let pq = columns.column(p).dot(&columns.column(q));
+                if pq.abs() <= rounding * (pp * qq).sqrt() {
+                    continue;
+                }
+                rotated = true;
+                let cotangent = (qq - pp) / (2.0 * pq);
+                let tangent =
+                    1.0_f64.copysign(cotangent) / (cotangent.abs() + cotangent.hypot(1.0));
+                let cosine = 1.0 / tangent.hypot(1.0);
+                for matrix in [&mut columns, &mut vectors] {
+                    rotate(matrix, p, q, cosine, cosine * tangent);
+                }
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    let values: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| values[j].total_cmp(&values[i]));
+    let sorted = order.iter().map(|&j| values[j]).collect();
+    (sorted, vectors.select_columns(&order))
+}
+
+/// Turns columns p and q of `matrix` by the angle with this cosine and sine.
+fn rotate(matrix: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
+    for row in 0..matrix.nrows() {
+        let (x, y) = (matrix[(row, p)], matrix[(row, q)]);
+        matrix[(row, p)] = cosine * x - sine * y;
+        matrix[(row, q)] = sine * x + cosine * y;
+    }
+}
+
+/// Combines the columns so that each has a row in which it alone is not zero, by Gauss-Jordan
+/// elimination with the largest entry as the pivot.
+fn separate(basis: &mut DMatrix<f64>) {
+    let columns = basis.ncols();
+    for done in 0..columns {
+        let (row, pivot) = basis.columns(done, columns - done).iamax_full();
+        basis.swap_columns(done, done + pivot);
+        let direction = basis.column(done) / basis[(row, done)];
+        for other in (0..columns).filter(|&other| other != done) {
+            let factor = basis[(row, other)];
+            basis.column_mut(other).axpy(-factor, &direction, 1.0);
+            basis[(row, other)] = 0.0;
+        }
+        basis.set_column(done, &direction);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::Noise;
+
+    fn analyse(jacobian: DMatrix<f64>, ranges: &[[f64; 2]]) -> Identifiability {
+        let residuals = DVector::zeros(jacobian.nrows());
+        let evaluation = Evaluation {
+            residuals,
+            jacobian,
+        };
+        Identifiability::new(&evaluation, &Bounds::new(ranges).unwrap(), 1e-3)
+    }
+
+    /// The third column is half the first less the second; the fourth is nothing.
+    #[test]
+    fn combinations_are_named() {
+        let mut noise = Noise::new(3);
+        let mut jacobian = DMatrix::from_fn(30, 4, |_, _| noise.next());
+        let combined = 0.5 * jacobian.column(0) - jacobian.column(1);
+        jacobian.set_column(2, &combined);
+        jacobian.fill_column(3, 0.0);
+        let found = analyse(jacobian, &[[-1.0, 1.0]; 4]);
+        assert_eq!(found.rank, 2);
+        assert_eq!(found.unseen.len(), 2);
+        let alone = DVector::from_column_slice(&[0.0, 0.0, 0.0, 2.0]);
+        let combined = DVector::from_column_slice(&[-1.0, 2.0, 2.0, 0.0]);
+        for wanted in [alone, combined] {
+            let near = |direction: &Direction| {
+                let off = (&direction.change - &wanted).amax();
+                off.min((&direction.change + &wanted).amax()) < 1e-12
+            };
+            assert!(found.unseen.iter().any(near), "{:?}", found.unseen);
+        }
+    }
+
+    #[test]
+    fn singular_values_over_ten_decades_are_right() {
+        let mut noise = Noise::new(4);
+        let q = DMatrix::from_fn(50, 6, |_, _| noise.next()).qr().q();
+        let v = DMatrix::from_fn(6, 6, |_, _| noise.next()).qr().q();
+        let values = DVector::from_fn(6, |i, _| 100.0 * 10f64.powi(-2 * i as i32));
+        let found = analyse(q * DMatrix::from_diagonal(&values) * v, &[[0.0, 1.0]; 6]);
+        for (found, wanted) in found.singular_values.iter().zip(values.iter()) {
+            assert!(
+                (found - wanted).abs() < 100.0 * f64::EPSILON * 100.0,
+                "{found} {wanted}"
+            );
+        }
+    }
+
+    /// The range counts: the same Jacobian sees what moves far, not what hardly moves.
+    #[test]
+    fn effects_are_those_of_the_whole_range() {
+        let jacobian = DMatrix::from_element(4, 1, 1.0);
+        assert_eq!(analyse(jacobian.clone(), &[[0.0, 1.0]]).rank, 1);
+        let small = analyse(jacobian, &[[0.0, 1e-4]]);
+        assert_eq!(small.rank, 0);
+        assert!((small.unseen[0].effect - 1e-4).abs() < 1e-18);
+        assert!((small.unseen[0].change[0] - 1e-4).abs() < 1e-18);
+    }
+}

@@ -1,0 +1,404 @@
+//! Levenberg-Marquardt between bounds, as a solver for argmin.
+//!
+//! At x, with residuals r and Jacobian J, the step d = W s (W the widths of the ranges) is
+//!
+//! ```text
+//! s = argmin |J W s + r|^2 + damping |s|^2   over all s that keep x + W s in the box       (1)
+//! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
+//! ```
+//!
+//! (1) is solved exactly ([`BoundedLeastSquares`]). Damping in proportion to |r|^2 makes the method
+//! converge quadratically to a zero of r even where zeros are not isolated, so that J has no full
+//! rank (Ch. Kanzow, N. Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local
+//! convergence properties for solving nonlinear equations with convex constraints, J. Comput. Appl.
+//! Math. 172, 2004); mu follows the ratio of the reduction found to the one predicted (J. Fan,
+//! Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method without nonsingularity
+//! assumption, Computing 74, 2005). No rank has to be decided: directions the residuals do not see
+//! have no gradient, and damping leaves them alone.
+//!
+//! The second term of (2) sees to it that they are left alone in finite precision as well. Rounding
+//! turns the zero singular value of such a direction into one of about e |J W|, e being the machine
+//! precision, with a left vector that may well see r: the step along it is up to e |J W| |r| /
+//! damping. The term bounds that by [`DRIFT`] of the range. It vanishes with r, too, and so does not
+//! spoil the convergence.
+//!
+//! Where singular values spread over many decades, the run would soon be confined to the floor of a
+//! narrow, curved valley: a step along it, far too short to matter, already raises the cost, because
+//! curvature takes it up the steep walls. So a trial that does not descend is corrected before it is
+//! given up: Newton steps, with Jacobians that came with the trials anyway, take it to where the
+//! residuals are those the model promised,
+//!
+//! ```text
+//! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     at the trial, r' and J' being there  (3)
+//! ```
+//!
+//! as long as each is at most half as long as the one before. That is the mark of Newton's method
+//! converging, and unlike the cost it does not depend on how steep the walls are (P. Deuflhard, Newton
+//! methods for nonlinear problems, 2004, sections 3.3 and 4.3; the corrections are those against the
+//! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
+//! is accepted in the end has descended.
+
+use super::local_model::LocalModel;
+use super::{
+    Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration, LeastSquares, Termination,
+};
+use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
+use argmin::kv;
+use nalgebra::DVector;
+use std::sync::atomic::Ordering;
+
+/// When to stop. Each is an inequality; the first that holds ends the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// misfit <= this, the misfit being the root mean square of the residuals, in tolerances. The
+    /// default is the rounding of curves that are some thousand tolerances high. Below it, fits are
+    /// equally good.
+    pub misfit_below: f64,
+    /// Reductions of the cost, both predicted and found, <= this times the cost. The default, 1e-10,
+    /// leaves the misfit right to ten digits; a minimum with zero misfit is found to the last digit
+    /// whatever this is, because the cost keeps falling by large fractions of itself.
+    pub reduction_below: f64,
+    /// max_j |step_j| / range_j <= this. The default is the rounding of a coordinate up to sixteen
+    /// times as large as the range it moves in.
+    pub step_below: f64,
+    /// |r . column_j| <= this |r| |column_j| for all columns of the Jacobian whose variable is free to
+    /// descend. The default is the rounding of that inner product over some thousand residuals.
+    pub gradient_below: f64,
+    /// iterations >= this.
+    pub max_iterations: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            misfit_below: 4096.0 * f64::EPSILON,
+            reduction_below: 1e-10,
+            step_below: 16.0 * f64::EPSILON,
+            gradient_below: 64.0 * f64::EPSILON,
+            max_iterations: 200,
+        }
+    }
+}
+
+/// The fraction of its range a direction that the residuals do not see may move by in one step,
+/// because of the rounding of J.
+const DRIFT: f64 = 1e-6;
+/// First damping, relative to the square of the longest column of J W: the directions it affects are
+/// those seen thirty times less than the best.
+const FIRST_DAMPING: f64 = 1e-3;
+/// A step is accepted from this ratio of the reduction found to the one predicted.
+const ACCEPTABLE: f64 = 1e-4;
+/// Below this ratio damping grows for the next step, above the other it falls.
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.75;
+/// So many corrections a trial may have. They halve at least, and usually square, their lengths.
+const CORRECTIONS: u32 = 8;
+
+/// What argmin keeps of a run: the variables and the cost.
+pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
+
+/// The solver. One iteration makes one accepted step, after as many trials as that takes.
+pub struct LevenbergMarquardt<'a> {
+    bounds: &'a Bounds,
+    options: &'a Options,
+    control: Control<'a>,
+    start: usize,
+    /// mu of (2).
+    damping_factor: f64,
+    /// At the variables of the state.
+    current: Evaluation,
+    model: LocalModel<'a>,
+    trial_x: DVector<f64>,
+    trial: Evaluation,
+    /// The residuals the model promises at the trial, what those found there exceed them by, the
+    /// model (3) of that, and where it leads.
+    promised: DVector<f64>,
+    excess: DVector<f64>,
+    correction: LocalModel<'a>,
+    corrected_x: DVector<f64>,
+    termination: Option<Termination>,
+    history: Vec<Iteration>,
+}
+
+impl<'a> LevenbergMarquardt<'a> {
+    /// A solver within `bounds`, for the start number `start`.
+    pub fn new(
+        bounds: &'a Bounds,
+        options: &'a Options,
+        control: Control<'a>,
+        start: usize,
+    ) -> Self {
+        let n = bounds.variables();
+        LevenbergMarquardt {
+            bounds,
+            options,
+            control,
+            start,
+            damping_factor: 0.0,
+            current: Evaluation::new(0, n),
+            model: LocalModel::new(bounds, 0),
+            trial_x: DVector::zeros(n),
+            trial: Evaluation::new(0, n),
+            promised: DVector::zeros(0),
+            excess: DVector::zeros(0),
+            correction: LocalModel::new(bounds, 0),
+            corrected_x: DVector::zeros(n),
+            termination: None,
+            history: Vec::new(),
+        }
+    }
+
+    /// What the run came to.
+    pub(super) fn into_fit(self, state: State) -> Fit {
+        let x = state.param.expect("the state was given its start");
+        Fit {
+            holds: self.bounds.holds(&x),
+            x,
+            evaluation: self.current,
+            termination: self.termination.expect("a run ends for a reason"),
+            history: self.history,
+        }
+    }
+
+    /// Prepares the model at the current point and tests whether that is a minimum.
+    fn arrive(&mut self, x: &DVector<f64>) {
+        let Evaluation {
+            residuals,
+            jacobian,
+        } = &self.current;
+        self.model.build(x, jacobian, residuals);
+        let size = residuals.norm();
+        if self.current.misfit() <= self.options.misfit_below {
+            self.termination = Some(Termination::MisfitReached);
+        } else if self.model.is_stationary(size, self.options.gradient_below) {
+            self.termination = Some(Termination::Stationary);
+        }
+    }
+
+    /// The reduction predicted with the least damping there is, `drift`; leaves the step as it is
+    /// with `damping`.
+    fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
+        self.model.solve(drift);
+        let reduction = self.model.predicted_reduction();
+        self.model.solve(damping);
+        reduction
+    }
+
+    /// Evaluates the trial point.
+    fn evaluate_trial(&mut self, problem: &mut impl LeastSquares) -> Result<(), Infeasible> {
+        problem.evaluate(&self.trial_x, &mut self.trial)?;
+        self.trial.check()
+    }
+
+    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most
+    /// `goal`. Returns how many points it evaluated; an error ends it at a point without residuals.
+    fn correct(
+        &mut self,
+        problem: &mut impl LeastSquares,
+        x: &DVector<f64>,
+        damping: f64,
+        goal: f64,
+    ) -> (u32, Result<(), Infeasible>) {
+        let mut length = self.model.step_length();
+        self.corrected_x.copy_from(&self.trial_x);
+        self.corrected_x -= x;
+        self.promised.copy_from(&self.current.residuals);
+        self.promised
+            .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
+        for evaluations in 0..CORRECTIONS {
+            self.excess.copy_from(&self.trial.residuals);
+            self.excess -= &self.promised;
+            let (model, x) = (&mut self.correction, &mut self.trial_x);
+            model.build(x, &self.trial.jacobian, &self.excess);
+            model.solve(damping);
+            if self.trial.cost() <= goal || model.step_length() > 0.5 * length {
+                return (evaluations, Ok(()));
+            }
+            length = model.step_length();
+            model.lead(x, &mut self.corrected_x);
+            std::mem::swap(x, &mut self.corrected_x);
+            if let Err(reason) = self.evaluate_trial(problem) {
+                return (evaluations + 1, Err(reason));
+            }
+        }
+        (CORRECTIONS, Ok(()))
+    }
+
+    fn record(&mut self, iteration: Iteration) -> KV {
+        let log = kv!(
+            "misfit" => iteration.misfit;
+            "step" => iteration.step;
+            "damping" => iteration.damping;
+            "held" => iteration.held as u64;
+            "evaluations" => u64::from(iteration.evaluations);
+            "infeasible" => u64::from(iteration.infeasible);
+        );
+        if let Some(watch) = self.control.watch {
+            watch(self.start, &iteration);
+        }
+        self.history.push(iteration);
+        log
+    }
+}
+
+impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
+    fn name(&self) -> &str {
+        "bounded Levenberg-Marquardt"
+    }
+
+    fn init(
+        &mut self,
+        problem: &mut Problem<P>,
+        state: State,
+    ) -> Result<(State, Option<KV>), Error> {
+        let problem = of(problem);
+        let (m, n) = (problem.residuals(), problem.variables());
+        assert_eq!(n, self.bounds.variables(), "one range per variable");
+        self.current = Evaluation::new(m, n);
+        self.trial = Evaluation::new(m, n);
+        self.model = LocalModel::new(self.bounds, m);
+        self.correction = LocalModel::new(self.bounds, m);
+        self.promised = DVector::zeros(m);
+        self.excess = DVector::zeros(m);
+
+        let x = state.param.as_ref().expect("the state was given its start");
+        problem.evaluate(x, &mut self.current)?;
+        self.current.check()?;
+        self.arrive(x);
+        let longest = self.model.longest_column();
+        let cost = self.current.cost();
+        self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
+        let log = self.record(Iteration {
+            iteration: 0,
+            cost,
+            misfit: self.current.misfit(),
+            step: 0.0,
+            damping: 0.0,
+            held: count_held(&self.bounds.holds(x)),
+            evaluations: 1,
+            infeasible: 0,
+        });
+        Ok((state.cost(cost), Some(log)))
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<P>,
+        mut state: State,
+    ) -> Result<(State, Option<KV>), Error> {
+        let problem = of(problem);
+        let mut x = state.take_param().expect("the state was given its start");
+        let cost = self.current.cost();
+        let negligible = self.options.reduction_below * cost;
+        let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
+        let mut damping = drift.max(self.damping_factor * 2.0 * cost);
+        let (mut evaluations, mut infeasible) = (0, 0);
+        let mut obstacle = None;
+        let mut shortened = false;
+        let mut step = 0.0;
+
+        self.model.solve(damping);
+        loop {
+            if self.model.largest_component() <= self.options.step_below {
+                self.termination = Some(match obstacle {
+                    Some(reason) => Termination::NoFeasibleStep(reason),
+                    None => Termination::StepBelowResolution,
+                });
+                break;
+            }
+            self.model.lead(&x, &mut self.trial_x);
+            evaluations += 1;
+            if let Err(reason) = self.evaluate_trial(problem) {
+                infeasible += 1;
+                obstacle = Some(reason);
+                self.model.shorten(&mut damping);
+                shortened = true;
+                continue;
+            }
+            let predicted = self.model.predicted_reduction();
+            let found = cost - self.trial.cost();
+            // A damped step that does little is no minimum yet: an undamped one must do little, too.
+            let at_end = obstacle.is_none()
+                && predicted <= negligible
+                && found.abs() <= negligible
+                && self.undamped_reduction(drift, damping) <= negligible;
+            if at_end {
+                self.termination = Some(Termination::NoFurtherDescent);
+            }
+            let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
+            let mut accepted = acceptable(found) || (at_end && found > 0.0);
+            if !accepted && !at_end {
+                let goal = cost - POOR * predicted;
+                let (more, outcome) = self.correct(problem, &x, damping, goal);
+                evaluations += more;
+                accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
+            }
+            if accepted {
+                let change = match (cost - self.trial.cost()) / predicted {
+                    ratio if ratio < POOR => 4.0,
+                    ratio if ratio > GOOD && !shortened => 0.1,
+                    _ => 1.0,
+                };
+                self.damping_factor = change * damping / (2.0 * cost);
+                step = self.bounds.distance(&x, &self.trial_x);
+                std::mem::swap(&mut x, &mut self.trial_x);
+                std::mem::swap(&mut self.current, &mut self.trial);
+                if !at_end {
+                    self.arrive(&x);
+                }
+            }
+            if accepted || at_end {
+                break;
+            }
+            self.model.shorten(&mut damping);
+            shortened = true;
+        }
+
+        let cost = self.current.cost();
+        let log = self.record(Iteration {
+            iteration: state.iter + 1,
+            cost,
+            misfit: self.current.misfit(),
+            step,
+            damping,
+            held: count_held(&self.bounds.holds(&x)),
+            evaluations,
+            infeasible,
+        });
+        Ok((state.param(x).cost(cost), Some(log)))
+    }
+
+    fn terminate(&mut self, state: &State) -> TerminationStatus {
+        if self.termination.is_none() {
+            let interrupted = self.control.interrupt;
+            if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                self.termination = Some(Termination::Interrupted);
+            } else if state.iter >= self.options.max_iterations {
+                self.termination = Some(Termination::IterationLimit);
+            }
+        }
+        match &self.termination {
+            None => TerminationStatus::NotTerminated,
+            Some(reason) => TerminationStatus::Terminated(match reason {
+                Termination::Interrupted => TerminationReason::Interrupt,
+                Termination::IterationLimit => TerminationReason::MaxItersReached,
+                Termination::MisfitReached => TerminationReason::TargetCostReached,
+                Termination::NoFeasibleStep(_) => TerminationReason::SolverExit(reason.to_string()),
+                _ => TerminationReason::SolverConverged,
+            }),
+        }
+    }
+}
+
+/// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
+/// workspace, and the history counts.
+fn of<P>(problem: &mut Problem<P>) -> &mut P {
+    problem
+        .problem
+        .as_mut()
+        .expect("argmin gives the problem back")
+}
+
+fn count_held(holds: &[Hold]) -> usize {
+    holds.iter().filter(|&&hold| hold != Hold::Free).count()
+}

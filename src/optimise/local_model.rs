@@ -1,0 +1,109 @@
+//! The linear model of the residuals about a point, and the step it proposes.
+
+use super::{BoundedLeastSquares, Bounds, Hold};
+use nalgebra::{DMatrix, DVector};
+
+/// Residuals and Jacobian at a point, reduced, with the room there is to the bounds.
+///
+/// Steps are in fractions of the ranges.
+pub(super) struct LocalModel<'a> {
+    bounds: &'a Bounds,
+    subproblem: BoundedLeastSquares,
+    /// Bounds of the step.
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+}
+
+impl<'a> LocalModel<'a> {
+    /// Room for a model of m `residuals`.
+    pub fn new(bounds: &'a Bounds, residuals: usize) -> Self {
+        let n = bounds.variables();
+        LocalModel {
+            bounds,
+            subproblem: BoundedLeastSquares::new(n, residuals),
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+        }
+    }
+
+    /// Makes this the model of `residuals` about `x`.
+    pub fn build(&mut self, x: &DVector<f64>, jacobian: &DMatrix<f64>, residuals: &DVector<f64>) {
+        let (bounds, width) = (self.bounds, self.bounds.width());
+        self.subproblem.reduce(jacobian, width, residuals);
+        for j in 0..x.len() {
+            self.lower[j] = (bounds.lower()[j] - x[j]) / width[j];
+            self.upper[j] = (bounds.upper()[j] - x[j]) / width[j];
+        }
+    }
+
+    /// Finds the step of this damping.
+    pub fn solve(&mut self, damping: f64) {
+        self.subproblem.solve(damping, &self.lower, &self.upper);
+    }
+
+    /// Raises the damping until the step is at most half as long as it is.
+    pub fn shorten(&mut self, damping: &mut f64) {
+        let length = self.step_length();
+        // Growing growth, as the damping may be many decades below where it begins to tell.
+        let mut growth = 4.0;
+        while self.step_length() > 0.5 * length {
+            *damping *= growth;
+            growth *= 2.0;
+            self.solve(*damping);
+        }
+    }
+
+    /// Euclidean length of the step.
+    pub fn step_length(&self) -> f64 {
+        let step = self.subproblem.step();
+        step.iter().map(|s| s * s).sum::<f64>().sqrt()
+    }
+
+    /// Largest component of the step.
+    pub fn largest_component(&self) -> f64 {
+        let step = self.subproblem.step();
+        step.iter().fold(0.0, |largest, s| s.abs().max(largest))
+    }
+
+    /// By how much the step lowers half the sum of squares, says the model.
+    pub fn predicted_reduction(&self) -> f64 {
+        0.5 * self.subproblem.predicted_reduction()
+    }
+
+    /// Writes into `to` where the step leads from `x`: on a bound exactly where it holds a variable.
+    pub fn lead(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
+        let (step, holds) = (self.subproblem.step(), self.subproblem.holds());
+        for j in 0..x.len() {
+            let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
+            to[j] = match holds[j] {
+                Hold::Lower => lower,
+                Hold::Upper => upper,
+                Hold::Free => (x[j] + self.bounds.width()[j] * step[j]).clamp(lower, upper),
+            };
+        }
+    }
+
+    /// Whether the residuals, of norm `size`, are at right angles to all columns whose variable is
+    /// free to descend, to within the cosine `cosine`.
+    pub fn is_stationary(&self, size: f64, cosine: f64) -> bool {
+        let columns = self.subproblem.column_norms().iter().enumerate();
+        columns.into_iter().all(|(j, column)| {
+            let slope = self.subproblem.gradient(j);
+            let blocked =
+                (slope > 0.0 && self.lower[j] == 0.0) || (slope < 0.0 && self.upper[j] == 0.0);
+            blocked || slope.abs() <= cosine * size * column
+        })
+    }
+
+    /// Norm of the longest column of the scaled Jacobian.
+    pub fn longest_column(&self) -> f64 {
+        let norms = self.subproblem.column_norms();
+        norms.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Frobenius norm of the scaled Jacobian.
+    pub fn norm(&self) -> f64 {
+        let norms = self.subproblem.column_norms();
+        norms.iter().map(|n| n * n).sum::<f64>().sqrt()
+    }
+}

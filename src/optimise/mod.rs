@@ -1,0 +1,34 @@
+//! Nonlinear least squares with box bounds, from one start or several.
+//!
+//! Nothing here knows of suspensions: a [`LeastSquares`] problem yields residuals (in units of their
+//! tolerances) and their exact Jacobian in one pass, [`fit`] finds a minimum from one start,
+//! [`multistart`] from several in parallel, and [`Identifiability`] says what the residuals at the
+//! solution cannot tell apart. This is the only place that knows argmin.
+//!
+//! Steps are measured in fractions of the variables' ranges throughout. The ranges are the
+//! engineer's own statement of which moves are comparable, so they make the method independent of
+//! units. Scaling by column norms of the Jacobian (as in MINPACK) would do that too, but it lets a
+//! variable move the more freely the less the residuals see of it, which is the opposite of what a
+//! rank-deficient fit needs.
+
+mod bounded_least_squares;
+mod bounds;
+mod fit;
+mod identifiability;
+mod levenberg_marquardt;
+mod local_model;
+mod multistart;
+mod problem;
+mod qr;
+#[cfg(test)]
+mod test_problems;
+#[cfg(test)]
+mod tests;
+
+pub use bounded_least_squares::{BoundedLeastSquares, Hold};
+pub use bounds::{Bounds, EmptyRange};
+pub use fit::{Control, Fit, Iteration, Termination, fit};
+pub use identifiability::{Direction, Identifiability};
+pub use levenberg_marquardt::{LevenbergMarquardt, Options, State};
+pub use multistart::{Multistart, Start, multistart, starting_point};
+pub use problem::{Evaluation, Infeasible, LeastSquares};

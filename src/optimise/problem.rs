@@ -1,0 +1,94 @@
+//! What is minimised.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A nonlinear least-squares problem: minimise the sum of the squares of m residuals over n
+/// variables.
+///
+/// Residuals are in units of their tolerances: 1 is a deviation that still is acceptable.
+pub trait LeastSquares {
+    /// Number n of variables, at least one.
+    fn variables(&self) -> usize;
+
+    /// Number m of residuals, at least one. May be smaller than n.
+    fn residuals(&self) -> usize;
+
+    /// Writes the residuals at `x` and their exact derivatives into `into`, every entry of both.
+    ///
+    /// They come from one pass because they share nearly all of their work. The receiver is mutable
+    /// so that a problem may keep its workspace; the result must depend on `x` alone all the same,
+    /// or results would depend on the path (no warm starts from the previous call).
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible>;
+}
+
+/// Residuals and their derivatives at one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// The m residuals, in units of their tolerances.
+    pub residuals: DVector<f64>,
+    /// The m x n derivatives of the residuals (rows) by the variables (columns).
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Evaluation {
+    /// Room for m `residuals` of n `variables`.
+    pub fn new(residuals: usize, variables: usize) -> Self {
+        Evaluation {
+            residuals: DVector::zeros(residuals),
+            jacobian: DMatrix::zeros(residuals, variables),
+        }
+    }
+
+    /// Half the sum of the squared residuals.
+    pub fn cost(&self) -> f64 {
+        0.5 * self.residuals.norm_squared()
+    }
+
+    /// The root mean square of the residuals: 1 where they are at their tolerances on average,
+    /// however many there are.
+    pub fn misfit(&self) -> f64 {
+        (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
+    }
+
+    /// Refuses entries that are not finite, or so large that their squares could overflow.
+    pub(super) fn check(&self) -> Result<(), Infeasible> {
+        // Squares of 1e8 such numbers still have a finite sum.
+        let usable = |value: &f64| value.abs() < 1e150;
+        if let Some(row) = self.residuals.iter().position(|value| !usable(value)) {
+            let value = self.residuals[row];
+            return Err(Infeasible::Residual { row, value });
+        }
+        if let Some(index) = self.jacobian.iter().position(|value| !usable(value)) {
+            let (row, column) = self.jacobian.vector_to_matrix_index(index);
+            let value = self.jacobian[(row, column)];
+            return Err(Infeasible::Derivative { row, column, value });
+        }
+        Ok(())
+    }
+}
+
+/// Why there are no residuals at a point.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Infeasible {
+    /// The problem says so: it cannot be assembled, or does not reach where it has to.
+    #[error("{0}")]
+    Refused(String),
+    /// A residual is not a usable number.
+    #[error("residual {row} is {value}")]
+    Residual {
+        /// Which residual.
+        row: usize,
+        /// What it is.
+        value: f64,
+    },
+    /// A derivative is not a usable number.
+    #[error("the derivative of residual {row} by variable {column} is {value}")]
+    Derivative {
+        /// Of which residual.
+        row: usize,
+        /// By which variable.
+        column: usize,
+        /// What it is.
+        value: f64,
+    },
+}

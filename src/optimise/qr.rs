@@ -1,0 +1,121 @@
+//! Orthogonal triangularisation by Householder reflections (G. H. Golub, Ch. F. Van Loan, Matrix
+//! Computations, 4th ed., 5.2), in place and without allocation.
+//!
+//! nalgebra's own decomposition allocates and keeps Q; here only R and Q^T b are wanted, tens of
+//! thousands of times, of matrices of a few hundred entries.
+
+/// Below this a column counts as zero: the square of a smaller norm is not a normal number.
+const SMALLEST_NORM: f64 = 1.5e-154;
+
+/// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
+///
+/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards
+/// the upper triangle of `a` is R and `b` is Q^T b; what is left below the diagonal means nothing.
+/// Backward stable whatever the rank: dependent columns show as small diagonal entries.
+pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
+    for k in 0..a.len() / rows {
+        let (done, ahead) = a.split_at_mut((k + 1) * rows);
+        let mirror = &mut done[k * rows + k..];
+        let norm = dot(mirror, mirror).sqrt();
+        if norm < SMALLEST_NORM {
+            mirror[0] = 0.0;
+            continue;
+        }
+        // The sign that does not cancel; |mirror|^2 = 2 norm (norm + |first|).
+        let first = mirror[0];
+        let diagonal = -norm.copysign(first);
+        mirror[0] = first - diagonal;
+        let scale = 1.0 / (norm * (norm + first.abs()));
+        for column in ahead.chunks_exact_mut(rows) {
+            reflect(mirror, scale, &mut column[k..]);
+        }
+        reflect(mirror, scale, &mut b[k..]);
+        mirror[0] = diagonal;
+    }
+}
+
+/// Solves R x = b for the upper triangle R of `a` (columns of `rows` entries), leaving x in the
+/// head of `b`. Where the diagonal is zero the unknown is taken as zero.
+pub(super) fn back_substitute(a: &[f64], rows: usize, b: &mut [f64]) {
+    for k in (0..a.len() / rows).rev() {
+        let column = &a[k * rows..];
+        b[k] = if column[k] == 0.0 {
+            0.0
+        } else {
+            b[k] / column[k]
+        };
+        let x = b[k];
+        for (b, r) in b[..k].iter_mut().zip(column) {
+            *b -= x * r;
+        }
+    }
+}
+
+/// x - scale mirror (mirror . x).
+fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
+    let factor = scale * dot(mirror, x);
+    for (x, m) in x.iter_mut().zip(mirror) {
+        *x -= factor * m;
+    }
+}
+
+/// Scalar product, in four running sums so that additions need not wait for each other.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a_fours, a_rest) = a.as_chunks::<4>();
+    let (b_fours, b_rest) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a_fours.iter().zip(b_fours) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::Noise;
+    use nalgebra::{DMatrix, DVector};
+
+    /// R^T R = A^T A and R^T Q^T b = A^T b, to the rounding of products of `rows` terms.
+    #[test]
+    fn the_triangle_has_the_inner_products_of_the_matrix() {
+        let mut noise = Noise::new(1);
+        for (rows, columns) in [(1, 1), (3, 3), (7, 2), (82, 6), (200, 40)] {
+            let a = DMatrix::from_fn(rows, columns, |_, _| noise.next());
+            let b = DVector::from_fn(rows, |_, _| noise.next());
+            let (mut r, mut c) = (a.clone(), b.clone());
+            triangularise(r.as_mut_slice(), rows, c.as_mut_slice());
+            let r = r.rows(0, columns).upper_triangle();
+            let bound = 4.0 * (rows * columns) as f64 * f64::EPSILON;
+            let inner = (r.transpose() * &r - a.transpose() * &a).amax();
+            let outer = (r.transpose() * c.rows(0, columns) - a.transpose() * &b).amax();
+            assert!(inner <= bound * a.norm_squared(), "{rows} x {columns}");
+            assert!(outer <= bound * a.norm() * b.norm(), "{rows} x {columns}");
+        }
+    }
+
+    #[test]
+    fn a_square_system_is_solved() {
+        let mut a = [2.0, 1.0, 1.0, 1.0, 3.0, 2.0, 1.0, 0.0, 1.0];
+        let mut b = [7.0, 7.0, 8.0];
+        let x = [1.0, 2.0, 3.0];
+        triangularise(&mut a, 3, &mut b);
+        back_substitute(&a, 3, &mut b);
+        for (found, wanted) in b.iter().zip(x) {
+            assert!((found - wanted).abs() < 100.0 * f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn zero_columns_give_zero_unknowns() {
+        let mut a = [3.0, 4.0, 0.0, 0.0];
+        let mut b = [3.0, 4.0];
+        triangularise(&mut a, 2, &mut b);
+        back_substitute(&a, 2, &mut b);
+        assert!((b[0] - 1.0).abs() < 4.0 * f64::EPSILON);
+        assert_eq!(b[1], 0.0);
+    }
+}

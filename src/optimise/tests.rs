@@ -1,0 +1,644 @@
+//! Claims about whole runs.
+
+use super::test_problems::{
+    Function, Noise, PUBLISHED, Rows, Written, freudenstein_roth, rosenbrock,
+};
+use super::*;
+use nalgebra::{DMatrix, DVector};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+fn vector(entries: &[f64]) -> DVector<f64> {
+    DVector::from_column_slice(entries)
+}
+
+fn run(problem: impl LeastSquares, ranges: &[[f64; 2]], start: &[f64], options: &Options) -> Fit {
+    let bounds = Bounds::new(ranges).unwrap();
+    let start = DVector::from_column_slice(start);
+    fit(problem, &bounds, &start, options, Control::default()).unwrap()
+}
+
+/// Options that leave only the end of all descent as a reason to stop.
+fn to_the_end() -> Options {
+    Options {
+        misfit_below: 0.0,
+        reduction_below: 64.0 * f64::EPSILON,
+        ..Options::default()
+    }
+}
+
+fn sum_of_squares(fit: &Fit) -> f64 {
+    fit.evaluation.residuals.norm_squared()
+}
+
+/// The largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the
+/// residuals and a column.
+fn violation(fit: &Fit) -> f64 {
+    let Evaluation {
+        residuals,
+        jacobian,
+    } = &fit.evaluation;
+    let cosine = |j: usize| {
+        let column = jacobian.column(j);
+        let cosine = column.dot(residuals) / (column.norm() * residuals.norm());
+        match fit.holds[j] {
+            Hold::Free => cosine.abs(),
+            Hold::Lower => (-cosine).max(0.0),
+            Hold::Upper => cosine.max(0.0),
+        }
+    };
+    (0..fit.holds.len()).map(cosine).fold(0.0, f64::max)
+}
+
+#[test]
+fn val_published_minima_are_found() {
+    for published in PUBLISHED {
+        let fit = run(
+            published.problem(),
+            published.ranges,
+            published.start,
+            &to_the_end(),
+        );
+        let found = sum_of_squares(&fit);
+        let name = published.name;
+        println!(
+            "{name}: {found:e} in {} iterations, {} evaluations: {}",
+            fit.history.len() - 1,
+            fit.evaluations(),
+            fit.termination
+        );
+        assert!(fit.termination.at_minimum(), "{name}: {}", fit.termination);
+        assert!(
+            fit.history.len() <= 100,
+            "{name}: {} iterations",
+            fit.history.len()
+        );
+        if published.sum_of_squares == 0.0 {
+            assert!(found < 1e-24, "{name}: {found:e}");
+        } else {
+            // As many digits as are published.
+            let off = (found - published.sum_of_squares).abs() / published.sum_of_squares;
+            assert!(off < 5e-6, "{name}: {found:e}");
+            assert!(violation(&fit) < 1e-6, "{name}: {:e}", violation(&fit));
+        }
+    }
+}
+
+/// Central differences are right to about the third power of the step, the square root of the cube
+/// root of rounding away from that.
+#[test]
+fn derivatives_of_the_test_problems_are_right() {
+    for published in PUBLISHED {
+        let n = published.start.len();
+        for (i, (_, gradient)) in (published.rows)(published.start)
+            .unwrap()
+            .iter()
+            .enumerate()
+        {
+            for j in 0..n {
+                let residual = |offset: f64| {
+                    let mut x = published.start.to_vec();
+                    x[j] += offset;
+                    (published.rows)(&x).unwrap()[i].0
+                };
+                let h = f64::EPSILON.cbrt();
+                let difference = (residual(h) - residual(-h)) / (2.0 * h);
+                let scale = 1.0 + residual(0.0).abs() + gradient[j].abs();
+                let off = (gradient[j] - difference).abs();
+                assert!(off < 1e-7 * scale, "{} {i} {j}: {off:e}", published.name);
+            }
+        }
+    }
+}
+
+/// The minimiser of problem 2 of Hock and Schittkowski in closed form.
+#[test]
+fn val_a_bound_active_at_the_minimum_is_met_exactly() {
+    let problem = Written {
+        variables: 2,
+        residuals: 2,
+        rows: rosenbrock,
+    };
+    let fit = run(
+        problem,
+        &[[-100.0, 100.0], [1.5, 100.0]],
+        &[2.0, 3.0],
+        &to_the_end(),
+    );
+    let a = (598.0_f64 / 1200.0).sqrt();
+    let b = 400.0 * a * a * a;
+    let x = 2.0 * a * ((1.0 / b).acos() / 3.0).cos();
+    assert_eq!(fit.x[1], 1.5);
+    assert_eq!(fit.holds, [Hold::Free, Hold::Lower]);
+    assert!((fit.x[0] - x).abs() < 1e-8, "{} {x}", fit.x[0]);
+}
+
+/// Near a zero of the residuals the misfit is squared in every iteration.
+#[test]
+fn zeros_are_approached_quadratically() {
+    let problem = Written {
+        variables: 2,
+        residuals: 2,
+        rows: freudenstein_roth,
+    };
+    let fit = run(problem, &[[-100.0, 100.0]; 2], &[6.0, 5.0], &to_the_end());
+    assert!((&fit.x - vector(&[5.0, 4.0])).amax() < 1e-14, "{}", fit.x);
+    let misfits: Vec<f64> = fit.history.iter().map(|i| i.misfit).collect();
+    let near = misfits
+        .windows(2)
+        .filter(|pair| pair[0] < 1.0 && pair[0] > 1e-7);
+    for pair in near {
+        assert!(pair[1] <= pair[0] * pair[0], "{misfits:?}");
+    }
+}
+
+/// Residuals that see only the sum of the variables, through a curve.
+fn seen_by_its_sum(target: f64) -> Written<impl Fn(&[f64]) -> Rows + Clone> {
+    let rows = move |x: &[f64]| {
+        let sum = x[0] + x[1] + x[2];
+        let row = |i: usize| {
+            let t = i as f64 / 10.0;
+            let slope = t + 0.1 * sum;
+            (t * sum + 0.05 * sum * sum - t * target, vec![slope; 3])
+        };
+        Ok((0..20).map(row).collect())
+    };
+    Written {
+        variables: 3,
+        residuals: 20,
+        rows,
+    }
+}
+
+#[test]
+fn what_the_residuals_do_not_see_stays_where_it_is() {
+    // A zero of the residuals, and a minimum that is none.
+    for target in [0.0, 1.0] {
+        let start = [0.5, -0.1, 0.2];
+        let fit = run(
+            seen_by_its_sum(target),
+            &[[-2.0, 2.0]; 3],
+            &start,
+            &Options::default(),
+        );
+        assert!(fit.termination.at_minimum(), "{}", fit.termination);
+        assert!(fit.history.len() < 20, "{} iterations", fit.history.len());
+        // The move is along (1, 1, 1): equal ranges, equal moves.
+        let moves: Vec<f64> = fit
+            .x
+            .iter()
+            .zip(start)
+            .map(|(x, start)| x - start)
+            .collect();
+        assert!(
+            (moves[0] - moves[1]).abs() < 1e-5 && (moves[1] - moves[2]).abs() < 1e-5,
+            "{moves:?}"
+        );
+    }
+}
+
+/// A random linear map of rank 3 on 6 variables, with residuals that cannot vanish: rounding makes
+/// singular values out of nothing, and they must not move the design.
+#[test]
+fn rounding_does_not_move_a_rank_deficient_fit() {
+    for seed in 0..20 {
+        let mut noise = Noise::new(seed);
+        let left = DMatrix::from_fn(82, 3, |_, _| 1000.0 * noise.next());
+        let right = DMatrix::from_fn(3, 6, |_, _| noise.next());
+        let a = &left * &right;
+        let b = DVector::from_fn(82, |_, _| 100.0 * noise.next());
+        let (a_, b_) = (a.clone(), b.clone());
+        let rows = move |x: &[f64]| {
+            let r = &a_ * DVector::from_column_slice(x) - &b_;
+            let row = |i: usize| (r[i], a_.row(i).iter().copied().collect());
+            Ok((0..82).map(row).collect())
+        };
+        let problem = Written {
+            variables: 6,
+            residuals: 82,
+            rows,
+        };
+        let fit = run(problem, &[[-1.0, 1.0]; 6], &[0.0; 6], &to_the_end());
+        assert!(fit.termination.at_minimum(), "{}", fit.termination);
+        assert!(fit.holds.iter().all(|&hold| hold == Hold::Free));
+        // The part of the move that the rows of `right` do not span.
+        let square = &right * right.transpose();
+        let seen = right.transpose() * square.lu().solve(&(&right * &fit.x)).unwrap();
+        let unseen = (&fit.x - seen).norm();
+        assert!(unseen < 1e-5, "seed {seed}: {unseen:e} of {}", fit.x.norm());
+    }
+}
+
+/// Singular values over eight decades, a planted zero: every coordinate is found.
+#[test]
+fn val_a_planted_design_is_found_through_weak_directions() {
+    for seed in 0..10 {
+        let mut noise = Noise::new(100 + seed);
+        let q = DMatrix::from_fn(82, 6, |_, _| noise.next()).qr().q();
+        let v = DMatrix::from_fn(6, 6, |_, _| noise.next()).qr().q();
+        let s = DMatrix::from_diagonal(&DVector::from_fn(6, |i, _| {
+            1e3 * 10f64.powf(-1.6 * i as f64)
+        }));
+        let a = q * s * v;
+        let planted = DVector::from_fn(6, |_, _| 0.015 * noise.next());
+        let truth = planted.clone();
+        let rows = move |x: &[f64]| {
+            let move_ = DVector::from_column_slice(x) - &truth;
+            // Curved, so that it takes more than one step.
+            let curved = move_.map(|d| d + 3.0 * d * d);
+            let slopes = move_.map(|d| 1.0 + 6.0 * d);
+            let r = &a * curved;
+            let row = |i: usize| {
+                (
+                    r[i],
+                    a.row(i).transpose().component_mul(&slopes).data.into(),
+                )
+            };
+            Ok((0..82).map(row).collect())
+        };
+        let problem = Written {
+            variables: 6,
+            residuals: 82,
+            rows,
+        };
+        let options = Options {
+            misfit_below: 0.0,
+            ..Options::default()
+        };
+        let fit = run(problem, &[[-0.02, 0.02]; 6], &[0.0; 6], &options);
+        let off = (&fit.x - planted).amax();
+        println!(
+            "{off:e} {} iterations {} evaluations, {}",
+            fit.history.len() - 1,
+            fit.evaluations(),
+            fit.termination
+        );
+        assert!(off < 1e-9, "seed {seed}: {off:e} after {}", fit.termination);
+        assert!(fit.history.len() < 40, "{} iterations", fit.history.len());
+    }
+}
+
+/// Rosenbrock with no residuals right of a line through the valley, or beyond a parabola.
+fn fenced(fence: fn(&[f64]) -> bool) -> Written<impl Fn(&[f64]) -> Rows + Clone> {
+    let rows = move |x: &[f64]| match fence(x) {
+        true => Err(Infeasible::Refused("beyond the fence".into())),
+        false => rosenbrock(x),
+    };
+    Written {
+        variables: 2,
+        residuals: 2,
+        rows,
+    }
+}
+
+#[test]
+fn infeasible_trials_are_counted_and_avoided() {
+    let problem = fenced(|x| x[1] < x[0] * x[0] - 0.2);
+    let fit = run(
+        problem,
+        &[[-3.0, 3.0]; 2],
+        &[-1.2, 1.5],
+        &Options::default(),
+    );
+    assert!((&fit.x - vector(&[1.0, 1.0])).amax() < 1e-9, "{}", fit.x);
+    assert!(fit.history.iter().any(|i| i.infeasible > 0));
+}
+
+#[test]
+fn a_minimum_out_of_reach_ends_with_its_reason() {
+    let problem = fenced(|x| x[0] > 0.5);
+    let fit = run(
+        problem,
+        &[[-3.0, 3.0]; 2],
+        &[-1.2, 1.0],
+        &Options::default(),
+    );
+    let reason = Infeasible::Refused("beyond the fence".into());
+    assert_eq!(fit.termination, Termination::NoFeasibleStep(reason));
+    assert!(fit.x[0] <= 0.5 && fit.x[0] > 0.5 - 1e-6, "{}", fit.x);
+}
+
+#[test]
+fn residuals_that_are_not_numbers_are_refused_with_a_reason() {
+    let rows: Function = |x| Ok(vec![(x[0], vec![1.0]), ((x[0] - 1.0).sqrt(), vec![1.0])]);
+    let problem = Written {
+        variables: 1,
+        residuals: 2,
+        rows,
+    };
+    let bounds = Bounds::new(&[[-2.0, 2.0]]).unwrap();
+    let start = vector(&[0.0]);
+    let options = Options::default();
+    let refused = fit(problem, &bounds, &start, &options, Control::default()).unwrap_err();
+    assert!(
+        refused.to_string().starts_with("residual 1 is NaN"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_start_without_residuals_is_an_error_with_its_reason() {
+    let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
+    let start = vector(&[2.0, 0.0]);
+    let options = Options::default();
+    let refused = fit(
+        fenced(|x| x[0] > 0.5),
+        &bounds,
+        &start,
+        &options,
+        Control::default(),
+    );
+    assert_eq!(refused, Err(Infeasible::Refused("beyond the fence".into())));
+}
+
+#[test]
+fn a_start_at_the_minimum_ends_at_once() {
+    let problem = Written {
+        variables: 2,
+        residuals: 2,
+        rows: rosenbrock,
+    };
+    let fit = run(problem, &[[-3.0, 3.0]; 2], &[1.0, 1.0], &Options::default());
+    assert_eq!(fit.termination, Termination::MisfitReached);
+    assert_eq!(fit.evaluations(), 1);
+}
+
+#[test]
+fn a_corner_all_bounds_hold_is_stationary() {
+    let rows: Function = |x| {
+        Ok(vec![
+            (x[0] + 3.0, vec![1.0, 0.0]),
+            (x[1] - 4.0, vec![0.0, 1.0]),
+        ])
+    };
+    let problem = Written {
+        variables: 2,
+        residuals: 2,
+        rows,
+    };
+    let fit = run(problem, &[[-1.0, 1.0]; 2], &[0.0, 0.0], &Options::default());
+    assert_eq!(fit.termination, Termination::Stationary);
+    assert_eq!(fit.x, vector(&[-1.0, 1.0]));
+    assert_eq!(fit.holds, [Hold::Lower, Hold::Upper]);
+}
+
+#[test]
+fn limits_and_interrupts_keep_what_is_reached() {
+    let problem = || Written {
+        variables: 2,
+        residuals: 2,
+        rows: rosenbrock,
+    };
+    let options = Options {
+        max_iterations: 3,
+        ..Options::default()
+    };
+    let limited = run(problem(), &[[-3.0, 3.0]; 2], &[-1.2, 1.0], &options);
+    assert_eq!(limited.termination, Termination::IterationLimit);
+    assert_eq!(limited.history.len(), 4);
+
+    let flag = AtomicBool::new(false);
+    let stop = |_: usize, iteration: &Iteration| {
+        flag.store(iteration.iteration >= 2, Ordering::Relaxed);
+    };
+    let control = Control {
+        interrupt: Some(&flag),
+        watch: Some(&stop),
+    };
+    let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
+    let start = vector(&[-1.2, 1.0]);
+    let stopped = fit(problem(), &bounds, &start, &Options::default(), control).unwrap();
+    assert_eq!(stopped.termination, Termination::Interrupted);
+    assert_eq!(stopped.history, limited.history[..3]);
+}
+
+/// Costs never rise, whatever the problem; every minimum obeys the Kuhn-Tucker conditions.
+#[test]
+fn random_bounded_problems_end_at_kuhn_tucker_points() {
+    for seed in 0..60 {
+        let mut noise = Noise::new(1000 + seed);
+        let n = 1 + seed as usize % 8;
+        let a = DMatrix::from_fn(200, n, |_, _| noise.next());
+        let b = DVector::from_fn(200, |_, _| 2.0 * noise.next());
+        let curve = 0.3 * noise.next();
+        let goal = DVector::from_fn(n, |_, _| 2.0 * noise.next());
+        let rows = move |x: &[f64]| {
+            let x = DVector::from_column_slice(x);
+            let r = &a * (&x - &goal) + x.norm_squared() * curve * &b + 0.3 * &b;
+            let row = |i: usize| {
+                let gradient = a.row(i).transpose() + 2.0 * curve * b[i] * &x;
+                (r[i], gradient.data.into())
+            };
+            Ok((0..200).map(row).collect())
+        };
+        let problem = Written {
+            variables: n,
+            residuals: 200,
+            rows,
+        };
+        let ranges: Vec<[f64; 2]> = (0..n)
+            .map(|_| [-1.0 - 0.5 * noise.next(), 0.6 + 0.5 * noise.next()])
+            .collect();
+        let fit = run(problem, &ranges, &vec![0.0; n], &to_the_end());
+        assert!(
+            fit.termination.at_minimum(),
+            "seed {seed}: {}",
+            fit.termination
+        );
+        assert!(
+            fit.history
+                .windows(2)
+                .all(|pair| pair[1].cost <= pair[0].cost)
+        );
+        assert!(violation(&fit) < 1e-6, "seed {seed}: {:e}", violation(&fit));
+    }
+}
+
+fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
+    let problem = || Written {
+        variables: 2,
+        residuals: 2,
+        rows: freudenstein_roth,
+    };
+    let bounds = Bounds::new(&[[-20.0, 20.0], [-6.0, 6.0]]).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    let (design, options) = (vector(&[0.5, -2.0]), Options::default());
+    pool.install(|| {
+        multistart(
+            problem,
+            &bounds,
+            &design,
+            starts,
+            1,
+            &options,
+            Control::default(),
+        )
+    })
+}
+
+#[test]
+fn several_starts_find_what_one_does_not() {
+    let one = freudenstein_roth_from(1, 1);
+    assert!(one.best_fit().unwrap().misfit() > 1.0);
+    let several = freudenstein_roth_from(8, 2);
+    assert!((&several.best_fit().unwrap().x - vector(&[5.0, 4.0])).amax() < 1e-9);
+    assert_eq!(several.starts[0], one.starts[0]);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let one = freudenstein_roth_from(16, 1);
+    for threads in [2, 3] {
+        assert_eq!(freudenstein_roth_from(16, threads), one);
+    }
+}
+
+/// Two zeros, at -1 and 0.5: the nearer to the design is kept. Some starts have no residuals.
+#[test]
+fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
+    let rows: Function = |x| match x[0] > 1.5 {
+        true => Err(Infeasible::Refused("too far".into())),
+        false => Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])]),
+    };
+    let problem = || Written {
+        variables: 1,
+        residuals: 1,
+        rows,
+    };
+    let bounds = Bounds::new(&[[-3.0, 3.0]]).unwrap();
+    for (design, nearest) in [(-0.2, -1.0), (0.1, 0.5), (2.5, 0.5)] {
+        let design = vector(&[design]);
+        let found = multistart(
+            problem,
+            &bounds,
+            &design,
+            12,
+            5,
+            &Options::default(),
+            Control::default(),
+        );
+        let best = found.best_fit().unwrap();
+        let distance = |x: f64| (x - design[0]).abs();
+        let expected = if distance(-1.0) < distance(0.5) {
+            -1.0
+        } else {
+            0.5
+        };
+        assert!(
+            (best.x[0] - expected).abs() < 1e-9,
+            "{} {nearest}",
+            best.x[0]
+        );
+        let failed = found.starts.iter().filter(|start| start.outcome.is_err());
+        assert!(failed.count() > 0);
+    }
+}
+
+#[test]
+fn starting_points_fill_the_box_in_any_dimension() {
+    let ranges: Vec<[f64; 2]> = (0..300)
+        .map(|j| [-f64::from(j), 1.0])
+        .map(|[a, b]| [a - 1.0, b])
+        .collect();
+    let bounds = Bounds::new(&ranges).unwrap();
+    let design = DVector::zeros(300);
+    for j in [0, 255, 256, 299] {
+        let fraction = |index: usize| {
+            let x = starting_point(&bounds, &design, index, 7);
+            (x[j] - bounds.lower()[j]) / bounds.width()[j]
+        };
+        // Sixteen points of the sequence fall into sixteen different sixteenths.
+        let mut cells: Vec<usize> = (1..=16)
+            .map(|index| (fraction(index) * 16.0) as usize)
+            .collect();
+        cells.sort_unstable();
+        assert_eq!(cells, (0..16).collect::<Vec<_>>());
+    }
+    let far = starting_point(&bounds, &design, 70_000, 7);
+    assert_eq!(bounds.nearest(&far), far);
+}
+
+/// What an iteration costs without the evaluation; run with `--release --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn speed() {
+    let mut noise = Noise::new(9);
+    for (m, n) in [(82, 6), (82, 20), (1000, 40)] {
+        let a = DMatrix::from_fn(m, n, |_, _| noise.next());
+        let b = DVector::from_fn(m, |_, _| noise.next());
+        let mut solver = BoundedLeastSquares::new(n, m);
+        let width = DVector::repeat(n, 1.0);
+        let (lower, upper) = (vec![-0.02; n], vec![0.02; n]);
+        let far = vec![10.0; n];
+        let near: Vec<f64> = far.iter().map(|f| -f).collect();
+        let time = |name: &str, work: &mut dyn FnMut()| {
+            let begin = std::time::Instant::now();
+            for _ in 0..2000 {
+                work();
+            }
+            println!(
+                "{m} x {n} {name}: {:.2} us",
+                begin.elapsed().as_secs_f64() * 1e6 / 2000.0
+            );
+        };
+        time("reduce", &mut || solver.reduce(&a, &width, &b));
+        time("solve free", &mut || solver.solve(1e-6, &near, &far));
+        time("solve bounded", &mut || solver.solve(1e-6, &lower, &upper));
+        println!(
+            "held {}",
+            solver.holds().iter().filter(|h| **h != Hold::Free).count()
+        );
+        struct Flat {
+            a: DMatrix<f64>,
+            b: DVector<f64>,
+            calls: f64,
+        }
+        impl LeastSquares for Flat {
+            fn variables(&self) -> usize {
+                self.a.ncols()
+            }
+            fn residuals(&self) -> usize {
+                self.a.nrows()
+            }
+            fn evaluate(
+                &mut self,
+                _: &DVector<f64>,
+                into: &mut Evaluation,
+            ) -> Result<(), Infeasible> {
+                self.calls += 1.0;
+                into.residuals.copy_from(&self.b);
+                into.residuals *= 0.999f64.powf(self.calls);
+                into.jacobian.copy_from(&self.a);
+                into.jacobian *= 0.01;
+                Ok(())
+            }
+        }
+        let bounds = Bounds::new(&vec![[-1e3, 1e3]; n]).unwrap();
+        let options = Options {
+            misfit_below: 0.0,
+            reduction_below: 0.0,
+            step_below: 0.0,
+            gradient_below: 0.0,
+            max_iterations: 2000,
+        };
+        let begin = std::time::Instant::now();
+        let found = fit(
+            Flat { a, b, calls: 0.0 },
+            &bounds,
+            &DVector::zeros(n),
+            &options,
+            Control::default(),
+        )
+        .unwrap();
+        let evaluations = found.evaluations();
+        println!(
+            "{m} x {n} run: {:.2} us per iteration, {} iterations {} evaluations {}",
+            begin.elapsed().as_secs_f64() * 1e6 / (found.history.len() as f64),
+            found.history.len(),
+            evaluations,
+            found.termination
+        );
+    }
+}

@@ -1,0 +1,117 @@
+//! The plan: what a study asks for, turned into what has to be computed. Nothing else is.
+//!
+//! Every decision on cost is made here: how many derivatives of a pose are taken, whether a Jacobian is
+//! factorised at all, to which hardpoints gradients are formed and of which outputs.
+
+use crate::characteristics::{Constants, Quantity};
+use crate::kinematics::March;
+use crate::model::{Axis, Drive, PointId};
+use crate::study::{Order, Study, TimeLaw};
+
+/// One quantity with the derivatives asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// What.
+    pub quantity: Quantity,
+    /// Name and unit of the value, as column names write them: `camber` and `deg`.
+    pub name: String,
+    /// Unit; empty for a plain number.
+    pub unit: String,
+    /// What a value in the kernel's frame, in radians or length units, is multiplied by to be printed.
+    pub factor: f64,
+    /// Highest derivative by the drive or by time.
+    pub highest: usize,
+}
+
+/// What is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// What drives.
+    pub drive: Drive,
+    /// Drive values and the order in which they are visited.
+    pub march: March,
+    /// Rack displacements, in the study's axes.
+    pub racks: Vec<f64>,
+    /// What a rack displacement in the study's axes is multiplied by for the kernel's.
+    pub rack_sign: f64,
+    /// The drive over time, where derivatives are by time.
+    pub time: Option<TimeLaw>,
+    /// Outputs.
+    pub outputs: Vec<Output>,
+    /// Coefficients of the power series of a pose: 1 for positions alone.
+    pub coefficients: usize,
+    /// Points by which gradients are formed; empty for none.
+    pub sensitivities: Vec<PointId>,
+    /// Figures that formulas read.
+    pub constants: Constants,
+}
+
+impl Plan {
+    /// The plan of a study's curves.
+    pub fn of(study: &Study) -> Plan {
+        let suspension = &study.suspension;
+        let highest = study.outputs.order as usize;
+        let length = suspension.length_unit;
+        let mut outputs = Vec::new();
+        for c in &study.outputs.characteristics {
+            let unit = c.info().unit;
+            outputs.push(Output {
+                quantity: Quantity::Characteristic(*c),
+                name: c.info().name.to_owned(),
+                unit: unit.suffix(length),
+                factor: unit.printed_factor(),
+                highest,
+            });
+        }
+        for point in &study.outputs.points {
+            for axis in Axis::ALL {
+                outputs.push(Output {
+                    quantity: Quantity::Coordinate(*point, axis),
+                    name: format!("{}_{}", suspension.mechanism.name(*point), axis.name()),
+                    unit: length.symbol().to_owned(),
+                    factor: suspension.frame.sign(axis),
+                    highest,
+                });
+            }
+        }
+        if study.outputs.knuckle && highest > 0 {
+            for axis in Axis::ALL {
+                outputs.push(Output {
+                    quantity: Quantity::AngularVelocity(axis),
+                    name: format!("knuckle_{}", axis.name()),
+                    unit: "rad".to_owned(),
+                    factor: suspension.frame.turn_sign(axis),
+                    highest: highest - 1,
+                });
+            }
+        }
+        let coefficients = outputs
+            .iter()
+            .map(|o| o.highest + o.quantity.depth() + 1)
+            .max()
+            .unwrap_or(1);
+        Plan {
+            drive: study.motion.drive,
+            march: March::through(&study.motion.values),
+            racks: study.motion.rack.clone(),
+            rack_sign: suspension.frame.sign(Axis::Y),
+            time: study.motion.time.clone(),
+            outputs,
+            coefficients,
+            sensitivities: study.outputs.sensitivities.clone(),
+            constants: Constants::of(suspension),
+        }
+    }
+
+    /// Number of stations: drive values times rack displacements.
+    pub fn stations(&self) -> usize {
+        self.march.values().len() * self.racks.len()
+    }
+}
+
+impl Order {
+    /// The order in words.
+    pub fn name(self) -> &'static str {
+        ["position", "velocity", "acceleration"][self as usize]
+    }
+}

@@ -291,10 +291,17 @@ fn motions_that_go_nowhere() {
         ("travel = [0.0]\ntime = { polynomial = [0.0, 1.0], from = 0.0, to = 1.0, steps = 3 }", key, &["time already gives the drive"]),
         ("time = { polynomial = [], from = 0.0, to = 1.0, steps = 3 }", "motion.time.polynomial", &["empty list"]),
         ("time = { polynomial = [0.0, 1e12, 1e12], from = 0.0, to = 9.0, steps = 3 }", "motion.time.polynomial", &["grows beyond"]),
+        ("drive = \"arm_angle\"\nangle_unit = \"grad\"\narm_angle = 1", "motion.angle_unit", &["expected \"deg\" or \"rad\""]),
+        ("travel = { from = 0.0, to = 80.0, steps = 10000000 }\n rack = [0, 1]", "motion", &["20000000 stations", "at most 10000000"]),
         ("drive = \"arm\"\ntravel = [0.0]", "motion.drive", &["did you mean \"arm_angle\"?"]),
     ];
     for (line, key, phrases) in cases {
         let text = edited(travel, line);
+        let text = if line.contains(" rack") {
+            text.replace("\nrack = 0.0", "")
+        } else {
+            text
+        };
         // The targets have nothing to do with it.
         let text = &text[..text.find("[optimise]").unwrap()];
         let on = key.rsplit('.').next().unwrap();

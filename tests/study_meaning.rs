@@ -306,3 +306,26 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// The same of overrides, wherever they reach.
+    #[test]
+    fn overrides_are_taken_or_refused_without_panic(
+        path in prop::collection::vec(any::<prop::sample::Index>(), 1..5),
+        value in any::<prop::sample::Index>(),
+    ) {
+        const KEYS: &[&str] = &[
+            "suspension", "hardpoints", "strut_top", "optimise", "variables", "targets", "points", "0", "7",
+            "motion", "travel", "from", "time", "outputs", "order", "\"a b\"", "", "wheel", "[x]",
+        ];
+        const VALUES: &[&str] = &["0", "[1, 2]", "{ a = 1 }", "nan", "text", "", "[", "\"", "true", "1=2"];
+        let keys: Vec<&str> = path.iter().map(|index| *index.get::<&str>(KEYS)).collect();
+        let set = format!("{}={}", keys.join("."), value.get::<&str>(VALUES));
+        let front = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+        if let Err(errors) = Study::read(&front, &[set]) {
+            prop_assert!(errors.to_string().contains("--set"));
+        }
+    }
+}

@@ -69,6 +69,7 @@ pub static MACPHERSON: Topology = Topology {
             "they define the steering axis",
         ),
         ("strut_lower", "strut_upper", "they define the strut axis"),
+        ("strut_lower", "strut_top", "the strut would have no length"),
         (
             "tie_rod_inner",
             "tie_rod_outer",

@@ -1,6 +1,6 @@
 //! Target curves in CSV files.
 
-use super::error::{Problems, Source, StudyError};
+use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::value::{Number, Text};
 use std::path::Path;
 use std::sync::Arc;
@@ -30,14 +30,14 @@ pub fn read(
     });
     match curve(&source, columns) {
         Ok(curve) => Some(curve),
-        Err(error) => {
-            problems.push(*error);
+        Err(errors) => {
+            problems.append(errors);
             None
         }
     }
 }
 
-fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Box<StudyError>> {
+fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, StudyErrors> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -47,26 +47,9 @@ fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Box<
     let mut header_seen = false;
     let mut curve: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|e| {
-            let start = e.position().map(|p| p.byte() as usize);
-            let span = start.map(|start| start..source.text.len());
-            Box::new(StudyError::new(
-                source.clone(),
-                span,
-                format!("not readable as CSV: {e}"),
-            ))
-        })?;
+        let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
         let start = record.position().map_or(0, |p| p.byte() as usize);
-        // Blank lines before a record count to it.
-        let blank = source.text[start..].len() - source.text[start..].trim_start().len();
-        let error = |message: String| {
-            let span = start + blank..source.text.len();
-            Err(Box::new(StudyError::new(
-                source.clone(),
-                Some(span),
-                message,
-            )))
-        };
+        let error = |message: String| Err(at_record(source, start, message));
         if !header_seen {
             header_seen = true;
             if record.iter().ne(columns) {
@@ -102,7 +85,15 @@ fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Box<
             false => format!("the file is empty; {expected}"),
             true => format!("a curve has at least two points, found {}", curve.len()),
         };
-        return Err(Box::new(StudyError::of_file(&source.name, message)));
+        return Err(StudyError::of_file(&source.name, message).into());
     }
     Ok(curve)
+}
+
+/// A mistake in the record that starts at this byte, or after the blank lines there.
+fn at_record(source: &Arc<Source>, start: usize, message: String) -> StudyErrors {
+    let rest = source.text.get(start..).unwrap_or("");
+    let blank = rest.len() - rest.trim_start().len();
+    let span = start + blank..source.text.len();
+    StudyError::new(source.clone(), Some(span), message).into()
 }

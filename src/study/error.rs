@@ -207,13 +207,13 @@ impl Problems {
         let key = super::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
         error.key_named(key);
-        self.push(error)
-    }
-
-    /// Notes a mistake that may be in another file.
-    pub fn push(&mut self, error: StudyError) -> &mut StudyError {
         self.errors.push(error);
         self.errors.last_mut().expect("just pushed")
+    }
+
+    /// Notes mistakes found in another file.
+    pub fn append(&mut self, errors: StudyErrors) {
+        self.errors.extend(errors.0);
     }
 
     /// The result, if there is nothing wrong.

@@ -3,14 +3,15 @@
 //! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
 //! units (see the fields), defaults are filled in, and nothing is left to interpret.
 //!
-//! Reading goes text -> [`file::File`](file) (what is written, each value with its place) -> [`Study`]
-//! (what it means). Degrees become radians and the study's axes the kernel's here and nowhere else.
+//! Reading goes from the text to the file as written, each value with its place, and from there to the
+//! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
 //! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
 
 mod curve_file;
 mod edit;
 mod error;
 mod file;
+mod geometry;
 mod motion;
 mod names;
 mod optimise;

@@ -6,11 +6,20 @@ use super::names::choose;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
 use crate::model::Suspension;
-use std::ops::RangeInclusive;
+use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
 /// The most stations of one motion: as many as a machine can hold the results of.
 const MOST_STATIONS: i64 = 10_000_000;
+
+impl Drive {
+    const ALL: [(&str, Drive); 2] = [("travel", Drive::Travel), ("arm_angle", Drive::ArmAngle)];
+
+    /// Its name in studies.
+    pub fn name(self) -> &'static str {
+        Drive::ALL[self as usize].0
+    }
+}
 
 /// The motion, if nothing is wrong with it.
 pub fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
@@ -18,102 +27,91 @@ pub fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Optio
     let section = section.get_ref();
     let drive = match &section.drive {
         None => Some(Drive::Travel),
-        Some(text) => {
-            let drives = [("travel", Drive::Travel), ("arm_angle", Drive::ArmAngle)];
-            choose(text, "drive", &drives, problems)
-        }
-    };
-    let to_radians = match &section.angle_unit {
-        None => Some(true),
-        Some(text) => choose(
-            text,
-            "angle unit",
-            &[("deg", true), ("rad", false)],
-            problems,
-        ),
+        Some(text) => choose(text, "drive", &Drive::ALL, problems),
     };
     let rack = match &section.rack {
         None => Some(vec![0.0]),
         Some(rack) => values(rack, problems),
     };
-    let drive = drive?;
-    let (given, other) = match drive {
-        Drive::Travel => (&section.travel, &section.arm_angle),
-        Drive::ArmAngle => (&section.arm_angle, &section.travel),
-    };
-    let name = |drive| match drive {
-        Drive::Travel => "travel",
-        Drive::ArmAngle => "arm_angle",
-    };
-    if let Some(other) = other {
-        let wrong = match drive {
-            Drive::Travel => "arm_angle",
-            Drive::ArmAngle => "travel",
-        };
-        let message = format!("{wrong} is given, but the drive is \"{}\"", name(drive));
-        let help = format!("drive = \"{wrong}\" would use it");
-        problems.add(other.span(), message).help(help);
-        return None;
-    }
-    let to_internal = |value: f64| match (drive, to_radians) {
-        (Drive::ArmAngle, Some(true)) => value.to_radians(),
-        _ => value,
-    };
-    let (drive_values, time) = match (given, &section.time) {
-        (Some(given), None) => {
-            let written = values(given, problems)?;
-            (written.into_iter().map(to_internal).collect(), None)
-        }
-        (None, Some(time)) => {
-            let mut law = time_law(time.get_ref(), problems)?;
-            for coefficient in &mut law.polynomial {
-                *coefficient = to_internal(*coefficient);
-            }
-            let at_times: Vec<f64> = law.times.iter().map(|t| law.value(*t)).collect();
-            if at_times.iter().any(|v| v.abs() > Number::MOST) {
-                let message = "the polynomial grows beyond 1e12 between these times";
-                problems.add(time.get_ref().polynomial.span(), message);
-                return None;
-            }
-            (at_times, Some(law))
-        }
-        (Some(given), Some(time)) => {
-            let message = format!(
-                "time already gives the drive; expected {} or time",
-                name(drive)
-            );
-            let error = problems.add(given.span(), message);
-            error.related(time.span(), "given here");
-            return None;
-        }
-        (None, None) => {
-            let message = format!(
-                "expected {} or time: where the mechanism is to be solved",
-                name(drive)
-            );
-            problems.add(place, message);
-            return None;
-        }
-    };
-    to_radians?;
+    let (drive_values, time) = drive_values(drive?, section, place.clone(), problems)?;
     let rack = rack?;
     let stations = drive_values.len().saturating_mul(rack.len());
     if stations > MOST_STATIONS as usize {
         let message =
-            format!("{stations} combinations with the rack; at most {MOST_STATIONS} are solved");
+            format!("{stations} stations with those of the rack; expected at most {MOST_STATIONS}");
         problems.add(place, message);
         return None;
     }
+    let written_rack = section.rack.as_ref().map(Spanned::get_ref);
     Some(Motion {
-        drive,
+        drive: drive?,
         values: drive_values,
         rack,
-        rack_moves: section
-            .rack
-            .as_ref()
-            .is_some_and(|rack| !matches!(rack.get_ref(), Values::One(_))),
+        rack_moves: written_rack.is_some_and(|rack| !matches!(rack, Values::One(_))),
         time,
     })
+}
+
+/// Drive values in length units or radians, and their law where they follow one.
+fn drive_values(
+    drive: Drive,
+    section: &file::Motion,
+    place: Span<usize>,
+    problems: &mut Problems,
+) -> Option<(Vec<f64>, Option<TimeLaw>)> {
+    let name = drive.name();
+    let (given, other, other_drive) = match drive {
+        Drive::Travel => (&section.travel, &section.arm_angle, Drive::ArmAngle),
+        Drive::ArmAngle => (&section.arm_angle, &section.travel, Drive::Travel),
+    };
+    if let Some(other) = other {
+        let other_name = other_drive.name();
+        let message = format!("{other_name} is given, but the drive is \"{name}\"");
+        let error = problems.add(other.span(), message);
+        error.help(format!("drive = \"{other_name}\" would use it"));
+        return None;
+    }
+    let degrees = match &section.angle_unit {
+        None => true,
+        Some(text) => choose(
+            text,
+            "angle unit",
+            &[("deg", true), ("rad", false)],
+            problems,
+        )?,
+    };
+    let resolved = |written: f64| match drive {
+        Drive::ArmAngle if degrees => written.to_radians(),
+        _ => written,
+    };
+    match (given, &section.time) {
+        (Some(given), None) => {
+            let written = values(given, problems)?;
+            Some((written.into_iter().map(resolved).collect(), None))
+        }
+        (None, Some(time)) => {
+            let time = time.get_ref();
+            let law = time_law(time, resolved, problems)?;
+            let at_times: Vec<f64> = law.times.iter().map(|t| law.value(*t)).collect();
+            if at_times.iter().any(|v| v.abs() > Number::MOST) {
+                let message = "the polynomial grows beyond 1e12 between these times";
+                problems.add(time.polynomial.span(), message);
+                return None;
+            }
+            Some((at_times, Some(law)))
+        }
+        (Some(given), Some(time)) => {
+            let message = format!("time already gives the drive; expected {name} or time");
+            let error = problems.add(given.span(), message);
+            error.related(time.span(), "given here");
+            None
+        }
+        (None, None) => {
+            let message = format!("expected {name} or time: where the mechanism is to be solved");
+            problems.add(place, message);
+            None
+        }
+    }
 }
 
 /// What the topology must have for the motion.
@@ -148,7 +146,11 @@ impl TimeLaw {
     }
 }
 
-fn time_law(time: &file::Time, problems: &mut Problems) -> Option<TimeLaw> {
+fn time_law(
+    time: &file::Time,
+    resolved: impl Fn(f64) -> f64,
+    problems: &mut Problems,
+) -> Option<TimeLaw> {
     let polynomial = time.polynomial.get_ref();
     if polynomial.is_empty() {
         let message = "expected coefficients, lowest power first, found an empty list";
@@ -156,7 +158,7 @@ fn time_law(time: &file::Time, problems: &mut Problems) -> Option<TimeLaw> {
         return None;
     }
     Some(TimeLaw {
-        polynomial: polynomial.iter().map(|c| c.value).collect(),
+        polynomial: polynomial.iter().map(|c| resolved(c.value)).collect(),
         times: range(&time.from, &time.to, &time.steps, problems)?,
     })
 }

@@ -183,7 +183,7 @@ pub fn characteristic(
     }
     let needs = missing.join(", ");
     let message = format!(
-        "{} needs what the study does not give: {needs}",
+        "{} needs {needs}, which this study does not give",
         text.get_ref()
     );
     problems.add(text.span(), message);

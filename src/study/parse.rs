@@ -1,6 +1,6 @@
 //! From text to the file as written, and the parser's messages in plain words.
 
-use super::error::{Source, StudyError};
+use super::error::{Source, StudyError, StudyErrors};
 use super::file::File;
 use super::names::nearest;
 use std::sync::Arc;
@@ -8,16 +8,16 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a study.
-pub fn parse(source: &Arc<Source>) -> Result<File, StudyError> {
+pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
-        return Err(StudyError::of_file(&source.name, "the file is empty"));
+        return Err(StudyError::of_file(&source.name, "the file is empty").into());
     }
     let root = DeTable::parse(text).map_err(|error| {
         let message = format!("not valid TOML: {}", error.message().replace('\n', "; "));
         StudyError::new(source.clone(), error.span(), message)
     })?;
-    toml::from_str(text).map_err(|error| {
+    let file = toml::from_str(text).map_err(|error| {
         // A section that is missing altogether has no place.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
@@ -29,7 +29,8 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyError> {
             error.help(help);
         }
         error
-    })
+    })?;
+    Ok(file)
 }
 
 /// The path of the key whose name or value is at this byte, like `optimise.variables[0].range`.

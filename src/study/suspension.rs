@@ -2,20 +2,14 @@
 
 use super::error::Problems;
 use super::file::{self, Coordinates, File};
+use super::geometry;
 use super::names::{choose, nearest};
 use super::value::{Number, Text};
 use crate::model::{
-    Body, Frame, FrameConvention, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
-    Topology, Vehicle,
+    Frame, FrameConvention, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension, Topology,
+    Vehicle,
 };
 use crate::number::Vector3;
-
-/// Points closer than this share of the mechanism's size coincide.
-const COINCIDENT: f64 = 1e-9;
-
-/// Sizes of a suspension that are believed, in metres: from a small model car to a haul truck. The
-/// wrong unit is a factor of a thousand.
-const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
 
 /// The suspension, if nothing is wrong with it.
 pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
@@ -52,7 +46,7 @@ pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
         wheel_radius: wheel_radius?,
         vehicle: vehicle?,
     };
-    check_geometry(section, &suspension, &given, problems)?;
+    geometry::check(section, &suspension, problems)?;
     extra_points(
         section,
         frame,
@@ -95,8 +89,10 @@ fn hardpoints<'a>(
     problems: &mut Problems,
 ) -> Option<Vec<Given<'a>>> {
     let written = section.hardpoints.get_ref();
+    let is_given = |name: &str| written.keys().any(|text| text.get_ref() == name);
     let mut given = Vec::new();
     let mut sound = true;
+    let mut misspelt = Vec::new();
     for (text, coordinates) in written {
         let known = topology
             .hardpoints
@@ -112,26 +108,25 @@ fn hardpoints<'a>(
             (Some(_), None) => sound = false,
             (None, _) => {
                 sound = false;
-                let message = format!("{} has no hardpoint {:?}", topology.name, text.get_ref());
-                let absent = topology
-                    .hardpoints
-                    .iter()
-                    .map(|h| h.name)
-                    .filter(|name| !written.keys().any(|written| written.get_ref() == name));
+                let name = text.get_ref();
+                let message = format!("{} has no hardpoint {name:?}", topology.name);
                 let error = problems.add(text.span(), message);
-                match nearest(text.get_ref(), absent) {
-                    Some(near) => error.help(format!("did you mean \"{near}\"?")),
-                    None => error.help(
-                        "points that only are to be reported go into [suspension.extra_points]",
-                    ),
-                };
+                let names = || topology.hardpoints.iter().map(|h| h.name);
+                if let Some(near) = nearest(name, names().filter(|name| !is_given(name))) {
+                    misspelt.push(near);
+                    error.help(format!("did you mean \"{near}\"?"));
+                } else if let Some(near) = nearest(name, names()) {
+                    error.help(format!("\"{near}\" is given already"));
+                } else {
+                    error.help("other points to report go into [suspension.extra_points]");
+                }
             }
         }
     }
     let missing: Vec<String> = topology
         .hardpoints
         .iter()
-        .filter(|h| h.required && !written.keys().any(|text| text.get_ref() == h.name))
+        .filter(|h| h.required && !is_given(h.name) && !misspelt.contains(&h.name))
         .map(|h| format!("{} ({})", h.name, h.about))
         .collect();
     if !missing.is_empty() {
@@ -205,76 +200,6 @@ fn below_right_angle(angle: &Option<Number>, problems: &mut Problems) -> Option<
     let message = format!("expected between -90 and 90 degrees, found {}", angle.value);
     problems.add(angle.span.clone(), message);
     None
-}
-
-/// Size, side and distinct points.
-fn check_geometry(
-    section: &file::Suspension,
-    suspension: &Suspension,
-    given: &[Given],
-    problems: &mut Problems,
-) -> Option<()> {
-    let mechanism = &suspension.mechanism;
-    let mut sound = true;
-    let size = suspension.size();
-    let unit = suspension.length_unit;
-    let metres = match unit {
-        LengthUnit::Millimetre => size / 1000.0,
-        LengthUnit::Metre => size,
-    };
-    let place = given.iter().map(|g| (g.name, g.text.span()));
-    let place = |name: &str| {
-        let found = place.clone().find(|(given, _)| *given == name);
-        found.map(|(_, span)| span)
-    };
-
-    for (first, second, reason) in mechanism.topology.distinct {
-        let (Some(a), Some(b)) = (mechanism.point(first), mechanism.point(second)) else {
-            continue;
-        };
-        let distance = (suspension.design[a.0] - suspension.design[b.0]).norm();
-        if distance > COINCIDENT * size {
-            continue;
-        }
-        sound = false;
-        let message = format!("{second} coincides with {first}: {reason}");
-        if let (Some(first), Some(second)) = (place(first), place(second)) {
-            problems
-                .add(second, message)
-                .related(first, "the same place");
-        }
-    }
-    let [smallest, largest] = PLAUSIBLE_SIZE;
-    if sound && !(smallest..=largest).contains(&metres) {
-        sound = false;
-        let span = section
-            .length_unit
-            .as_ref()
-            .map_or(section.hardpoints.span(), Text::span);
-        let message = format!(
-            "the hardpoints span {size:.3} {}, which is no suspension",
-            unit.symbol()
-        );
-        let help = "length_unit is the unit of every length in the file: \"mm\" or \"m\"";
-        problems.add(span, message).help(help);
-    }
-
-    let lateral = |p: usize| suspension.design[p].y;
-    let inboard: Vec<f64> = (0..mechanism.points.len())
-        .filter(|p| matches!(mechanism.points[*p].body, Body::Chassis | Body::Rack))
-        .map(lateral)
-        .collect();
-    let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
-    if sound && lateral(mechanism.wheel_centre.0) < mean {
-        sound = false;
-        let name = mechanism.name(mechanism.wheel_centre);
-        let span = place(name).unwrap_or(section.hardpoints.span());
-        let message = format!("{name} is inboard of the points on the body");
-        let help = "side and frame must fit the coordinates: a left wheel has positive y in \"iso8855\", \
-                    negative y in \"sae_j670\" and \"x_rear\"";
-        problems.add(span, message).help(help);
-    }
-    sound.then_some(())
 }
 
 fn extra_points(

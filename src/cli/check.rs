@@ -52,14 +52,26 @@ fn plan_table(study: &Study, plan: &Plan) -> Table {
     let stations = plan.stations();
     table.push([
         "positions".to_owned(),
-        format!("[motion]: {} of {drive} x {} of rack", stations / plan.racks.len(), plan.racks.len()),
+        format!(
+            "[motion]: {} of {drive} x {} of rack",
+            stations / plan.racks.len(),
+            plan.racks.len()
+        ),
         format!("{stations} poses"),
     ]);
     if plan.coefficients > 1 {
-        let depth = plan.outputs.iter().map(|o| o.quantity.depth()).max().unwrap_or(0);
+        let depth = plan
+            .outputs
+            .iter()
+            .map(|o| o.quantity.depth())
+            .max()
+            .unwrap_or(0);
         let mut reasons = Vec::new();
         if study.outputs.order as usize > 0 {
-            reasons.push(format!("outputs.order = \"{}\"", study.outputs.order.name()));
+            reasons.push(format!(
+                "outputs.order = \"{}\"",
+                study.outputs.order.name()
+            ));
         }
         if depth > 0 {
             reasons.push("characteristics made of velocities".to_owned());
@@ -71,7 +83,11 @@ fn plan_table(study: &Study, plan: &Plan) -> Table {
         ]);
     }
     if !plan.sensitivities.is_empty() {
-        let names: Vec<&str> = plan.sensitivities.iter().map(|id: &PointId| mechanism.name(*id)).collect();
+        let names: Vec<&str> = plan
+            .sensitivities
+            .iter()
+            .map(|id: &PointId| mechanism.name(*id))
+            .collect();
         table.push([
             "sensitivities".to_owned(),
             format!("outputs.sensitivities: {}", names.join(", ")),
@@ -82,12 +98,19 @@ fn plan_table(study: &Study, plan: &Plan) -> Table {
     table.push([
         "outputs".to_owned(),
         format!("[outputs]: {}", outputs.join(", ")),
-        format!("{} values", stations * plan.outputs.iter().map(|o| o.highest + 1).sum::<usize>()),
+        format!(
+            "{} values",
+            stations * plan.outputs.iter().map(|o| o.highest + 1).sum::<usize>()
+        ),
     ]);
     if let Some(optimise) = &study.optimise {
         table.push([
             "tuning (optimise only)".to_owned(),
-            format!("[optimise]: {} variables, {} targets", optimise.variables.len(), optimise.targets.len()),
+            format!(
+                "[optimise]: {} variables, {} targets",
+                optimise.variables.len(),
+                optimise.targets.len()
+            ),
             format!("{} starts", optimise.starts),
         ]);
     }

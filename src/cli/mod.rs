@@ -16,8 +16,10 @@ use std::process::ExitCode;
 /// Exact suspension kinematics, and the tuning of hardpoints towards target curves.
 #[derive(Parser)]
 #[command(name = "hardpoint", version, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done; 1 it ran, but something asked for could not be solved \
-                        (the rest is written); 2 the input or the call is wrong (nothing is written).")]
+#[command(
+    after_help = "Exit codes: 0 done; 1 it ran, but something asked for could not be solved \
+                        (the rest is written); 2 the input or the call is wrong (nothing is written)."
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -89,7 +91,12 @@ pub fn run() -> ExitCode {
         Err(error) => {
             // Help and version are errors to clap, too. A closed pipe is not ours to report.
             let _ = error.print();
-            return if error.use_stderr() { Exit::WrongInput } else { Exit::Done }.into();
+            return if error.use_stderr() {
+                Exit::WrongInput
+            } else {
+                Exit::Done
+            }
+            .into();
         }
     };
     let ended = match arguments.command {

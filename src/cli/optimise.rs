@@ -27,7 +27,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let before = curves(&study.suspension, &plan).map_err(fault)?;
     let output = Output::open(arguments, &study)?;
-    let tuning = pool.install(|| tune_with_progress(&study, optimise)).map_err(fault)?;
+    let tuning = pool
+        .install(|| tune_with_progress(&study, optimise))
+        .map_err(fault)?;
     let summary = TuningSummary::of(&study, optimise, &tuning);
 
     let length = study.suspension.length_unit;
@@ -59,7 +61,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.table(&summary.variables_table())?;
     }
     for combination in summary.unseen() {
-        output.say(&format!("\n  the targets cannot tell apart: {combination}\n"))?;
+        output.say(&format!(
+            "\n  the targets cannot tell apart: {combination}\n"
+        ))?;
     }
     if output.is_text() {
         output.say("\n")?;

@@ -1,8 +1,8 @@
 //! `hardpoint solve`
 
+use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
-use super::RunArguments;
 use crate::curves::curves;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, curves_csv, sensitivities_csv};
@@ -13,8 +13,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.study.set)?;
     let plan = Plan::of(&study);
     let suspension = &study.suspension;
-    let curves =
-        curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
+    let curves = curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
     let output = Output::open(arguments, &study)?;
 
     let length = suspension.length_unit;

@@ -112,13 +112,6 @@ impl Driving {
         }
     }
 
-    /// Cosine of the arm's true angle from its highest position, for a parameter of the paper's drive.
-    /// Beyond +-1 the arm cannot reach the height.
-    pub(super) fn arm_cosine(&self, parameter: f64) -> f64 {
-        let [e1, e2] = self.ahead;
-        (self.z1 + self.d51 * parameter - self.centre.z) / (self.radius * e1.z.hypot(e2.z))
-    }
-
     /// Sine of the arm's true angle from its highest position: zero at the dead centres.
     pub(super) fn arm_sine(&self, moving: &Moving) -> f64 {
         let [e1, e2] = self.ahead;
@@ -130,7 +123,7 @@ impl Driving {
         self.radius / self.d51
     }
 
-    /// The drive by arm angle, linear about this position.
+    /// The drive by arm angle at this position, as a length: its left-hand side moves as fast as point 5.
     pub(super) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;
         let ahead = e1.cross(e2).cross(moving[0] - self.centre).normalised();
@@ -138,12 +131,6 @@ impl Driving {
             gradient: [ahead, ahead.zero(), ahead.zero(), ahead.zero()],
             level: ahead.dot(moving[0]),
         }
-    }
-
-    /// Right-hand side of the velocity equations for [`Driving::along_the_arm`], with the arm's
-    /// angular velocity such that d51 times it is one.
-    pub(super) fn arm_rate(&self) -> f64 {
-        self.arm_share()
     }
 
     /// Direction in which point 5 advances with the arm at `angle`, and the direction to it.

@@ -223,7 +223,7 @@ impl PointCoordinates {
         let fixed = self.fixed.with_rack(pose.station.rack);
         let arm = self.driving.along_the_arm(&pose.moving);
         let mut velocity = Column::zeros();
-        velocity[DRIVE] = self.driving.arm_rate();
+        velocity[DRIVE] = self.driving.arm_share();
         let solvable = jacobian(&fixed, &pose.moving, &arm)
             .lu()
             .solve_mut(&mut velocity);

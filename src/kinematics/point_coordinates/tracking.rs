@@ -53,7 +53,6 @@ pub struct PointCoordinates {
     lengths_squared: [f64; 10],
     wheel_centre: KnucklePoint,
     design: Pose,
-    condition: f64,
     /// The pivots' spread at which the condition number passes [`WORST_CONDITION`].
     smallest_spread: f64,
     /// What the left-hand sides are at a solution, by rounding alone.
@@ -91,17 +90,16 @@ impl PointCoordinates {
                 },
                 moving,
             },
-            condition: f64::INFINITY,
             smallest_spread: 0.0,
             rounding: rounding(&all, &lengths_squared),
         };
         let jacobian = mechanism.jacobian(&mechanism.design);
-        mechanism.condition = condition(&jacobian);
-        if mechanism.condition.is_nan() || mechanism.condition > WORST_CONDITION {
+        let condition = condition(&jacobian);
+        if condition.is_nan() || condition > WORST_CONDITION {
             let what = mechanism.diagnosis(&mechanism.design);
             return Err(Refusal::Singular(what));
         }
-        mechanism.smallest_spread = spread(&jacobian.lu()) * mechanism.condition / WORST_CONDITION;
+        mechanism.smallest_spread = spread(&jacobian.lu()) * condition / WORST_CONDITION;
         Ok(mechanism)
     }
 
@@ -110,10 +108,11 @@ impl PointCoordinates {
         self.design
     }
 
-    /// Condition number of the Jacobian in the design position, its rows scaled to length one (in the
-    /// 2-norm; independent of the unit of length).
-    pub fn condition(&self) -> f64 {
-        self.condition
+    /// Condition number of the Jacobian at a pose, its rows scaled to length one (in the 2-norm;
+    /// independent of the unit of length). Rounding errors are this number times 2^-52 times a few
+    /// times the size of the result.
+    pub fn condition(&self, pose: &Pose) -> f64 {
+        condition(&self.jacobian(pose))
     }
 
     /// The wheel centre, point 10.

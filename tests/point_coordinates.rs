@@ -200,12 +200,15 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     assert!(last.station().value > PI && last.moving()[0].y > strut.lower_arm_front.y);
 }
 
-/// Bounds on rounding, relative to the size of what is computed. Row by row the equations hold to 8 eps
-/// of a row's length times the largest coordinate (see the solver's own bound), fifteen of them in the
-/// 2-norm to 32 eps; the condition number carries that to the unknowns. Derivatives inherit the errors
-/// of the orders below: once more for each.
+/// Bound on the rounding error of a derivative of this order. `largest` is the size of what is computed.
+///
+/// At a solution each of the fifteen equations holds to 8 D M eps, with D the largest distance and M the
+/// largest coordinate (the solver's own bound). The unknowns are off by no more than the norm of the
+/// inverse Jacobian times sqrt(15) 8 D M eps, and the Jacobian's norm is at least 2 D: together
+/// 16 eps M times the condition number. Derivatives inherit the errors of the orders below: once more
+/// for each.
 fn bound(mechanism: &PointCoordinates, pose: &Pose, order: usize, largest: f64) -> f64 {
-    32.0 * (order + 1) as f64 * f64::EPSILON * mechanism.condition(pose) * largest.max(1.0)
+    16.0 * (order + 1) as f64 * f64::EPSILON * mechanism.condition(pose) * largest.max(1.0)
 }
 
 fn solved(case: &Value, state: &Value, points: StrutPoints) -> (PointCoordinates, Pose) {
@@ -444,10 +447,10 @@ fn singular_designs_are_named() {
         }),
         Refusal::Singular(Singular::TieRodToggle)
     );
-    // A nanometre between 6 and 7 leaves fewer than half of the digits.
+    // A micrometre between 6 and 7 leaves fewer than half of the digits.
     assert_eq!(
         refusal(
-            &|s| s.strut_upper = Some(s.strut_lower + s.axis() * 1e-9),
+            &|s| s.strut_upper = Some(s.strut_lower + s.axis() * 1e-6),
             StrutPoints::Study,
             Drive::Travel
         ),

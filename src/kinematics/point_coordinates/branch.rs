@@ -103,11 +103,16 @@ pub(super) fn nearest_singularity(
             margins[9].1 = arm_to_travel.map_or(1.0, f64::abs);
         }
     }
-    let nearest = margins.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    // Below the square root of rounding they are all as good as zero.
+    let margin = |m: &(Singular, f64)| m.1.max(f64::EPSILON.sqrt());
+    let nearest = margins
+        .iter()
+        .min_by(|a, b| margin(a).total_cmp(&margin(b)));
     nearest.expect("there are margins").0
 }
 
-/// |a| / b, zero for 0/0.
+/// |a| / b, zero where that is not a number: points of which nothing is known are as good as singular.
 fn ratio(a: f64, b: f64) -> f64 {
-    if b > 0.0 { a.abs() / b } else { 0.0 }
+    let ratio = a.abs() / b;
+    if ratio.is_nan() { 0.0 } else { ratio }
 }

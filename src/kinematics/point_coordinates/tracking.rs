@@ -17,6 +17,13 @@ const WORST_CONDITION: f64 = (1_u64 << 26) as f64;
 /// that along one direction only, h is for all of them; a ratio of 1/4 leaves a margin of two.
 const CONTRACTION: f64 = 0.25;
 
+/// The share of the way below which steps are not tried.
+///
+/// Steps have to shrink with the distance from the end of a branch, and towards it the condition number
+/// grows with the inverse square root of the distance. This near to the end, as a share of the way, it
+/// has grown by 2^20, to about [`WORST_CONDITION`].
+const SMALLEST_STEP: f64 = 1.0 / (1_u64 << 40) as f64;
+
 /// Where a motion is: the drive and the rack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
@@ -108,9 +115,8 @@ impl PointCoordinates {
         self.design
     }
 
-    /// Condition number of the Jacobian at a pose, its rows scaled to length one (in the 2-norm;
-    /// independent of the unit of length). Rounding errors are this number times 2^-52 times a few
-    /// times the size of the result.
+    /// Condition number of the Jacobian at a pose (in the Frobenius norm; independent of the unit of
+    /// length). Rounding errors are this number times 2^-52 times a few times the size of the result.
     pub fn condition(&self, pose: &Pose) -> f64 {
         condition(&self.jacobian(pose))
     }
@@ -137,7 +143,7 @@ impl PointCoordinates {
     ///   apart;
     /// - the Jacobian stays well enough conditioned that half of the digits are left.
     ///
-    /// Otherwise it is halved, until the drive moves no more: there the branch ends.
+    /// Otherwise it is halved, until it is next to nothing: there the branch ends.
     pub fn track(&self, from: &Pose, to: Station) -> Result<Pose, Refusal> {
         if !(to.value.is_finite() && to.rack.is_finite()) {
             return Err(Refusal::NotFinite);
@@ -153,7 +159,7 @@ impl PointCoordinates {
         while done < 1.0 {
             let next = f64::min(done + step, 1.0);
             let (parameter, rack) = between(next);
-            if next == done {
+            if step < SMALLEST_STEP {
                 let value = self.driving.value(parameter);
                 let station = Station { value, rack };
                 let limit = self.diagnosis(&Pose { station, moving });
@@ -179,25 +185,27 @@ impl PointCoordinates {
     /// step on, or arrives elsewhere than on the branch of `start`.
     ///
     /// It ends by itself: every step is at most a quarter of the one before, until the equations hold
-    /// to rounding. At least one step is made, so that the rank is always looked at.
+    /// to rounding. At least one step is made, so that a double root is not taken for a solution.
     fn corrected(&self, fixed: &Fixed, start: &Moving, driver: &Driver) -> Option<Moving> {
         let mut moving = *start;
-        let mut left = residual(fixed, &moving, &self.lengths_squared, driver);
         let (mut last, mut orientation) = (f64::INFINITY, 0.0);
         loop {
+            let mut left = residual(fixed, &moving, &self.lengths_squared, driver);
             let lu = self.factorised(jacobian(fixed, &moving, driver))?;
             let determinant = lu.determinant();
+            if determinant * orientation < 0.0 {
+                return None;
+            }
+            if orientation != 0.0 && left.amax() <= self.rounding {
+                break;
+            }
             lu.solve_mut(&mut left);
             let length = left.amax();
-            if !(length <= CONTRACTION * last) || determinant * orientation < 0.0 {
+            if !(length <= CONTRACTION * last) {
                 return None;
             }
             let step = moving_of(&left);
             moving = std::array::from_fn(|i| moving[i] - step[i]);
-            left = residual(fixed, &moving, &self.lengths_squared, driver);
-            if left.amax() <= self.rounding {
-                break;
-            }
             (last, orientation) = (length, determinant.signum());
         }
         let branch = |moving| Branch::of(self.driving.kind(), fixed, moving);
@@ -240,18 +248,13 @@ fn spread(lu: &Factors) -> f64 {
     pivots.min() / pivots.max()
 }
 
-/// Condition number in the 2-norm, the rows scaled to length one; NaN or infinite where singular.
+/// Condition number in the Frobenius norm; infinite (or not a number) where singular.
+///
+/// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
+/// the rows would hide two points that coincide: what is left of their row is rounding.
 fn condition(jacobian: &Jacobian) -> f64 {
-    let mut scaled = *jacobian;
-    for mut row in scaled.row_iter_mut() {
-        let length = row.norm();
-        row /= length;
-    }
-    if !scaled.iter().all(|entry| entry.is_finite()) {
-        return f64::NAN;
-    }
-    let singular_values = scaled.singular_values();
-    singular_values.max() / singular_values.min()
+    let inverse = jacobian.try_inverse();
+    inverse.map_or(f64::INFINITY, |inverse| inverse.norm() * jacobian.norm())
 }
 
 /// A bound on what rounding leaves of the equations at their solution.

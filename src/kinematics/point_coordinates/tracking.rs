@@ -201,7 +201,7 @@ impl PointCoordinates {
             }
             lu.solve_mut(&mut left);
             let length = left.amax();
-            if !(length <= CONTRACTION * last) {
+            if length.is_nan() || length > CONTRACTION * last {
                 return None;
             }
             let step = moving_of(&left);

@@ -188,15 +188,20 @@ impl PointCoordinates {
     /// to rounding. At least one step is made, so that a double root is not taken for a solution.
     fn corrected(&self, fixed: &Fixed, start: &Moving, driver: &Driver) -> Option<Moving> {
         let mut moving = *start;
-        let (mut last, mut orientation) = (f64::INFINITY, 0.0);
+        let (mut last, mut orientation, mut contracted) = (f64::INFINITY, 0.0, false);
         loop {
             let mut left = residual(fixed, &moving, &self.lengths_squared, driver);
+            let solved = left.amax() <= self.rounding;
+            // Where two steps have contracted, the Jacobian has changed next to nothing since the last.
+            if solved && contracted {
+                break;
+            }
             let lu = self.factorised(jacobian(fixed, &moving, driver))?;
             let determinant = lu.determinant();
             if determinant * orientation < 0.0 {
                 return None;
             }
-            if orientation != 0.0 && left.amax() <= self.rounding {
+            if solved && last.is_finite() {
                 break;
             }
             lu.solve_mut(&mut left);
@@ -206,6 +211,7 @@ impl PointCoordinates {
             }
             let step = moving_of(&left);
             moving = std::array::from_fn(|i| moving[i] - step[i]);
+            contracted = last.is_finite();
             (last, orientation) = (length, determinant.signum());
         }
         let branch = |moving| Branch::of(self.driving.kind(), fixed, moving);

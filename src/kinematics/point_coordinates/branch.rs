@@ -6,11 +6,13 @@ use super::{Moving, Singular};
 
 /// The signs that tell the proper solution from the improper ones at a given position of the arm.
 ///
-/// None can change along a motion without passing zero, and at zero the equations are singular. For a
-/// given arm the pose is unique once the signs are (the strut's length is a square root, the tie-rod
-/// end's distance from the plane 3-4-5 another; the rest is rigid), so with them checked no wrong root
-/// can be returned for [`Drive::ArmAngle`], nor for [`Drive::PaperTheta`] with the arm on its side,
-/// which the sign of the Jacobian's determinant tells.
+/// The first two cannot change along a motion at all. The others do so where they pass zero, which for a
+/// driven arm is a singular position. For a given arm the pose is unique once the signs are (the strut's
+/// length is a square root, the tie-rod end's distance from the plane 3-4-5 another; the rest is rigid),
+/// so with them checked no wrong root can be returned for [`Drive::ArmAngle`], nor for
+/// [`Drive::PaperTheta`] with the arm on its side, which the sign of the Jacobian's determinant tells.
+/// The drive by travel could pass a strut of no length, as it does pass a tie-rod toggle; there is no such
+/// strut, so that is where its branch ends too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Branch {
     /// The knuckle, not its mirror image.

@@ -12,6 +12,7 @@ mod closure;
 mod lu;
 mod motion;
 mod path;
+pub mod point_coordinates;
 mod pose;
 mod rates;
 mod sensitivity;

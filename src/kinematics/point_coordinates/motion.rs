@@ -1,0 +1,87 @@
+//! Velocities and accelerations, equations (18) to (24).
+
+use super::Moving;
+use super::equations::{Column, DRIVE, quadratic, rack_column};
+use super::tracking::{PointCoordinates, Pose, moving_of};
+use super::{AngularMotion, Refusal};
+
+/// How the inputs change with time, or with whatever the rates are by.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Rates {
+    /// First derivative of the drive's value.
+    pub drive: f64,
+    /// Second derivative of the drive's value.
+    pub drive_acceleration: f64,
+    /// First derivative of the rack's displacement.
+    pub rack: f64,
+    /// Second derivative of the rack's displacement.
+    pub rack_acceleration: f64,
+}
+
+impl Rates {
+    /// Derivatives by the drive's value, the rack held.
+    pub const BY_DRIVE: Rates = Rates {
+        drive: 1.0,
+        drive_acceleration: 0.0,
+        rack: 0.0,
+        rack_acceleration: 0.0,
+    };
+    /// Derivatives by the rack's displacement, the drive held.
+    pub const BY_RACK: Rates = Rates {
+        drive: 0.0,
+        drive_acceleration: 0.0,
+        rack: 1.0,
+        rack_acceleration: 0.0,
+    };
+}
+
+/// First and second derivatives of the points 5, 6, 7, 8 and 9.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// First derivatives.
+    pub velocity: Moving,
+    /// Second derivatives.
+    pub acceleration: Moving,
+}
+
+impl PointCoordinates {
+    /// Velocities and accelerations at a solved pose.
+    ///
+    /// With C(q, t) = 0 the fifteen equations and J = C_q, one factorisation of J serves both:
+    ///
+    /// - J v = -C_t
+    /// - J a = -(dJ/dt) v - C_qt v - C_tt
+    pub fn motion(&self, pose: &Pose, rates: Rates) -> Result<Motion, Refusal> {
+        let (station, points) = (pose.station(), pose.moving());
+        let fixed = self.fixed.with_rack(station.rack);
+        let lu = self
+            .factorised(self.jacobian(pose))
+            .ok_or_else(|| Refusal::Singular(self.diagnosis(pose)))?;
+        let solve = |mut right: Column| {
+            lu.solve_mut(&mut right);
+            moving_of(&right)
+        };
+
+        let slope = self.driving.rate(station.value, points);
+        let mut right = rack_column(&fixed, points, rates.rack);
+        right[DRIVE] = slope * rates.drive;
+        let velocity = solve(right);
+
+        let mut right =
+            rack_column(&fixed, points, rates.rack_acceleration) - quadratic(rates.rack, &velocity);
+        right[DRIVE] = slope * rates.drive_acceleration
+            + self
+                .driving
+                .curvature(station.value, rates.drive, &velocity);
+        let acceleration = solve(right);
+        Ok(Motion {
+            velocity,
+            acceleration,
+        })
+    }
+
+    /// Angular velocity and acceleration of the knuckle that belong to a motion.
+    pub fn angular_motion(&self, pose: &Pose, motion: &Motion) -> AngularMotion {
+        AngularMotion::of(pose.moving(), motion).expect("the knuckle's points are not on one line")
+    }
+}

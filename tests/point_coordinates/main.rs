@@ -1,0 +1,66 @@
+//! The paper's formulation against its own table, against answers of 110 digits, and at its limits.
+
+mod limits;
+mod reference;
+mod scatter;
+mod table;
+
+use hardpoint::kinematics::point_coordinates::{Moving, PointCoordinates, Pose, Station, Strut};
+use hardpoint::number::Vector3;
+use serde_json::Value;
+
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+
+fn reference(name: &str) -> Value {
+    let text = std::fs::read_to_string(format!("{DATA}/reference/{name}.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_str()
+        .map_or_else(|| value.as_f64().unwrap(), |text| text.parse().unwrap())
+}
+
+fn vector(value: &Value) -> Vector3<f64> {
+    Vector3::new(number(&value[0]), number(&value[1]), number(&value[2]))
+}
+
+fn strut(case: &Value) -> Strut {
+    let p = |n: usize| vector(&case["hardpoints"][format!("p{n}")]);
+    Strut {
+        lower_arm_front: p(1),
+        lower_arm_rear: p(2),
+        tie_rod_inner: p(3),
+        strut_top: p(4),
+        lower_ball_joint: p(5),
+        strut_lower: p(6),
+        strut_upper: Some(p(7)),
+        tie_rod_outer: p(8),
+        rod_point: Some(p(9)),
+        wheel_centre: p(10),
+    }
+}
+
+fn at(value: f64) -> Station {
+    Station { value, rack: 0.0 }
+}
+
+fn nominal() -> Strut {
+    strut(&reference("angular-velocity-in-plane"))
+}
+
+/// Bound on the rounding error of a derivative of this order. `largest` is the size of what is computed.
+///
+/// At a solution each of the fifteen equations holds to 8 D M eps, with D the largest distance and M the
+/// largest coordinate (the solver's own bound). The unknowns are off by no more than the norm of the
+/// inverse Jacobian times sqrt(15) 8 D M eps, and the Jacobian's norm is at least 2 D: together
+/// 16 eps M times the condition number. Derivatives inherit the errors of the orders below: once more
+/// for each.
+fn bound(mechanism: &PointCoordinates, pose: &Pose, order: usize, largest: f64) -> f64 {
+    16.0 * (order + 1) as f64 * f64::EPSILON * mechanism.condition(pose) * largest.max(1.0)
+}
+
+fn size(points: &Moving) -> f64 {
+    points.iter().map(|p| p.norm()).fold(0.0, f64::max)
+}

@@ -1,0 +1,193 @@
+//! Answers of 110 digits.
+
+use super::{bound, number, reference, size, strut, vector};
+use hardpoint::kinematics::point_coordinates::{
+    Drive, Motion, Moving, PointCoordinates, Pose, Rates, Station, StrutPoints, attia_camber,
+    attia_kingpin,
+};
+use hardpoint::number::{Jet, Vector3};
+use serde_json::Value;
+
+fn solved(case: &Value, state: &Value, points: StrutPoints) -> (PointCoordinates, Pose) {
+    let value = &state["drive"]["value"];
+    let (drive, value) = match state["drive"]["kind"].as_str().unwrap() {
+        "travel" => (Drive::Travel, number(value)),
+        "paper_theta" => (Drive::PaperTheta, number(value)),
+        _ => (Drive::ArmAngle, number(&state["arm_delta"]["d0"])),
+    };
+    let mechanism = PointCoordinates::new(&strut(case), points, drive).unwrap();
+    let station = Station {
+        value,
+        rack: number(&state["drive"]["rack"]),
+    };
+    let pose = mechanism.track(&mechanism.design(), station).unwrap();
+    (mechanism, pose)
+}
+
+fn compare(name: &str) {
+    let case = reference(name);
+    for (state, points) in case["states"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|s| [(s, StrutPoints::Spread), (s, StrutPoints::Study)])
+    {
+        let (mechanism, pose) = solved(&case, state, points);
+        let check = |order: usize, now: &Moving, expected: &Value| {
+            let bound = bound(&mechanism, &pose, order, size(now));
+            for n in [5, 6, 7, 8, 10, 11] {
+                let name = format!("p{n}");
+                let design = vector(&case["hardpoints"][&name]);
+                let error = mechanism.knuckle_point(design).of(now) - vector(&expected[&name]);
+                assert!(
+                    error.norm() < bound,
+                    "{name}, order {order}: {error:?}, {bound:e}"
+                );
+            }
+            if points == StrutPoints::Study {
+                let error = now[4] - vector(&expected["p9"]);
+                assert!(
+                    error.norm() < bound,
+                    "p9, order {order}: {error:?}, {bound:e}"
+                );
+            }
+        };
+        check(0, pose.moving(), &state["positions"]);
+        for (rates, names) in [
+            (Rates::BY_DRIVE, ["d1", "d2"]),
+            (Rates::BY_RACK, ["rack_d1", "rack_d2"]),
+        ] {
+            let motion = mechanism.motion(&pose, rates).unwrap();
+            check(1, &motion.velocity, &state[names[0]]);
+            check(2, &motion.acceleration, &state[names[1]]);
+        }
+
+        let motion = mechanism.motion(&pose, Rates::BY_DRIVE).unwrap();
+        check_angular(
+            &mechanism,
+            &pose,
+            &motion,
+            &state["omega_per_drive"],
+            &state["alpha_per_drive"],
+        );
+
+        let time = &state["time"];
+        let rates = Rates {
+            drive: number(&time["drive_rate"]),
+            drive_acceleration: number(&time["drive_accel"]),
+            rack: number(&time["rack_rate"]),
+            rack_acceleration: number(&time["rack_accel"]),
+        };
+        let motion = mechanism.motion(&pose, rates).unwrap();
+        check(1, &motion.velocity, &time["vel"]);
+        check(2, &motion.acceleration, &time["acc"]);
+        check_angular(&mechanism, &pose, &motion, &time["omega"], &time["alpha"]);
+    }
+}
+
+/// A velocity error turns into one of angular velocity by the shortest lever: the ball joint's distance
+/// from the strut's axis, more than 50 mm in all of these cases.
+fn check_angular(
+    mechanism: &PointCoordinates,
+    pose: &Pose,
+    motion: &Motion,
+    omega: &Value,
+    alpha: &Value,
+) {
+    let angular = mechanism.angular_motion(pose, motion);
+    for (order, now, of, expected) in [
+        (1, angular.velocity, motion.velocity, omega),
+        (2, angular.acceleration, motion.acceleration, alpha),
+    ] {
+        let error = (now - vector(expected)).norm();
+        let bound = bound(mechanism, pose, order, size(&of)) / 0.05;
+        assert!(error < bound, "order {order}: {error:e}, bound {bound:e}");
+    }
+}
+
+#[test]
+fn the_paper_s_example_to_the_accuracy_of_its_conditioning() {
+    compare("attia-example");
+}
+
+#[test]
+fn angular_velocity_in_the_plane_of_6_7_8_is_no_obstacle() {
+    compare("angular-velocity-in-plane");
+}
+
+/// Equation (25) on the very velocities from which the least squares get omega to rounding: some 1e-16
+/// over some 1e-16.
+#[test]
+fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
+    let case = reference("angular-velocity-in-plane");
+    let mut worst = 0.0_f64;
+    for state in case["states"].as_array().unwrap().iter().take(5) {
+        let (mechanism, pose) = solved(&case, state, StrutPoints::Study);
+        let motion = mechanism.motion(&pose, Rates::BY_DRIVE).unwrap();
+        let ([_, p6, _, p8, _], [_, v6, v7, v8, _]) = (*pose.moving(), motion.velocity);
+        let quotient = (v7 - v6).cross(v8 - v6) * (1.0 / (v7 - v6).dot(p8 - p6));
+        let omega = vector(&state["omega_per_drive"]);
+        worst = worst.max((quotient - omega).norm() / omega.norm());
+        let ours = mechanism.angular_motion(&pose, &motion).velocity;
+        assert!((ours - omega).norm() < 1e-12 * omega.norm());
+    }
+    assert!(worst > 0.01, "{worst}");
+}
+
+/// Points 6 and 7 a millimetre apart: the study's own points cost accuracy, and the condition number
+/// says how much; spread points do not.
+#[test]
+fn close_strut_points_cost_accuracy_unless_they_are_spread() {
+    let case = reference("strut-points-1mm");
+    let condition = |points| {
+        let mut strut = strut(&case);
+        if points == StrutPoints::Spread {
+            strut.strut_upper = None;
+        }
+        let mechanism = PointCoordinates::new(&strut, points, Drive::Travel).unwrap();
+        mechanism.condition(&mechanism.design())
+    };
+    assert!(condition(StrutPoints::Study) > 100.0 * condition(StrutPoints::Spread));
+    for state in case["states"].as_array().unwrap() {
+        let (mechanism, pose) = solved(&case, state, StrutPoints::Study);
+        let error = mechanism.wheel_centre().of(pose.moving()) - vector(&state["positions"]["p10"]);
+        assert!(error.norm() < bound(&mechanism, &pose, 0, 1.0));
+    }
+}
+
+/// (16) and (17) with their derivatives, by Taylor series over the motion of 5, 7 and 10.
+#[test]
+fn the_paper_s_angles_and_their_derivatives() {
+    for name in ["attia-example", "angular-velocity-in-plane"] {
+        let case = reference(name);
+        for state in case["states"].as_array().unwrap() {
+            let (mechanism, pose) = solved(&case, state, StrutPoints::Study);
+            let motion = mechanism.motion(&pose, Rates::BY_DRIVE).unwrap();
+            let series = |of: &dyn Fn(&Moving) -> Vector3<f64>| {
+                let [p, v, a] = [pose.moving(), &motion.velocity, &motion.acceleration].map(of);
+                let jet = |p, v, a| Jet([p, v, 0.5 * a]);
+                Vector3::new(jet(p.x, v.x, a.x), jet(p.y, v.y, a.y), jet(p.z, v.z, a.z))
+            };
+            let (p5, p7) = (series(&|m| m[0]), series(&|m| m[2]));
+            let p10 = series(&|m| mechanism.wheel_centre().of(m));
+            for (angle, name) in [
+                (attia_kingpin(p5, p7), "paper_alpha"),
+                (attia_camber(p7, p10), "paper_beta"),
+            ] {
+                let expected = &state["angles"][name];
+                for (order, key) in ["d0", "d1", "d2"].into_iter().enumerate() {
+                    let (now, expected) = (angle.derivative(order), number(&expected[key]));
+                    // The lines 5-7 and 7-10 are no shorter than 0.15 m; a derivative of order k has
+                    // terms with the (k + 1)-th power of their inverse.
+                    let largest = size(&motion.acceleration).max(1.0);
+                    let bound =
+                        bound(&mechanism, &pose, order, largest) / 0.15_f64.powi(order as i32 + 1);
+                    assert!(
+                        (now - expected).abs() < bound,
+                        "{name} {key}: {now} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -8,7 +8,8 @@ use super::{Order, Outputs};
 use crate::characteristics::{Characteristic, Need};
 use crate::model::{PointId, Suspension};
 
-/// What a study without `[outputs]` gets: the angles of wheel and steering axis.
+/// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
+/// one.
 const DEFAULT: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -20,7 +21,13 @@ const DEFAULT: [Characteristic; 4] = [
 pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
         return Some(Outputs {
-            characteristics: DEFAULT.to_vec(),
+            characteristics: DEFAULT
+                .into_iter()
+                .filter(|c| {
+                    let steered = suspension.mechanism.steering_axis.is_some();
+                    steered || !c.info().reads_steering_axis()
+                })
+                .collect(),
             points: Vec::new(),
             knuckle: false,
             order: Order::Position,
@@ -171,6 +178,10 @@ pub fn characteristic(
             .spring
             .is_none()
             .then_some("a spring or strut"),
+        Need::SteeringAxis => {
+            let absent = suspension.mechanism.steering_axis.is_none();
+            absent.then_some("a steering axis, which this topology does not have")
+        }
     };
     let missing: Vec<&str> = characteristic
         .info()

@@ -111,7 +111,8 @@ impl Quadratics<f64> {
         steps: usize,
     ) -> Option<Pose<f64>> {
         let mut pose = start;
-        let racks = (1..=steps).map(|i| (0.0, rack * i as f64 / steps as f64));
+        let rack_steps = if rack == 0.0 { 0 } else { steps };
+        let racks = (1..=rack_steps).map(|i| (0.0, rack * i as f64 / steps as f64));
         let travels = (1..=steps).map(|i| (travel * i as f64 / steps as f64, rack));
         for (z, r) in racks.chain(travels) {
             let mut last = f64::INFINITY;

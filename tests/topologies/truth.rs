@@ -13,7 +13,7 @@ use hardpoint::model::{Axis, Mechanism, PointId};
 use hardpoint::number::{Jet, Real, Vector3};
 use std::array::from_fn;
 
-pub const H: f64 = 1e-4;
+const H: f64 = 1e-4;
 
 /// Worst errors: values relative to the size, derivatives relative to the largest of their kind.
 #[derive(Default, Debug)]
@@ -76,7 +76,7 @@ impl<'a> Truth<'a> {
             };
             [
                 here,
-                slope([far_below, below, above, far_above]),
+                slope([far_below, below, above, far_above], H),
                 extrapolated(
                     second(above, below, H),
                     second(far_above, far_below, 2.0 * H),
@@ -96,11 +96,14 @@ fn extrapolated(near: Vector3<Dd>, far: Vector3<Dd>) -> Vector3<Dd> {
     near + (near - far) * reciprocal(3.0)
 }
 
-/// The derivative, from values at -2 H, -H, H and 2 H.
-pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4]) -> Vector3<Dd> {
+/// Where a slope takes its values, in steps.
+pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+
+/// The derivative, from values at [`PLACES`].
+pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) -> Vector3<Dd> {
     extrapolated(
-        (above - below) * reciprocal(2.0 * H),
-        (far_above - far_below) * reciprocal(4.0 * H),
+        (above - below) * reciprocal(2.0 * step),
+        (far_above - far_below) * reciprocal(4.0 * step),
     )
 }
 
@@ -197,9 +200,9 @@ impl Errors {
                         design[hardpoint] = Vector3::from(p);
                         truth.curve(&design, &points)
                     };
-                    let moved = [-2.0, -1.0, 1.0, 2.0].map(|k| moved(k * H));
+                    let moved = PLACES.map(|k| moved(k * H));
                     let slopes: Vec<[Vector3<Dd>; 3]> = (0..points.len())
-                        .map(|i| from_fn(|order| slope(from_fn(|k| moved[k][i][order]))))
+                        .map(|i| from_fn(|order| slope(from_fn(|k| moved[k][i][order]), H)))
                         .collect();
                     wanted.push(slopes);
                 }

@@ -25,11 +25,12 @@ pub enum Driver<T> {
 }
 
 /// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
-/// pose.
+/// pose. With it the force along the rack, which is the derivative by the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wrench<T> {
     pub force: Vector3<T>,
     pub moment: Vector3<T>,
+    pub rack: T,
 }
 
 impl<T: Real> Wrench<T> {
@@ -38,6 +39,7 @@ impl<T: Real> Wrench<T> {
         Wrench {
             force: zero,
             moment: zero,
+            rack: zero.x,
         }
     }
 
@@ -55,6 +57,10 @@ impl<T: Real> Sink<T> for Wrench<T> {
     }
     #[inline]
     fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
+    #[inline]
+    fn rack(&mut self, gradient: T) {
+        self.rack = self.rack + gradient;
+    }
 }
 
 /// The closure equations of one design.
@@ -96,29 +102,19 @@ impl<T: Real> Closure<T> {
     /// The Jacobian by the pose.
     #[inline]
     pub(super) fn jacobian(&self, at: &Posture<T>, driver: Driver<T>) -> Matrix6<T> {
-        let like = at.rack;
-        let mut jacobian = [[like.zero(); 6]; 6];
-        for (line, row) in jacobian.iter_mut().zip(&self.rows) {
-            let mut wrench = Wrench::zero(like);
-            row.differential(at, like.one(), &mut wrench);
-            *line = wrench.to_row();
-        }
-        let mut wrench = Wrench::zero(like);
-        driver.differential(at, like.one(), &mut wrench);
-        jacobian[5] = wrench.to_row();
-        jacobian
+        self.wrenches(at, driver).map(Wrench::to_row)
     }
 
-    /// The derivatives of the six equations by the displacement of the rack, at fixed pose.
-    pub(super) fn by_rack(&self, at: &Posture<T>) -> Vector6<T> {
+    /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
+    #[inline]
+    pub(super) fn wrenches(&self, at: &Posture<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
-        let mut derivatives = [like.zero(); 6];
-        for (derivative, row) in derivatives.iter_mut().zip(&self.rows) {
-            let mut by_rack = ByRack(like.zero());
-            row.differential(at, like.one(), &mut by_rack);
-            *derivative = by_rack.0;
+        let mut wrenches = [Wrench::zero(like); 6];
+        for (wrench, row) in wrenches.iter_mut().zip(&self.rows) {
+            row.differential(at, like.one(), wrench);
         }
-        derivatives
+        driver.differential(at, like.one(), &mut wrenches[5]);
+        wrenches
     }
 
     /// Adds `weights` times the differentials of the six equations to the sink.
@@ -151,20 +147,6 @@ impl Closure<f64> {
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let pose = at.pose.moved(shift, turn * 0.5);
         Some((pose, shift.norm().max(turn.norm() * size), lu))
-    }
-}
-
-/// A derivative by the rack alone.
-struct ByRack<T>(T);
-
-impl<T: Real> Sink<T> for ByRack<T> {
-    #[inline]
-    fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
-    #[inline]
-    fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
-    #[inline]
-    fn rack(&mut self, gradient: T) {
-        self.0 = self.0 + gradient;
     }
 }
 

@@ -137,8 +137,8 @@ impl<const N: usize> Lifted<N> {
             steering: None,
         };
         if let (Some(_), Some(lu)) = (&self.steered, &factors) {
-            let jacobian = self.closure.jacobian(&posture, motion.driver());
-            posture.steering = Some(twist_by_rack(&posture, &self.closure, &jacobian, lu));
+            let twist = twist_by_rack(&posture, &self.closure, motion.driver(), lu);
+            posture.steering = Some(twist);
         }
         Some((posture, factors))
     }

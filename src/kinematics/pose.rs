@@ -2,7 +2,6 @@
 
 use crate::model::{Arm, Body, Mechanism, PointId};
 use crate::number::{Dual, Matrix3, Real, Vector3};
-use std::array::from_fn;
 
 /// Position and rotation of the knuckle, relative to the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +64,12 @@ impl<T> Twist<T> {
             shift: Vector3::new(x, y, z),
             turn: Vector3::new(a, b, c),
         }
+    }
+
+    /// The six components, the shift first.
+    pub(super) fn into_array(self) -> [T; 6] {
+        let (v, w) = (self.shift, self.turn);
+        [v.x, v.y, v.z, w.x, w.y, w.z]
     }
 }
 
@@ -163,22 +168,21 @@ impl<'a, T: Real> Posture<'a, T> {
     #[inline(never)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         let inputs = self.arm_inputs(arm, id);
-        let seeded: [Vector3<Dual<T, 15>>; 5] = from_fn(|k| {
-            let p = inputs[k];
-            Vector3::new(
-                Dual::input(p.x, 3 * k),
-                Dual::input(p.y, 3 * k + 1),
-                Dual::input(p.z, 3 * k + 2),
-            )
-        });
-        let image = arm_point(seeded);
         let by = |k: usize| {
+            let mut seeded = inputs.map(|p| p.map(Dual::<T, 3>::constant));
+            let p = inputs[k];
+            seeded[k] = Vector3::new(
+                Dual::input(p.x, 0),
+                Dual::input(p.y, 1),
+                Dual::input(p.z, 2),
+            );
+            let image = arm_point(seeded);
             let along = |i: usize| {
                 gradient.x * image.x.partials[i]
                     + gradient.y * image.y.partials[i]
                     + gradient.z * image.z.partials[i]
             };
-            Vector3::new(along(3 * k), along(3 * k + 1), along(3 * k + 2))
+            Vector3::from([0, 1, 2].map(along))
         };
         for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
             sink.hardpoint(hardpoint, by(k));

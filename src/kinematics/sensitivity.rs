@@ -105,13 +105,9 @@ impl<'a, const N: usize> Linearised<'a, N> {
         if let (Some(by_twist), Some(twist), Some(steered)) =
             (by_twist, &self.at.steering, self.steered)
         {
-            let seed = Wrench {
-                force: by_twist.shift,
-                moment: by_twist.turn,
-            };
             let multipliers = self
                 .lu
-                .solve_transposed_series(&self.jacobian, &seed.to_row());
+                .solve_transposed_series(&self.jacobian, &by_twist.into_array());
             steered.subtract(
                 &self.at,
                 twist,

@@ -20,7 +20,7 @@
 //! rest. On series in the drive all of this yields series.
 
 use super::closure::{Closure, Driver, Wrench};
-use super::lu::{Lu6, Matrix6, Vector6};
+use super::lu::{Lu6, Vector6};
 use super::pose::{Posture, Sink, Twist};
 use crate::model::{Mechanism, PointId};
 use crate::number::{Dual, Jet, Real, Vector3};
@@ -83,7 +83,7 @@ impl<const N: usize> Steered<N> {
             &multipliers.map(|l| Jet::constant(-l)),
             &mut slope,
         );
-        let Wrench { force, moment } = slope.wrench;
+        let Wrench { force, moment, .. } = slope.wrench;
         let (value, rate) = (moment.map(|c| c[0]), moment.map(|c| c[1]));
         wrench.wrench(force.map(|c| c[1]), rate + value.cross(twist.turn));
     }
@@ -106,16 +106,17 @@ impl<const N: usize> Sink<Along<N>> for Slope<'_, N> {
     }
 }
 
-/// The twist of the knuckle per unit of rack displacement, the drive held. `jacobian` and `lu` are those
-/// of the posture, along the drive and at its constant part.
+/// The twist of the knuckle per unit of rack displacement, the drive held. `lu` has the factors of the
+/// Jacobian's constant part.
 pub(super) fn twist_by_rack<const N: usize>(
     at: &Posture<'_, Jet<f64, N>>,
     closure: &Closure<Jet<f64, N>>,
-    jacobian: &Matrix6<Jet<f64, N>>,
+    driver: Driver<Jet<f64, N>>,
     lu: &Lu6<f64>,
 ) -> Twist<Jet<f64, N>> {
-    let by_rack = closure.by_rack(at).map(|f| -f);
-    Twist::from_array(lu.solve_series(jacobian, &by_rack))
+    let wrenches = closure.wrenches(at, driver);
+    let by_rack = wrenches.map(|wrench| -wrench.rack);
+    Twist::from_array(lu.solve_series(&wrenches.map(Wrench::to_row), &by_rack))
 }
 
 /// A point and the direction, taken upward, of the screw axis of a twist whose origin is at `origin`.

@@ -155,6 +155,17 @@ pub fn characteristic(
         .map(|c| (c.info().name, *c))
         .collect();
     let characteristic = choose(text, "characteristic", &all, problems)?;
+    let mechanism = &suspension.mechanism;
+    let needs_axis = characteristic.info().needs.contains(&Need::SteeringAxis);
+    if needs_axis && mechanism.steering_axis.is_none() {
+        let message = format!(
+            "{} needs a steering axis, which {} does not have",
+            text.get_ref(),
+            mechanism.topology.name
+        );
+        problems.add(text.span(), message);
+        return None;
+    }
     let vehicle = &suspension.vehicle;
     let missing = |need: &Need| match need {
         Need::WheelRadius => suspension
@@ -178,10 +189,8 @@ pub fn characteristic(
             .spring
             .is_none()
             .then_some("a spring or strut"),
-        Need::SteeringAxis => {
-            let absent = suspension.mechanism.steering_axis.is_none();
-            absent.then_some("a steering axis, which this topology does not have")
-        }
+        // No study can mend that; see below.
+        Need::SteeringAxis => None,
     };
     let missing: Vec<&str> = characteristic
         .info()

@@ -7,6 +7,8 @@ use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
 use hardpoint::kinematics::{Failure, Lifted, MotionPoint};
 use hardpoint::model::{Axis, Drive};
 use hardpoint::number::{Dual, Jet, Real, Vector3};
+use hardpoint::study::Study;
+use std::path::Path;
 
 /// The wheel centre and the inner end of its spindle, turned about the axis until the centre has risen
 /// by `travel`: with the centre's lever l about the axis and e along it, z.(l cos + (e x l) sin) is
@@ -151,4 +153,20 @@ fn travel_ends_where_the_arm_stands_upright() {
         matches!(found, Ok(Err(Failure::Unreachable { .. }))),
         "{found:?}"
     );
+}
+
+/// What needs a steering axis is refused by name; without `[outputs]` it is left out.
+#[test]
+fn has_no_steering_axis() {
+    let text = include_str!("../../studies/semi_trailing_arm_solve.toml");
+    let asked = text.replace("\"camber\", ", "\"camber\", \"caster\", ");
+    let refused = Study::from_text("asked", &asked, Path::new(".")).unwrap_err();
+    let message = refused.to_string();
+    let expected = "caster needs a steering axis, which semi_trailing_arm does not have";
+    assert!(message.contains(expected), "{message}");
+
+    let (silent, _) = text.split_once("[outputs]").unwrap();
+    let study = Study::from_text("silent", silent, Path::new(".")).unwrap();
+    let expected = [Characteristic::Camber, Characteristic::Toe];
+    assert_eq!(study.outputs.characteristics, expected);
 }

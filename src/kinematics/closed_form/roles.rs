@@ -76,34 +76,38 @@ impl ClosedForm<f64> {
         let (dd, gg) = (to_upper.norm_squared(), to_rack.norm_squared());
         let normal = to_upper.cross(to_rack);
         let small = DEGENERATE * DEGENERATE;
+        // False for NaN.
+        let exceeds = |value: f64, bound: f64| value > bound;
         match &self.upper {
             Upper::Strut { foot_squared, .. } => {
-                if !(*foot_squared < dd * (1.0 - small)) {
+                if !exceeds(dd * (1.0 - small), *foot_squared) {
                     return Err(DesignFault::NoStrutLength);
                 }
             }
             Upper::Arm { circle, scale, .. } => {
                 let lever = (circle.centre - ball_joint).dot(circle.turned) * scale;
-                if !(lever.abs() > DEGENERATE) {
+                if !exceeds(lever.abs(), DEGENERATE) {
                     return Err(DesignFault::UpperArmInLine {
                         outer: roles.upper.end(),
                     });
                 }
             }
         }
-        if !(normal.norm_squared() > small * dd * gg) {
+        if !exceeds(normal.norm_squared(), small * dd * gg) {
             return Err(DesignFault::NoSteering {
                 end: roles.tie_rod_inner,
             });
         }
-        if !(to_upper.cross(tie).norm_squared() > small * dd * self.tie_squared) {
+        let steering_arm = to_upper.cross(tie).norm_squared();
+        if !exceeds(steering_arm, small * dd * self.tie_squared) {
             return Err(DesignFault::NoSteering {
                 end: roles.tie_rod_outer,
             });
         }
         // In the design position the tie rod's end is known directly: no root need be taken.
         let height = tie.dot(normal).abs();
-        if !(height > DEGENERATE * (self.tie_squared * normal.norm_squared()).sqrt()) {
+        let longest = (self.tie_squared * normal.norm_squared()).sqrt();
+        if !exceeds(height, DEGENERATE * longest) {
             return Err(DesignFault::Toggle);
         }
         Ok(())

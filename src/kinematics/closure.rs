@@ -88,6 +88,11 @@ impl<T: Real> Closure<T> {
         debug_assert_eq!(self.rows.len(), 5, "five constraints hold a knuckle");
     }
 
+    /// The five constraints, one by one.
+    pub(super) fn rows(&self) -> &[Row<T>] {
+        &self.rows
+    }
+
     /// The residuals, as lengths: five constraints, then the drive.
     #[inline]
     pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {

@@ -11,6 +11,7 @@
 mod closed_form;
 mod closure;
 mod constraint;
+mod loads;
 mod lu;
 mod motion;
 mod path;
@@ -21,6 +22,7 @@ mod sensitivity;
 mod steering;
 
 pub use closure::{Closure, Driver};
+pub use loads::{Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist};

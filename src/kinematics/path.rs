@@ -8,6 +8,7 @@
 
 use super::closed_form::ClosedForm;
 use super::closure::{Closure, Driver};
+use super::loads::{Load, Reactions, Support};
 use super::lu::Lu6;
 use super::motion::{Lifted, MotionPoint};
 use super::pose::{Pose, Posture};
@@ -556,6 +557,20 @@ impl<'m> Solver<'m> {
                 false,
             )
             .map(|(posture, _)| posture)
+            .ok_or(Failure::Singular)
+    }
+
+    /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on
+    /// the knuckle.
+    pub fn reactions(
+        &self,
+        pose: &Pose<f64>,
+        rack: f64,
+        support: Support,
+        load: &Load,
+    ) -> Result<Reactions, Failure> {
+        self.closure
+            .reactions(&self.posture(pose, rack), support, load)
             .ok_or(Failure::Singular)
     }
 

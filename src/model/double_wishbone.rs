@@ -1,6 +1,8 @@
 //! Double wishbone: two arms, one above the other, and a tie or toe rod.
 
-use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, required};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
 
 /// The double wishbone.
@@ -27,6 +29,11 @@ pub static DOUBLE_WISHBONE: Topology = Topology {
         required("tie_rod_outer", "joint of tie rod and knuckle"),
         WHEEL_CENTRE,
         SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the lower arm",
+        ),
     ],
     distinct: &[
         (
@@ -80,6 +87,7 @@ pub static DOUBLE_WISHBONE: Topology = Topology {
             "the tie rod could not steer the wheel",
         ),
         SPINDLE,
+        SPRING,
     ],
     build,
     template: include_str!("../../studies/double_wishbone_solve.toml"),
@@ -90,6 +98,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         "upper_arm_front" | "upper_arm_rear" | "lower_arm_front" | "lower_arm_rear" => {
             Body::Chassis
         }
+        "spring_upper" => Body::Chassis,
+        "spring_lower" => Body::Arm(ArmId(0)),
         "tie_rod_inner" => Body::Rack,
         _ => Body::Knuckle,
     });
@@ -128,7 +138,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             lower: lower.outer,
             upper: upper.outer,
         }),
-        spring: None,
+        spring: given.spring(),
         closed_form: Some(ClosedForm::DoubleWishbone),
         points: given.0,
     }

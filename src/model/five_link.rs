@@ -1,6 +1,8 @@
 //! Five-link: the knuckle held by five separate rods.
 
-use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, required};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
 use super::{Body, Constraint, Mechanism, SteeringAxis, Topology};
 
 const LINKS: [(&str, &str); 5] = [
@@ -33,6 +35,11 @@ pub static FIVE_LINK: Topology = Topology {
         required("toe_link_outer", "toe link at the knuckle"),
         WHEEL_CENTRE,
         SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the knuckle",
+        ),
     ],
     distinct: &[
         (
@@ -49,6 +56,7 @@ pub static FIVE_LINK: Topology = Topology {
         ("lower_rear_link_inner", "lower_rear_link_outer", NO_LENGTH),
         ("toe_link_inner", "toe_link_outer", NO_LENGTH),
         SPINDLE,
+        SPRING,
     ],
     build,
     template: include_str!("../../studies/five_link_solve.toml"),
@@ -57,6 +65,7 @@ pub static FIVE_LINK: Topology = Topology {
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let given = Given::of(topology, given, |name| match name {
         "toe_link_inner" => Body::Rack,
+        "spring_upper" => Body::Chassis,
         _ if name.ends_with("_link_inner") => Body::Chassis,
         _ => Body::Knuckle,
     });
@@ -73,7 +82,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         wheel_centre: given.id("wheel_centre"),
         spin_axis: given.spin_axis(),
         steering_axis: Some(SteeringAxis::Instantaneous),
-        spring: None,
+        spring: given.spring(),
         closed_form: None,
         points: given.0,
     }

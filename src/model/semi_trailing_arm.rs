@@ -1,7 +1,9 @@
 //! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a
 //! trailing arm, with the axis along x a swing axle.
 
-use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, required};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
 use super::{Arm, Body, Constraint, Mechanism, Topology};
 
 /// The semi-trailing arm.
@@ -13,6 +15,8 @@ pub static SEMI_TRAILING_ARM: Topology = Topology {
         required("arm_pivot_outer", "outboard pivot of the arm on the body"),
         WHEEL_CENTRE,
         SPINDLE_INNER,
+        SPRING_UPPER,
+        optional("spring_lower", "lower end of spring and damper, on the arm"),
     ],
     distinct: &[
         (
@@ -21,6 +25,7 @@ pub static SEMI_TRAILING_ARM: Topology = Topology {
             "they define the axis of the arm",
         ),
         SPINDLE,
+        SPRING,
     ],
     build,
     template: include_str!("../../studies/semi_trailing_arm_solve.toml"),
@@ -28,7 +33,7 @@ pub static SEMI_TRAILING_ARM: Topology = Topology {
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let given = Given::of(topology, given, |name| match name {
-        "arm_pivot_inner" | "arm_pivot_outer" => Body::Chassis,
+        "arm_pivot_inner" | "arm_pivot_outer" | "spring_upper" => Body::Chassis,
         _ => Body::Knuckle,
     });
     let (first, second) = (given.id("arm_pivot_inner"), given.id("arm_pivot_outer"));
@@ -46,7 +51,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         wheel_centre,
         spin_axis: given.spin_axis(),
         steering_axis: None,
-        spring: None,
+        spring: given.spring(),
         closed_form: None,
         points: given.0,
     }

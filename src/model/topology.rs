@@ -1,7 +1,7 @@
 //! The catalogue of topologies.
 
 use super::{
-    Body, Mechanism, Point, PointId, SpinAxis, double_wishbone, five_link, macpherson,
+    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
     semi_trailing_arm,
 };
 use crate::number::Vector3;
@@ -45,6 +45,19 @@ pub(super) const SPINDLE_INNER: Hardpoint = optional(
     "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
 );
 
+/// The upper end of spring and damper, where the topology does not have it anyway.
+pub(super) const SPRING_UPPER: Hardpoint = optional(
+    "spring_upper",
+    "upper end of spring and damper, on the body",
+);
+
+/// The ends of the spring, which must be distinct.
+pub(super) const SPRING: (&str, &str, &str) = (
+    "spring_upper",
+    "spring_lower",
+    "the spring would have no length",
+);
+
 /// The pair of them that must be distinct.
 pub(super) const SPINDLE: (&str, &str, &str) = (
     "wheel_centre",
@@ -80,6 +93,14 @@ impl Given {
     /// A required point.
     pub fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")
+    }
+
+    /// Spring and damper, where both ends are given.
+    pub fn spring(&self) -> Option<Spring> {
+        Some(Spring {
+            upper: self.find("spring_upper")?,
+            lower: self.find("spring_lower")?,
+        })
     }
 
     /// The spin axis; without `spindle_inner` straight outboard, until the study says how it is turned.

@@ -7,6 +7,7 @@ mod double_wishbone;
 mod five_link;
 mod general_closure;
 mod invariances;
+mod loads;
 mod semi_trailing_arm;
 mod truth;
 

@@ -44,7 +44,7 @@ fn turns_about_its_axis() {
         "wheel_centre",
         "spindle_inner",
     ];
-    assert_eq!(names, order);
+    assert_eq!(names[..4], order);
     let mut random = Random(8);
     let mut worst = [Worst::default(); 3];
     let mut gradients = [Worst::default(); 3];
@@ -59,7 +59,7 @@ fn turns_about_its_axis() {
                 .unwrap();
             let view = View::of(&linearised.at, Constants::default());
             type Wanted = Dual<Jet<f64, 3>, 12>;
-            let seeded: Vec<Vector3<Wanted>> = design
+            let seeded: Vec<Vector3<Wanted>> = design[..4]
                 .iter()
                 .enumerate()
                 .map(|(k, p)| {
@@ -71,7 +71,7 @@ fn turns_about_its_axis() {
                 })
                 .collect();
             let wanted = turned(&seeded, Dual::constant(Jet::variable(value)));
-            let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); 4];
+            let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
             for (id, wanted) in [2, 3].into_iter().zip(wanted) {
                 for (axis, wanted) in Axis::ALL.into_iter().zip(wanted.to_array()) {
                     let quantity = Quantity::Coordinate(hardpoint::model::PointId(id), axis);
@@ -82,6 +82,10 @@ fn turns_about_its_axis() {
                         worst[k].note((found[k] - wanted.value[k]) / scale);
                     }
                     view.gradients(&linearised, quantity, 2, &mut buffer, |order, id, g| {
+                        if id.0 >= 4 {
+                            assert_eq!(g, Vector3::default());
+                            return;
+                        }
                         for (by, g) in g.to_array().into_iter().enumerate() {
                             let wanted = wanted.partials[3 * id.0 + by].derivative(order);
                             let scale = solver.size().powi(-(order as i32));

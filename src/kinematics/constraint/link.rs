@@ -17,8 +17,8 @@ use crate::number::{Real, Vector3};
 /// The equation of one rod.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kinematics) struct Link<T> {
-    inner: PointId,
-    outer: PointId,
+    pub inner: PointId,
+    pub outer: PointId,
     half_squared_length: T,
     /// 1/|d0|
     scale: T,

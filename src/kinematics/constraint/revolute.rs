@@ -19,9 +19,9 @@ use crate::number::{Matrix3, Real, Vector3};
 /// One of a hinge's five equations.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kinematics) struct Pinned<T> {
-    point: PointId,
+    pub point: PointId,
     /// n
-    direction: Vector3<T>,
+    pub direction: Vector3<T>,
 }
 
 impl<T: Real> Pinned<T> {

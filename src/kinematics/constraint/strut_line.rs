@@ -18,11 +18,11 @@ use crate::number::{Real, Vector3};
 /// One of a strut's two equations.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kinematics) struct StrutLine<T> {
-    top: PointId,
+    pub top: PointId,
     lower: PointId,
     upper: Option<PointId>,
     /// n
-    normal: Vector3<T>,
+    pub normal: Vector3<T>,
     /// u
     along: Vector3<T>,
     /// 1 over the design distance of the two points that give the direction.

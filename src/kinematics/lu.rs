@@ -100,6 +100,30 @@ impl<T: Real> Lu6<T> {
         x
     }
 
+    /// x with A x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
+    /// factors of the constant part of `matrix`: A_0 x_k = b_k - sum_i A_i x_(k-i).
+    pub(super) fn solve_series<const N: usize>(
+        &self,
+        matrix: &Matrix6<Jet<T, N>>,
+        b: &Vector6<Jet<T, N>>,
+    ) -> Vector6<Jet<T, N>> {
+        let mut x = *b;
+        for k in 0..N {
+            let mut right: Vector6<T> = from_fn(|j| b[j][k]);
+            for i in 1..=k {
+                for (r, line) in right.iter_mut().zip(matrix) {
+                    for (entry, known) in line.iter().zip(&x) {
+                        *r = *r - entry[i] * known[k - i];
+                    }
+                }
+            }
+            for (part, series) in self.solve(right).into_iter().zip(&mut x) {
+                series.0[k] = part;
+            }
+        }
+        x
+    }
+
     /// x with A^T x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
     /// factors of the constant part of `matrix`. Coefficient by coefficient:
     /// A_0^T x_k = b_k - sum_i A_i^T x_(k-i).
@@ -170,20 +194,24 @@ mod tests {
         let matrix: Matrix6<Jet<f64, 3>> =
             from_fn(|i| from_fn(|j| Jet([A[i][j], A[j][i] * 0.3, (i as f64 - j as f64) * 0.1])));
         let b: Vector6<Jet<f64, 3>> = from_fn(|i| Jet([1.0 + i as f64, -0.5, 0.25 * i as f64]));
-        let x = Lu6::new(A, 1.0)
-            .unwrap()
-            .solve_transposed_series(&matrix, &b);
+        let lu = Lu6::new(A, 1.0).unwrap();
+        let x = lu.solve_series(&matrix, &b);
+        let y = lu.solve_transposed_series(&matrix, &b);
         for j in 0..6 {
-            let mut sum = b[j].zero();
+            let mut sums = [b[j].zero(); 2];
             for i in 0..6 {
-                sum = sum + matrix[i][j] * x[i];
+                sums[0] = sums[0] + matrix[j][i] * x[i];
+                sums[1] = sums[1] + matrix[i][j] * y[i];
             }
             let largest = x
                 .iter()
+                .chain(&y)
                 .flat_map(|c| c.0)
                 .fold(0.0_f64, |m, c| m.max(c.abs()));
             for k in 0..3 {
-                assert!((sum[k] - b[j][k]).abs() < 3.0 * BOUND * 5.0 * largest);
+                for sum in &sums {
+                    assert!((sum[k] - b[j][k]).abs() < 3.0 * BOUND * 5.0 * largest);
+                }
             }
         }
     }

@@ -6,13 +6,14 @@
 //! changing (slope, toggle), else by following the closure equations with steps small enough that
 //! Newton's method cannot leave the branch.
 
+use super::closed_form::ClosedForm;
 use super::closure::{Closure, Driver};
+use super::loads::{Load, Reactions, Support};
 use super::lu::Lu6;
 use super::motion::{Lifted, MotionPoint};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
-use super::strut::{StrutForm, StrutPoints};
-use crate::model::{ClosedForm, Drive, Mechanism, PointId};
+use crate::model::{Drive, Mechanism, PointId};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -55,6 +56,11 @@ pub enum DesignFault {
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
+    /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
+    UpperArmInLine {
+        /// The upper ball joint.
+        outer: PointId,
+    },
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -79,6 +85,10 @@ impl DesignFault {
                 "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
                     .to_owned()
             }
+            DesignFault::UpperArmInLine { outer } => format!(
+                "the upper arm is in line with the steering axis, so it does not hold {}",
+                name(outer)
+            ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
             }
@@ -151,7 +161,7 @@ pub struct Solver<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
     closure: Closure<f64>,
-    form: Option<(StrutPoints, StrutForm<f64>)>,
+    form: Option<ClosedForm<f64>>,
     /// For the predictor of the step-by-step path; made when first needed.
     lifted: Option<Lifted<3>>,
     lifted_is_current: bool,
@@ -212,16 +222,7 @@ impl<'m> Solver<'m> {
             }
         }
         self.closure.prepare(self.mechanism, design);
-        self.form = match self.mechanism.closed_form {
-            Some(ClosedForm::Strut) => {
-                let points = StrutPoints::of(self.mechanism)
-                    .expect("a mechanism with this closed form has its constraints");
-                let form = StrutForm::new(&points, design);
-                points.check(&form, design)?;
-                Some((points, form))
-            }
-            None => None,
-        };
+        self.form = ClosedForm::of(self.mechanism, design)?;
         Ok(())
     }
 
@@ -312,6 +313,7 @@ impl<'m> Solver<'m> {
             design: &self.design,
             pose: *pose,
             rack,
+            steering: None,
         }
     }
 
@@ -339,7 +341,7 @@ impl<'m> Solver<'m> {
 
     /// What the closed form needs to go on from a pose.
     fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
-        let (_, form) = self.form.as_ref()?;
+        let form = self.form.as_ref()?;
         let tangent = form.half_tangent(pose);
         // Beyond a right angle the tangent of the half angle loses its advantage.
         if !tangent.is_finite() || tangent.abs() > 1.0 {
@@ -361,7 +363,7 @@ impl<'m> Solver<'m> {
 
     /// One step by the closed form, if nothing speaks against it.
     fn step_by_closed_form(&self, from: &Place, to: &MotionPoint<f64>) -> Option<Place> {
-        let (_, form) = self.form.as_ref()?;
+        let form = self.form.as_ref()?;
         let quick = from.quick?;
         if to.rack != from.point.rack {
             return None;
@@ -378,7 +380,7 @@ impl<'m> Solver<'m> {
                 let before = form.at_half_tangent(quick.tangent, to.rack);
                 let steady = |now: f64, before: f64| now > 0.5 * before && now < 2.0 * before;
                 if !(steady(state.toggle_margin(), before.toggle_margin())
-                    && steady(state.strut_length(), before.strut_length()))
+                    && steady(state.upper_margin(), before.upper_margin()))
                 {
                     return None;
                 }
@@ -417,7 +419,7 @@ impl<'m> Solver<'m> {
             }
         };
         // NaN is refused here as well.
-        if !(state.toggle_margin() > 1e-4 && tangent.abs() < 1.0) {
+        if !(state.toggle_margin() > 1e-4 && state.upper_margin() > 1e-3 && tangent.abs() < 1.0) {
             return None;
         }
         Some(Place {
@@ -555,6 +557,20 @@ impl<'m> Solver<'m> {
                 false,
             )
             .map(|(posture, _)| posture)
+            .ok_or(Failure::Singular)
+    }
+
+    /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on
+    /// the knuckle.
+    pub fn reactions(
+        &self,
+        pose: &Pose<f64>,
+        rack: f64,
+        support: Support,
+        load: &Load,
+    ) -> Result<Reactions, Failure> {
+        self.closure
+            .reactions(&self.posture(pose, rack), support, load)
             .ok_or(Failure::Singular)
     }
 

@@ -9,6 +9,9 @@
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
 mod closure;
+mod conditioning;
+mod continuation;
+mod limits;
 mod lu;
 mod motion;
 mod path;
@@ -19,6 +22,8 @@ mod sensitivity;
 mod strut;
 
 pub use closure::{Closure, Driver};
+pub use conditioning::Conditioning;
+pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
 pub use motion::{Lifted, MotionPoint};
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture};

@@ -7,7 +7,9 @@
 //! Newton's method cannot leave the branch.
 
 use super::closure::{Closure, Driver};
-use super::lu::Lu6;
+use super::continuation::{Curve, Moving, PathEnd};
+use super::limits::LimitCause;
+use super::lu::{Lu6, Matrix6};
 use super::motion::{Lifted, MotionPoint};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
@@ -20,17 +22,21 @@ use std::ops::ControlFlow;
 /// Why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot get there: the mechanism locks at `limit`.
+    /// The drive cannot get there: the mechanism folds at `limit`.
     Unreachable {
         /// What drives.
         drive: Drive,
-        /// The last value that was reached.
+        /// The value at the fold.
         limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
     },
     /// The rack cannot get there, at zero travel.
     RackUnreachable {
-        /// The last displacement that was reached, towards the kernel's +y.
+        /// The displacement at the fold, towards the kernel's +y.
         limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
     },
     /// The pose was reached, but its derivatives do not exist there.
     Singular,
@@ -92,17 +98,23 @@ impl fmt::Display for Failure {
             Failure::Unreachable {
                 drive: Drive::Travel,
                 limit,
-            } => write!(f, "the wheel travel ends at {limit:.6}"),
+                cause,
+            } => write!(f, "the wheel travel ends at {limit:.6}: {cause}"),
             Failure::Unreachable {
                 drive: Drive::ArmAngle,
                 limit,
+                cause,
             } => write!(
                 f,
-                "the arm turns no further than {:.6} deg",
+                "the arm turns no further than {:.6} deg: {cause}",
                 limit.to_degrees()
             ),
-            Failure::RackUnreachable { limit } => {
-                write!(f, "the rack moves no further than {:.6}", limit.abs())
+            Failure::RackUnreachable { limit, cause } => {
+                write!(
+                    f,
+                    "the rack moves no further than {:.6}: {cause}",
+                    limit.abs()
+                )
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
         }
@@ -250,17 +262,7 @@ impl<'m> Solver<'m> {
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
-        let start = self.start(drive)?;
-        let start = match rack {
-            0.0 => Ok(start),
-            _ => self.advance(
-                &start,
-                MotionPoint {
-                    rack,
-                    ..start.point
-                },
-            ),
-        };
+        let start = self.rack_placed(drive, rack)?;
         for side in [&march.up, &march.down] {
             let mut place = start;
             for &station in side {
@@ -281,6 +283,60 @@ impl<'m> Solver<'m> {
             }
         }
         Ok(())
+    }
+
+    /// The place at zero drive with the rack displaced.
+    fn rack_placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<Place, Failure>, DesignFault> {
+        let start = self.start(drive)?;
+        Ok(match rack {
+            0.0 => Ok(start),
+            _ => self.advance(
+                &start,
+                MotionPoint {
+                    rack,
+                    ..start.point
+                },
+            ),
+        })
+    }
+
+    /// Pose and motion point at zero drive with the rack displaced.
+    pub(super) fn placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<(Pose<f64>, MotionPoint<f64>), Failure>, DesignFault> {
+        let place = self.rack_placed(drive, rack)?;
+        Ok(place.map(|place| (place.pose, place.point)))
+    }
+
+    /// The path on which `moving` moves and the rest is held as at `held`.
+    pub(super) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
+        self.lift();
+        Curve {
+            mechanism: self.mechanism,
+            design: &self.design,
+            closure: &self.closure,
+            lifted: self.lifted.as_ref().expect("just made"),
+            size: self.size,
+            moving,
+            held,
+        }
+    }
+
+    /// Brings the lifted design up to date.
+    fn lift(&mut self) {
+        if !self.lifted_is_current {
+            match &mut self.lifted {
+                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
+                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
+            }
+            self.lifted_is_current = true;
+        }
     }
 
     /// The design position, if the drive can move the mechanism from there.
@@ -316,8 +372,18 @@ impl<'m> Solver<'m> {
     }
 
     fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+        self.factorised(pose, point).map(|(_, lu)| lu)
+    }
+
+    /// The Jacobian and its factors.
+    pub(super) fn factorised(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
         let at = self.posture(pose, point.rack);
-        Lu6::new(self.closure.jacobian(&at, point.driver()), self.size)
+        let jacobian = self.closure.jacobian(&at, point.driver());
+        Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
     fn advance(&mut self, from: &Place, to: MotionPoint<f64>) -> Result<Place, Failure> {
@@ -431,16 +497,11 @@ impl<'m> Solver<'m> {
         })
     }
 
-    /// Follows the closure equations from one place to a motion point, in steps that are accepted only
-    /// where a second-order prediction was good and the determinant has not changed much.
+    /// Follows the closure equations from one place to a motion point: in steps of the drive, accepted
+    /// only where a second-order prediction was good and the determinant has not changed much; where
+    /// that takes many, by the arc length of the path, which passes folds and finds them.
     fn follow(&mut self, from: &Place, to: &MotionPoint<f64>) -> Result<Pose<f64>, Failure> {
-        if !self.lifted_is_current {
-            match &mut self.lifted {
-                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
-                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
-            }
-            self.lifted_is_current = true;
-        }
+        self.lift();
         let lifted = self.lifted.as_ref().expect("just made");
         let start = from.point;
         let between = |t: f64| MotionPoint {
@@ -478,20 +539,40 @@ impl<'m> Solver<'m> {
                 None => {
                     step = 0.5 * (target - reached);
                     if step < SHORTEST_STEP {
-                        let limit = between(reached);
-                        return Err(if to.rack != start.rack {
-                            Failure::RackUnreachable { limit: limit.rack }
-                        } else {
-                            Failure::Unreachable {
-                                drive: to.drive,
-                                limit: limit.value,
-                            }
-                        });
+                        return self.follow_arc(&pose, &here, to);
                     }
                 }
             }
         }
         Ok(pose)
+    }
+
+    /// Follows the path by its arc length; drive or rack move, not both.
+    fn follow_arc(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let (moving, value, target) = if to.rack != from.rack {
+            (Moving::Rack, from.rack, to.rack)
+        } else {
+            (Moving::Drive, from.value, to.value)
+        };
+        let curve = self.curve(moving, *to);
+        let (limit, cause) = match curve.to(pose, value, target) {
+            Ok(found) => return Ok(found.pose()),
+            Err(PathEnd::Fold(fold)) => (fold.value(), curve.cause(&fold)),
+            Err(PathEnd::Unresolved(limit)) => (limit, LimitCause::Unresolved),
+        };
+        Err(match moving {
+            Moving::Rack => Failure::RackUnreachable { limit, cause },
+            Moving::Drive => Failure::Unreachable {
+                drive: to.drive,
+                limit,
+                cause,
+            },
+        })
     }
 
     /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
@@ -582,8 +663,9 @@ impl<'m> Solver<'m> {
 
 /// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
 const LONGEST_TURN: f64 = 0.2;
-/// The shortest step, as a part of the whole way to the next station.
-const SHORTEST_STEP: f64 = 1e-13;
+/// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
+/// shorter the path turns sharply, and is followed by its arc length.
+const SHORTEST_STEP: f64 = 1.0 / 16.0;
 /// Corrections this small relative to the size are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -606,7 +688,7 @@ impl Quick {
 }
 
 /// The pose a part of the way along its series.
-fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
+pub(super) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);
     // The truncated series is a rotation to second order only.

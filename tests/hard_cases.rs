@@ -157,7 +157,7 @@ fn what_has_no_solution_is_refused_with_the_limit() {
                 // Stored to nine decimals.
                 assert!((limit - known).abs() <= 0.5e-9, "{limit} {known}");
             }
-            Failure::Singular => panic!("{:?}", state["drive"]),
+            other => panic!("{:?}: {other}", state["drive"]),
         }
     }
 }

@@ -8,6 +8,7 @@
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod certificate;
 mod closure;
 mod conditioning;
 mod continuation;
@@ -21,6 +22,7 @@ mod rates;
 mod sensitivity;
 mod strut;
 
+pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::Conditioning;
 pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};

@@ -6,6 +6,7 @@
 //! changing (slope, toggle), else by following the closure equations with steps small enough that
 //! Newton's method cannot leave the branch.
 
+use super::certificate::Unproven;
 use super::closure::{Closure, Driver};
 use super::continuation::{Curve, Moving, PathEnd};
 use super::limits::LimitCause;
@@ -40,6 +41,8 @@ pub enum Failure {
     },
     /// The pose was reached, but its derivatives do not exist there.
     Singular,
+    /// A proof was asked for and there is none.
+    Uncertified(Unproven),
 }
 
 /// Why a design cannot be solved at all.
@@ -117,6 +120,7 @@ impl fmt::Display for Failure {
                 )
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
+            Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
         }
     }
 }
@@ -145,6 +149,11 @@ impl March {
             up,
             down,
         }
+    }
+
+    /// The stations of each side, outward.
+    pub(super) fn sides(&self) -> [&[usize]; 2] {
+        [&self.up, &self.down]
     }
 
     /// Drive values by station.
@@ -314,6 +323,35 @@ impl<'m> Solver<'m> {
         Ok(place.map(|place| (place.pose, place.point)))
     }
 
+    /// Pose and motion point of the design position.
+    pub(super) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
+        let pose = Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(0.0),
+        };
+        let point = MotionPoint {
+            drive,
+            value: 0.0,
+            rack: 0.0,
+        };
+        (pose, point)
+    }
+
+    /// The pose at `to`, followed from the one at `from`.
+    pub(super) fn pose_towards(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let place = Place {
+            point: *from,
+            pose: *pose,
+            quick: None,
+        };
+        self.follow(&place, to)
+    }
+
     /// The path on which `moving` moves and the rest is held as at `held`.
     pub(super) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
         self.lift();
@@ -341,15 +379,7 @@ impl<'m> Solver<'m> {
 
     /// The design position, if the drive can move the mechanism from there.
     fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
-        let pose = Pose {
-            origin: self.design[self.mechanism.origin.0],
-            rotation: Matrix3::identity(0.0),
-        };
-        let point = MotionPoint {
-            drive,
-            value: 0.0,
-            rack: 0.0,
-        };
+        let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)

@@ -38,6 +38,8 @@ pub(super) struct Curve<'a> {
     pub closure: &'a Closure<f64>,
     pub lifted: &'a Lifted<3>,
     pub size: f64,
+    /// Rounding of the equations, in sizes.
+    pub rounding: f64,
     pub moving: Moving,
     /// Kind of drive and the value of what is held.
     pub held: MotionPoint<f64>,
@@ -55,6 +57,8 @@ pub(super) struct CurvePoint {
     factors: Lu7,
     /// Sign given to the determinant of the matrix with the tangent as its last row.
     orientation: f64,
+    /// What the rounding of the equations makes of the point, in sizes.
+    noise: f64,
 }
 
 /// How a path ended before its target.
@@ -76,7 +80,6 @@ const MOST_STEPS: usize = 5000;
 const STRAIGHT: f64 = 0.9;
 /// A corrector settles when its corrections are rounding; it may only do so once they are below this.
 const CLOSE: f64 = 1e-9;
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl CurvePoint {
     pub(super) fn pose(&self) -> Pose<f64> {
@@ -105,7 +108,7 @@ impl Curve<'_> {
         let mut step = LONGEST_STEP;
         for _ in 0..MOST_STEPS {
             let next = self.step(&here, step).filter(|(next, missed)| {
-                *missed <= 0.05 * step
+                *missed <= 0.05 * step + here.noise
                     && dot(&here.tangent, &next.tangent) > STRAIGHT
                     && !self.may_turn_twice(&here, next, step)
             });
@@ -262,6 +265,7 @@ impl Curve<'_> {
             moved,
             tangent,
             orientation: factors.determinant.signum(),
+            noise: self.rounding * factors.inverse_norm().max(1.0),
             factors,
         })
     }
@@ -297,7 +301,7 @@ impl Curve<'_> {
             }
             // Written so that NaN is refused.
             let shrinks = correction < 0.5 * last;
-            if correction <= ROUNDING || (!shrinks && last <= CLOSE) {
+            if correction <= from.noise || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
                 pose.rotation = pose.rotation.orthonormalised();
                 let found = self.at(&pose, value, Some(from.orientation), 1.0)?;
                 return Some((found, missed));
@@ -358,7 +362,7 @@ impl Curve<'_> {
 
     /// The point with the target's value, from one nearby.
     fn settle(&self, near: &CurvePoint, target: f64, reach: f64) -> Option<CurvePoint> {
-        let rounding = ROUNDING * target.abs().max(self.unit());
+        let rounding = near.noise * target.abs().max(self.unit());
         let (mut point, mut last) = (*near, f64::INFINITY);
         for _ in 0..40 {
             let [q, first, second] = point.moved.0;
@@ -472,6 +476,18 @@ impl Lu7 {
             order,
             determinant,
         })
+    }
+
+    /// The largest row sum of the inverse.
+    fn inverse_norm(&self) -> f64 {
+        let mut sums = [0.0; 7];
+        for k in 0..7 {
+            let column = self.solve(std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
+            for (sum, c) in sums.iter_mut().zip(column) {
+                *sum += c.abs();
+            }
+        }
+        sums.into_iter().fold(0.0, f64::max)
     }
 
     fn solve(&self, b: [f64; 7]) -> [f64; 7] {

@@ -15,7 +15,7 @@ use super::motion::{Lifted, MotionPoint};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
 use super::strut::{StrutForm, StrutPoints};
-use crate::model::{ClosedForm, Drive, Mechanism, PointId};
+use crate::model::{ClosedForm, Constraint, Drive, Mechanism, PointId, SpinAxis};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -64,6 +64,16 @@ pub enum DesignFault {
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
+    /// Two points that a rod, a strut axis or the wheel's spin axis runs between coincide.
+    Coincident {
+        /// One.
+        first: PointId,
+        /// The other.
+        second: PointId,
+    },
+    /// The coordinates are so large, or the points so close to each other for their distance from the
+    /// origin, that double precision cannot tell them apart.
+    OutOfScale,
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -81,6 +91,14 @@ impl DesignFault {
                 "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
                 name(end)
             ),
+            DesignFault::Coincident { first, second } => format!(
+                "{} and {} coincide, but what runs between them needs a length",
+                name(first),
+                name(second)
+            ),
+            DesignFault::OutOfScale => "the points are too far from the origin, or too large or small, \
+                 for double precision to tell them apart"
+                .to_owned(),
             DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
                  plane with the steering axis"
                 .to_owned(),
@@ -166,6 +184,9 @@ impl March {
 /// double-precision result would be left.
 pub(super) const DEGENERATE: f64 = 1e-10;
 
+/// Sizes whose eighth powers, and their inverses, are ordinary doubles.
+const SIZES: std::ops::Range<f64> = 1e-30..1e30;
+
 /// Finds the poses of one design after another.
 #[derive(Clone, Debug)]
 pub struct Solver<'m> {
@@ -177,6 +198,8 @@ pub struct Solver<'m> {
     lifted: Option<Lifted<3>>,
     lifted_is_current: bool,
     size: f64,
+    /// The largest coordinate, at least the size: what positions are rounded at.
+    reach: f64,
 }
 
 /// A place on the path.
@@ -194,6 +217,8 @@ struct Quick {
     tangent: f64,
     slope: f64,
     before: Option<(f64, f64, f64)>,
+    /// What may not vanish on the way, with its slope by the tangent.
+    margins: [Jet<f64, 2>; 2],
 }
 
 impl<'m> Solver<'m> {
@@ -207,6 +232,7 @@ impl<'m> Solver<'m> {
             lifted: None,
             lifted_is_current: false,
             size: 1.0,
+            reach: 1.0,
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -223,7 +249,15 @@ impl<'m> Solver<'m> {
         let origin = design[self.mechanism.origin.0];
         let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
         self.size = design.iter().fold(0.0, farthest).sqrt();
+        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
+        self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
         self.lifted_is_current = false;
+        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
+        // leave six digits of the size. Written so that NaN, from an overflow, is refused.
+        if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
+            return Err(DesignFault::OutOfScale);
+        }
+        self.check_distinct()?;
         for arm in &self.mechanism.arms {
             let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
             let axis = (rear - front).normalised();
@@ -244,6 +278,30 @@ impl<'m> Solver<'m> {
             None => None,
         };
         Ok(())
+    }
+
+    /// Refuses rods and axes without a length.
+    fn check_distinct(&self) -> Result<(), DesignFault> {
+        let distinct = |first: PointId, second: PointId| {
+            let apart = self.design[second.0] - self.design[first.0];
+            if apart.norm_squared() > (DEGENERATE * self.size).powi(2) {
+                Ok(())
+            } else {
+                Err(DesignFault::Coincident { first, second })
+            }
+        };
+        for constraint in &self.mechanism.constraints {
+            match *constraint {
+                Constraint::Link { inner, outer } => distinct(inner, outer)?,
+                Constraint::StrutLine { top, lower, upper } => {
+                    distinct(lower, upper.unwrap_or(top))?;
+                }
+            }
+        }
+        match self.mechanism.spin_axis {
+            SpinAxis::From(inner) => distinct(inner, self.mechanism.wheel_centre),
+            SpinAxis::Along(_) => Ok(()),
+        }
     }
 
     /// The mechanism.
@@ -361,6 +419,7 @@ impl<'m> Solver<'m> {
             closure: &self.closure,
             lifted: self.lifted.as_ref().expect("just made"),
             size: self.size,
+            rounding: ROUNDING * self.reach / self.size,
             moving,
             held,
         }
@@ -437,8 +496,15 @@ impl<'m> Solver<'m> {
     fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
         let (_, form) = self.form.as_ref()?;
         let tangent = form.half_tangent(pose);
-        // Beyond a right angle the tangent of the half angle loses its advantage.
-        if !tangent.is_finite() || tangent.abs() > 1.0 {
+        // Beyond a right angle the tangent of the half angle loses its advantage. Far from the origin
+        // the closed form would lose what the closure equations keep.
+        if !(tangent.abs() <= 1.0 && self.reach < FAR * self.size) {
+            return None;
+        }
+        // The path may have passed a toggle: then the closed form speaks of another assembly.
+        let found = form.pose(&form.at_half_tangent(tangent, point.rack));
+        let apart = distance(&found, pose, self.size);
+        if !(apart <= SAME * self.size) {
             return None;
         }
         let state = form
@@ -452,6 +518,7 @@ impl<'m> Solver<'m> {
                 Drive::ArmAngle => 0.5 * (1.0 + tangent * tangent),
             },
             before: None,
+            margins: state.margins(),
         })
     }
 
@@ -463,35 +530,27 @@ impl<'m> Solver<'m> {
             return None;
         }
         let (start, end) = (from.point.value, to.value);
-        let (state, tangent, slope) = match to.drive {
+        let lifted = form.map(Jet::<f64, 2>::constant);
+        let rack = Jet::constant(to.rack);
+        let (tangent, slope, margins) = match to.drive {
+            // No equation to solve.
             Drive::ArmAngle => {
-                // No equation to solve; but the path to there must not have passed a gap.
-                if (end - start).abs() > LONGEST_TURN {
-                    return None;
-                }
-                let (sine, cosine) = end.sin_cos();
-                let state = form.at(cosine, sine, to.rack);
-                let before = form.at_half_tangent(quick.tangent, to.rack);
-                let steady = |now: f64, before: f64| now > 0.5 * before && now < 2.0 * before;
-                if !(steady(state.toggle_margin(), before.toggle_margin())
-                    && steady(state.strut_length(), before.strut_length()))
-                {
-                    return None;
-                }
-                (state, (0.5 * end).tan(), quick.slope)
+                let tangent = (0.5 * end).tan();
+                let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
+                (tangent, quick.slope, state.margins())
             }
             Drive::Travel => {
-                let lifted = form.map(Jet::<f64, 2>::constant);
-                let rack = Jet::constant(to.rack);
                 let predicted = quick.extrapolated(start, end);
                 let mut tangent = predicted;
                 let mut slope = quick.slope;
+                let mut margins = quick.margins;
                 let mut settled = false;
                 for iteration in 0..4 {
                     let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
                     let rise = lifted.travel(&state);
                     let correction = (end - rise[0]) / rise[1];
                     slope = 1.0 / rise[1];
+                    margins = state.margins();
                     let steady = slope / quick.slope;
                     let first_is_long = iteration == 0
                         && correction.abs() > 0.1 * (predicted - quick.tangent).abs();
@@ -509,11 +568,17 @@ impl<'m> Solver<'m> {
                 if !settled {
                     return None;
                 }
-                (form.at_half_tangent(tangent, to.rack), tangent, slope)
+                (tangent, slope, margins)
             }
         };
-        // NaN is refused here as well.
-        if !(state.toggle_margin() > 1e-4 && tangent.abs() < 1.0) {
+        let step = tangent - quick.tangent;
+        let state = form.at_half_tangent(tangent, to.rack);
+        // Half an angle's tangent grows by at least half of the angle.
+        if !(step.abs() <= 0.5 * LONGEST_TURN
+            && tangent.abs() < 1.0
+            && state.is_ordinary()
+            && keep_clear(&quick.margins, &margins, step))
+        {
             return None;
         }
         Some(Place {
@@ -523,6 +588,7 @@ impl<'m> Solver<'m> {
                 tangent,
                 slope,
                 before: Some((start, quick.tangent, quick.slope)),
+                margins,
             }),
         })
     }
@@ -624,12 +690,13 @@ impl<'m> Solver<'m> {
         for iteration in 0..12 {
             let at = self.posture(&pose, point.rack);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
-            if iteration == 0 && correction > 0.1 * moved + ROUNDING * self.size {
+            let rounding = ROUNDING * self.reach;
+            if iteration == 0 && correction > 0.1 * moved + rounding {
                 return None;
             }
             // Rounding level: the corrections no longer shrink.
-            if correction <= ROUNDING * self.size
-                || (correction >= 0.5 * last && last <= 1e-9 * self.size)
+            if correction <= rounding
+                || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
                 let settled = Pose {
                     origin: next.origin,
@@ -696,8 +763,22 @@ const LONGEST_TURN: f64 = 0.2;
 /// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
 /// shorter the path turns sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
+/// How many sizes from the origin the closed form keeps its accuracy.
+const FAR: f64 = 1e3;
+/// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
+/// closed form is not used.
+const SAME: f64 = 1e-9;
 /// Corrections this small relative to the size are rounding.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Whether margins stay positive over a step, by their values and slopes at both ends. One that is
+/// convex lies above both tangents, one that is concave above its ends.
+fn keep_clear(before: &[Jet<f64, 2>; 2], after: &[Jet<f64, 2>; 2], step: f64) -> bool {
+    before.iter().zip(after).all(|(a, b)| {
+        let least = 0.25 * a[0].min(b[0]);
+        a[0] > 0.0 && b[0] > 0.0 && a[0] + a[1] * step > least && b[0] - b[1] * step > least
+    })
+}
 
 impl Quick {
     /// The tangent at `end` by the cubic through the last two places and their slopes, or along the

@@ -333,17 +333,21 @@ impl StrutForm<f64> {
     }
 }
 
-impl<T: Real> StrutState<T> {
-    /// Length of the strut from the foot of the ball joint's perpendicular to the mount.
+impl StrutState<f64> {
+    /// Whether the closed form loses no more than four digits here: the squared sines between steering
+    /// arm and steering plane, and between steering axis and rack joint, are what it divides by.
     #[inline]
-    pub(super) fn strut_length(&self) -> T {
-        self.strut_length
+    pub(super) fn is_ordinary(&self) -> bool {
+        let gram = self.n.norm_squared();
+        self.toggle_margin > 1e-4 && gram > 1e-4 * self.dd * self.g.norm_squared()
     }
+}
 
-    /// Zero at the tie rod's toggle, negative beyond it.
+impl<T: Real> StrutState<T> {
+    /// What may not vanish on a path: distance from the tie rod's toggle, and the strut's length.
     #[inline]
-    pub(super) fn toggle_margin(&self) -> T {
-        self.toggle_margin
+    pub(super) fn margins(&self) -> [T; 2] {
+        [self.toggle_margin, self.strut_length]
     }
 
     /// The image of a knuckle vector, in d, g and n.

@@ -8,6 +8,7 @@
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod assemblies;
 mod certificate;
 mod closure;
 mod conditioning;
@@ -22,6 +23,7 @@ mod rates;
 mod sensitivity;
 mod strut;
 
+pub use assemblies::{Assemblies, Assembly};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::Conditioning;

@@ -671,6 +671,28 @@ impl<'m> Solver<'m> {
         })
     }
 
+    /// The points of the strut's closed form, where that is what this mechanism has.
+    pub(super) fn strut(&self) -> Option<&StrutPoints> {
+        self.form.as_ref().map(|(points, _)| points)
+    }
+
+    /// Newton's method from a pose that is close already; `None` where it does not settle.
+    pub(super) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
+        let (mut pose, mut last) = (*pose, f64::INFINITY);
+        for _ in 0..60 {
+            let at = self.posture(&pose, point.rack);
+            let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
+            if correction >= last || correction.is_nan() {
+                // Corrections that no longer shrink are rounding, amplified by the condition.
+                return (last <= 1e-6 * self.size).then_some(pose);
+            }
+            pose = next;
+            pose.rotation = pose.rotation.orthonormalised();
+            last = correction;
+        }
+        None
+    }
+
     /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
     /// changed much (or changed sign) or the iteration did not settle.
     fn correct(

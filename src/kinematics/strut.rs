@@ -322,6 +322,31 @@ impl<T: Real> StrutForm<T> {
     }
 }
 
+impl<T: Real> StrutForm<T> {
+    /// The same design with the strut mounted the other way up (the mount below the foot), the tie rod's
+    /// end on the other side of its plane, or both: the other assemblies of the same lengths.
+    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+        let mut form = *self;
+        if strut_inverted {
+            form.tie_by_strut = -form.tie_by_strut;
+            for vector in form.basis.iter_mut().chain([&mut form.wheel_centre]) {
+                vector.by_u = -vector.by_u;
+                vector.by_ut = -vector.by_ut;
+            }
+        }
+        if tie_rod_across {
+            form.side = -form.side;
+        }
+        form
+    }
+
+    /// Squares that are negative where the mechanism cannot be assembled: of the strut's length, and of
+    /// the tie-rod end's distance from its plane.
+    pub(super) fn squares(&self, state: &StrutState<T>) -> [T; 2] {
+        [state.dd - self.foot_squared, state.toggle_margin]
+    }
+}
+
 impl StrutForm<f64> {
     /// Tangent of half the arm angle of a pose.
     pub(super) fn half_tangent(&self, pose: &Pose<f64>) -> f64 {
@@ -334,6 +359,14 @@ impl StrutForm<f64> {
 }
 
 impl StrutState<f64> {
+    /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
+    /// for rounding.
+    pub(super) fn at_toggle_if_beyond(&mut self) {
+        if self.ga.is_nan() {
+            self.ga = 0.0;
+        }
+    }
+
     /// Whether the closed form loses no more than four digits here: the squared sines between steering
     /// arm and steering plane, and between steering axis and rack joint, are what it divides by.
     #[inline]

@@ -48,6 +48,12 @@ impl Interval {
         Interval::bounds(self.low.min(other.low), self.high.max(other.high))
     }
 
+    /// What both contain; they must have something in common, as two enclosures of one number have.
+    #[inline]
+    pub fn meet(self, other: Self) -> Self {
+        Interval::bounds(self.low.max(other.low), self.high.min(other.high))
+    }
+
     /// The largest absolute value.
     #[inline]
     pub fn magnitude(self) -> f64 {

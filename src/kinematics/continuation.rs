@@ -18,6 +18,7 @@
 
 use super::closure::Closure;
 use super::motion::{Lifted, MotionPoint};
+use super::path::GOOD_PREDICTION;
 use super::pose::{Pose, Posture};
 use crate::model::{Drive, Mechanism};
 use crate::number::{Jet, Vector3};
@@ -108,7 +109,7 @@ impl Curve<'_> {
         let mut step = LONGEST_STEP;
         for _ in 0..MOST_STEPS {
             let next = self.step(&here, step).filter(|(next, missed)| {
-                *missed <= 0.05 * step + here.noise
+                *missed <= GOOD_PREDICTION * step + here.noise
                     && dot(&here.tangent, &next.tangent) > STRAIGHT
                     && !self.may_turn_twice(&here, next, step)
             });
@@ -147,7 +148,7 @@ impl Curve<'_> {
                 continue;
             }
             here = next;
-            if missed < 0.01 * step {
+            if missed < 0.1 * GOOD_PREDICTION * step {
                 step = (2.0 * step).min(LONGEST_STEP);
             }
         }

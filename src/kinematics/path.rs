@@ -713,7 +713,7 @@ impl<'m> Solver<'m> {
             let at = self.posture(&pose, point.rack);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
             let rounding = ROUNDING * self.reach;
-            if iteration == 0 && correction > 0.1 * moved + rounding {
+            if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
             // Rounding level: the corrections no longer shrink.
@@ -782,6 +782,9 @@ impl<'m> Solver<'m> {
 
 /// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
 const LONGEST_TURN: f64 = 0.2;
+/// How far, as a part of the move, a second-order prediction may miss. On a smooth path it misses by the
+/// cube of the step; near another assembly by much more.
+pub(super) const GOOD_PREDICTION: f64 = 0.01;
 /// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
 /// shorter the path turns sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;

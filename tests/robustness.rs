@@ -341,7 +341,9 @@ proptest! {
 /// Designs that failed once.
 #[test]
 fn designs_that_failed_once() {
-    for number in [640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636] {
+    for number in [
+        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343,
+    ] {
         examine(number, &mut Tally::default());
     }
 }

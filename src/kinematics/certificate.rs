@@ -291,12 +291,13 @@ impl<'m> Certifier<'m> {
             bend = bend.max(sum(&sums));
         }
         let left = one - Interval::point(defect);
-        if !(left.low > 0.0) {
+        // Never NaN: intervals have no such bounds.
+        if left.low <= 0.0 {
             return Err(Unproven::Singular);
         }
         let (residual, bend) = (Interval::point(residual), Interval::point(bend));
         let discriminant = left.squared() - (residual * bend).scaled(2.0);
-        if !(discriminant.low >= 0.0) {
+        if discriminant.low < 0.0 {
             return Err(Unproven::TooClose);
         }
         let root = left + discriminant.sqrt();

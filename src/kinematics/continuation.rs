@@ -63,10 +63,10 @@ pub(super) struct CurvePoint {
 }
 
 /// How a path ended before its target.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum PathEnd {
     /// It turns back here.
-    Fold(CurvePoint),
+    Fold(Box<CurvePoint>),
     /// It could not be followed beyond this value: it meets another path, or nearly.
     Unresolved(f64),
 }
@@ -128,7 +128,7 @@ impl Curve<'_> {
                             return Ok(found);
                         }
                     }
-                    Some(fold) => return Err(PathEnd::Fold(fold)),
+                    Some(fold) => return Err(PathEnd::Fold(Box::new(fold))),
                     None => {}
                 }
                 step *= 0.5;
@@ -331,11 +331,11 @@ impl Curve<'_> {
         let mut last = f64::INFINITY;
         for _ in 0..40 {
             let length = -0.5 * point.moved[1] / point.moved[2];
-            if !(length.abs() <= step) {
+            if length.is_nan() || length.abs() > step {
                 return None;
             }
-            // An error e in the arc length is one of order e^2 in the value.
-            if length.abs() <= 1e-10 || (length.abs() >= 0.5 * last && last <= 1e-7) {
+            // An error e in the arc length is one of order e^2 in the value, but e in the gradient.
+            if length.abs() <= point.noise || (length.abs() >= 0.5 * last && last <= 1e-7) {
                 return Some(point);
             }
             point = self.step(&point, length)?.0;
@@ -377,7 +377,7 @@ impl Curve<'_> {
             {
                 return Some(point);
             }
-            if !(length.abs() <= 1.5 * reach) || length.abs() >= last {
+            if length.is_nan() || length.abs() > 1.5 * reach || length.abs() >= last {
                 return None;
             }
             point = self.step(&point, length)?.0;

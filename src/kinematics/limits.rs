@@ -235,7 +235,7 @@ impl Curve<'_> {
             ]
         };
         // Written so that terms that grow beyond all bounds, as at toggle itself, win.
-        if !(steer < arm.max(swing)) {
+        if steer.is_nan() || steer >= arm.max(swing) {
             LimitCause::TieRodToggle
         } else if swing > arm {
             LimitCause::StrutStraight

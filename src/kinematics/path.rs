@@ -280,16 +280,21 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Refuses rods and axes without a length.
+    /// Refuses rods and axes without a length, or so short that rounding of the coordinates leaves fewer
+    /// than six digits of their direction.
     fn check_distinct(&self) -> Result<(), DesignFault> {
+        let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.reach);
         let distinct = |first: PointId, second: PointId| {
             let apart = self.design[second.0] - self.design[first.0];
-            if apart.norm_squared() > (DEGENERATE * self.size).powi(2) {
+            if apart.norm_squared() > shortest * shortest {
                 Ok(())
             } else {
                 Err(DesignFault::Coincident { first, second })
             }
         };
+        for arm in &self.mechanism.arms {
+            distinct(arm.front, arm.rear)?;
+        }
         for constraint in &self.mechanism.constraints {
             match *constraint {
                 Constraint::Link { inner, outer } => distinct(inner, outer)?,
@@ -504,7 +509,7 @@ impl<'m> Solver<'m> {
         // The path may have passed a toggle: then the closed form speaks of another assembly.
         let found = form.pose(&form.at_half_tangent(tangent, point.rack));
         let apart = distance(&found, pose, self.size);
-        if !(apart <= SAME * self.size) {
+        if apart.is_nan() || apart > SAME * self.size {
             return None;
         }
         let state = form

@@ -198,7 +198,7 @@ impl Real for Interval {
     /// Of the part that is not negative.
     #[inline]
     fn sqrt(self) -> Self {
-        if !(self.high >= 0.0) {
+        if self.high < 0.0 {
             return Interval::WHOLE;
         }
         let low = self.low.max(0.0).sqrt();

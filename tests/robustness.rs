@@ -364,6 +364,9 @@ fn a_million_designs() {
             failed.push(number);
         }
         let seconds = start.elapsed().as_secs_f64();
+        if (number + 1) % 50_000 == 0 {
+            println!("{tally:?}, slowest {slowest:?}");
+        }
         if seconds > slowest.0 {
             slowest = (seconds, number);
         }

@@ -11,7 +11,10 @@ fn the_table_of_characteristics_is_the_catalogue() {
     let mut table = String::from("\n| name | formula | positive when |\n|---|---|---|\n");
     for c in Characteristic::ALL {
         let info = c.info();
-        table += &format!("| `{}` | {} | {} |\n", info.name, info.formula, info.positive);
+        table += &format!(
+            "| `{}` | {} | {} |\n",
+            info.name, info.formula, info.positive
+        );
     }
     table.push('\n');
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
@@ -20,7 +23,11 @@ fn the_table_of_characteristics_is_the_catalogue() {
     let from = readme.find(start).unwrap() + start.len();
     let to = readme.find(end).unwrap();
     if std::env::var_os("UPDATE_README").is_some() {
-        fs::write(&path, format!("{}{table}{}", &readme[..from], &readme[to..])).unwrap();
+        fs::write(
+            &path,
+            format!("{}{table}{}", &readme[..from], &readme[to..]),
+        )
+        .unwrap();
     } else {
         assert_eq!(&readme[from..to], table);
     }
@@ -34,11 +41,20 @@ fn every_sample_study_is_listed() {
     for entry in fs::read_dir(root.join("studies")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         if name.ends_with(".toml") {
-            assert!(readme.contains(&format!("`{name}`")), "{name} is not in the README");
+            assert!(
+                readme.contains(&format!("`{name}`")),
+                "{name} is not in the README"
+            );
         }
     }
-    for word in readme.split('`').filter(|w| w.ends_with(".toml") && !w.contains(' ')) {
+    for word in readme
+        .split('`')
+        .filter(|w| w.ends_with(".toml") && !w.contains(' '))
+    {
         let is_result = ["optimised.toml", "mine.toml"].contains(&word);
-        assert!(is_result || root.join("studies").join(word).is_file(), "{word}");
+        assert!(
+            is_result || root.join("studies").join(word).is_file(),
+            "{word}"
+        );
     }
 }

@@ -161,7 +161,7 @@ mod tests {
         [3.0, 1.0, 0.0, 0.5, -1.0, 2.0],
         [-1.0, 5.0, 2.0, 0.0, 1.0, 1.0],
         [2.0, -2.0, 1.0, 1.0, 0.0, -3.0],
-        [0.5, 1.0, 4.0, -1.0, 2.0, 0.0],
+        [0.5, 1.0, 4.0, -1.0, -2.0, 5.0],
     ];
 
     /// Backward stability: the residual is of the order of eps |A| |x|, whatever the condition number.

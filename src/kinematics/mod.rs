@@ -8,9 +8,14 @@
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod assemblies;
+mod certificate;
 mod closed_form;
 mod closure;
+mod conditioning;
 mod constraint;
+mod continuation;
+mod limits;
 mod loads;
 mod lu;
 mod motion;
@@ -21,7 +26,11 @@ mod rates;
 mod sensitivity;
 mod steering;
 
+pub use assemblies::{Assemblies, Assembly};
+pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
+pub use conditioning::Conditioning;
+pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
 pub use loads::{Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use path::{DesignFault, Failure, March, Solver};

@@ -1,7 +1,7 @@
 //! A design lifted to power series, to be evaluated pose by pose.
 
 use super::closure::{Closure, Driver};
-use super::lu::Lu6;
+use super::lu::{Lu6, Vector6};
 use super::pose::{Pose, Posture};
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
@@ -43,7 +43,8 @@ impl MotionPoint<f64> {
 }
 
 impl<const N: usize> MotionPoint<Jet<f64, N>> {
-    fn driver(&self) -> Driver<Jet<f64, N>> {
+    /// The drive equation along the motion.
+    pub(super) fn driver(&self) -> Driver<Jet<f64, N>> {
         match self.drive {
             Drive::Travel => Driver::Travel(self.value),
             Drive::ArmAngle => {
@@ -160,6 +161,39 @@ impl<const N: usize> Lifted<N> {
             motion.driver(),
             motion.rack,
         )
+    }
+
+    /// The residuals of the closure equations along a series of poses.
+    pub(super) fn residuals(
+        &self,
+        mechanism: &Mechanism,
+        pose: &Pose<Jet<f64, N>>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Vector6<Jet<f64, N>> {
+        let at = Posture {
+            mechanism,
+            design: &self.design,
+            pose: *pose,
+            rack: motion.rack,
+            steering: None,
+        };
+        self.closure.residuals(&at, motion.driver())
+    }
+
+    /// A series of poses of this design.
+    pub(super) fn at<'a>(
+        &'a self,
+        mechanism: &'a Mechanism,
+        pose: Pose<Jet<f64, N>>,
+        rack: Jet<f64, N>,
+    ) -> Posture<'a, Jet<f64, N>> {
+        Posture {
+            mechanism,
+            design: &self.design,
+            pose,
+            rack,
+            steering: None,
+        }
     }
 
     /// The posture made ready for sensitivities.

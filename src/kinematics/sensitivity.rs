@@ -38,7 +38,7 @@ impl<T: Real> Sink<T> for Adjoint<'_, T> {
 }
 
 /// A gradient by the hardpoints alone.
-struct HardpointGradient<'a, T>(&'a mut [Vector3<T>]);
+pub(super) struct HardpointGradient<'a, T>(pub &'a mut [Vector3<T>]);
 
 impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
     #[inline]

@@ -230,18 +230,59 @@ impl<T: Real> ClosedForm<T> {
     }
 }
 
-impl<T: Real> State<T> {
-    /// What vanishes where the upper end can no longer be reached: the length of a strut from the foot
-    /// of the ball joint's perpendicular to the mount, or a lever of the upper arm.
-    #[inline]
-    pub(super) fn upper_margin(&self) -> T {
-        self.upper_margin
+impl<T: Real> ClosedForm<T> {
+    /// The same design of a strut with the strut mounted the other way up (the mount below the foot), the
+    /// tie rod's end on the other side of its plane, or both: the other assemblies of the same lengths.
+    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+        let mut form = *self;
+        if strut_inverted {
+            form.tie_by_u = -form.tie_by_u;
+            for vector in form.basis.iter_mut().chain([&mut form.wheel_centre]) {
+                vector.by_u = -vector.by_u;
+                vector.by_ut = -vector.by_ut;
+            }
+        }
+        if tie_rod_across {
+            form.side = -form.side;
+        }
+        form
     }
 
-    /// Zero at the tie rod's toggle, negative beyond it.
+    /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
+    /// and of the tie-rod end's distance from its plane.
+    pub(super) fn squares(&self, state: &State<T>) -> [T; 2] {
+        [self.upper.square(state.ball_joint), state.toggle_margin]
+    }
+}
+
+impl State<f64> {
+    /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
+    /// for rounding.
+    pub(super) fn at_toggle_if_beyond(&mut self) {
+        if self.ga.is_nan() {
+            self.ga = 0.0;
+        }
+    }
+
+    /// Whether the closed form loses no more than four digits here: the squared sines between steering
+    /// arm and steering plane, and between steering axis and rack joint, and the margin of the upper end,
+    /// are what it divides by.
     #[inline]
-    pub(super) fn toggle_margin(&self) -> T {
-        self.toggle_margin
+    pub(super) fn is_ordinary(&self) -> bool {
+        let gram = self.n.norm_squared();
+        self.toggle_margin > 1e-4
+            && self.upper_margin > 1e-3
+            && gram > 1e-4 * self.dd * self.g.norm_squared()
+    }
+}
+
+impl<T: Real> State<T> {
+    /// What may not vanish on a path: distance from the tie rod's toggle, and of the upper end from where
+    /// it can no longer be reached (the length of a strut from the foot of the ball joint's perpendicular
+    /// to the mount, or a lever of the upper arm).
+    #[inline]
+    pub(super) fn margins(&self) -> [T; 2] {
+        [self.toggle_margin, self.upper_margin]
     }
 
     /// The image of a knuckle vector, in d, g and n.

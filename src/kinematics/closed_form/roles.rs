@@ -66,6 +66,13 @@ impl Roles {
     }
 }
 
+impl Roles {
+    /// Whether the upper end is a strut's mount.
+    pub(in crate::kinematics) fn is_strut(&self) -> bool {
+        matches!(self.upper, UpperRoles::Strut { .. })
+    }
+}
+
 impl ClosedForm<f64> {
     /// Names what is degenerate in a design.
     pub(super) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {

@@ -131,6 +131,25 @@ impl<T: Real> Upper<T> {
         }
     }
 
+    /// What the upper end takes a square root of: of the strut's length, or of the arm's lever.
+    pub(super) fn square(&self, ball_joint: Vector3<T>) -> T {
+        match self {
+            Upper::Strut {
+                top, foot_squared, ..
+            } => (*top - ball_joint).norm_squared() - *foot_squared,
+            Upper::Arm {
+                circle,
+                half_difference,
+                ..
+            } => {
+                let q = circle.centre - ball_joint;
+                let (a, b) = (q.dot(circle.radius), q.dot(circle.turned));
+                let c = *half_difference - q.norm_squared().scaled(0.5);
+                a * a + b * b - c * c
+            }
+        }
+    }
+
     #[inline]
     pub(super) fn map<U>(&self, f: &mut impl FnMut(T) -> U) -> Upper<U> {
         match self {

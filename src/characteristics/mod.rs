@@ -11,6 +11,7 @@
 
 mod angles;
 mod anti;
+mod attia;
 mod gains;
 mod instant_centre;
 mod steering;
@@ -38,6 +39,8 @@ pub enum Need {
     BrakeShareFront,
     /// A spring or strut in the topology.
     Spring,
+    /// `strut_upper` in `[suspension.hardpoints]`.
+    StrutUpper,
 }
 
 /// What the catalogue says of a characteristic.
@@ -135,6 +138,8 @@ catalogue! {
     AntiLift => anti::AntiLift,
     AntiSquat => anti::AntiSquat,
     MotionRatio => track::MotionRatio,
+    AttiaKingpin => attia::AttiaKingpin,
+    AttiaCamber => attia::AttiaCamber,
 }
 
 /// The derivative of a characteristic by each thing it reads: slot by slot, in the order of

@@ -217,6 +217,11 @@ impl Slot {
                     seeds.point(spring.lower, -(along * seed.x));
                 }
             }
+            Slot::StrutUpper => {
+                if let Some(upper) = mechanism.strut_upper() {
+                    seeds.point(upper, seed);
+                }
+            }
             Slot::Turn => seeds.turn(seed),
             Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
             Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
@@ -238,6 +243,10 @@ fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
             Some(spring) => (at.point(spring.upper) - at.point(spring.lower)).norm(),
             None => at.rack.zero(),
         },
+        strut_upper: match mechanism.strut_upper() {
+            Some(upper) => at.point(upper),
+            None => steering_point.zero(),
+        },
     }
 }
 
@@ -252,6 +261,7 @@ fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
         steering_point,
         steering_direction: at.designed(mechanism.steering_axis.upper) - steering_point,
         spring_length: at.rack.zero(),
+        strut_upper: steering_point.zero(),
     }
 }
 

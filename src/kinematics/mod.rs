@@ -11,6 +11,7 @@
 mod closure;
 mod lu;
 mod motion;
+mod paper_theta;
 mod path;
 pub mod point_coordinates;
 mod pose;
@@ -20,6 +21,7 @@ mod strut;
 
 pub use closure::{Closure, Driver};
 pub use motion::{Lifted, MotionPoint};
+pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture};
 pub use sensitivity::{Linearised, Seeds};

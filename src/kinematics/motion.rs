@@ -135,6 +135,21 @@ impl<const N: usize> Lifted<N> {
         )
     }
 
+    /// A series of poses of this design.
+    pub fn at<'a>(
+        &'a self,
+        mechanism: &'a Mechanism,
+        pose: Pose<Jet<f64, N>>,
+        rack: Jet<f64, N>,
+    ) -> Posture<'a, Jet<f64, N>> {
+        Posture {
+            mechanism,
+            design: &self.design,
+            pose,
+            rack,
+        }
+    }
+
     /// The posture made ready for sensitivities.
     pub(super) fn linearised<'a>(
         &'a self,

@@ -9,6 +9,7 @@
 use super::closure::{Closure, Driver};
 use super::lu::Lu6;
 use super::motion::{Lifted, MotionPoint};
+use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
 use super::strut::{StrutForm, StrutPoints};
@@ -34,6 +35,15 @@ pub enum Failure {
     },
     /// The pose was reached, but its derivatives do not exist there.
     Singular,
+    /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
+    DeadCentre,
+    /// The formulation in point coordinates found no pose.
+    PointCoordinates {
+        /// What drives.
+        drive: point_coordinates::Drive,
+        /// Why there is none; the value of the drive in it is as the study counts it.
+        refusal: point_coordinates::Refusal,
+    },
 }
 
 /// Why a design cannot be solved at all.
@@ -55,6 +65,13 @@ pub enum DesignFault {
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
+    /// The seed paper's drive is singular in the design position.
+    DeadCentre {
+        /// The outer joint of the arm.
+        outer: PointId,
+    },
+    /// The formulation in point coordinates cannot describe the design.
+    PointCoordinates(point_coordinates::Refusal),
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -79,6 +96,14 @@ impl DesignFault {
                 "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
                     .to_owned()
             }
+            DesignFault::DeadCentre { outer } => format!(
+                "{} is at the highest or lowest point of its arm's circle, where the drive \
+                 \"paper_theta\" is singular",
+                name(outer)
+            ),
+            DesignFault::PointCoordinates(refusal) => format!(
+                "the design position cannot be solved in point coordinates: {refusal}"
+            ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
             }
@@ -105,6 +130,28 @@ impl fmt::Display for Failure {
                 write!(f, "the rack moves no further than {:.6}", limit.abs())
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
+            Failure::DeadCentre => write!(
+                f,
+                "theta takes the arm to its highest or lowest position or beyond, where this drive \
+                 is singular"
+            ),
+            Failure::PointCoordinates {
+                drive,
+                refusal: Refusal::Unreachable { value, limit },
+            } => match drive {
+                point_coordinates::Drive::Travel => {
+                    write!(f, "the wheel travel ends at {value:.6}: {limit}")
+                }
+                point_coordinates::Drive::ArmAngle => {
+                    let value = value.to_degrees();
+                    write!(f, "the arm turns no further than {value:.6} deg: {limit}")
+                }
+                point_coordinates::Drive::PaperTheta => {
+                    let value = value.to_degrees();
+                    write!(f, "theta gets no further than {value:.6} deg: {limit}")
+                }
+            },
+            Failure::PointCoordinates { refusal, .. } => refusal.fmt(f),
         }
     }
 }

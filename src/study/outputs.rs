@@ -171,6 +171,10 @@ pub fn characteristic(
             .spring
             .is_none()
             .then_some("a spring or strut"),
+        Need::StrutUpper => {
+            let absent = suspension.mechanism.strut_upper().is_none();
+            absent.then_some("strut_upper in [suspension.hardpoints]")
+        }
     };
     let missing: Vec<&str> = characteristic
         .info()

@@ -5,8 +5,8 @@
 
 use crate::characteristics::{Characteristic, Constants, Quantity};
 use crate::kinematics::March;
-use crate::model::{Axis, Drive, PointId};
-use crate::study::{Order, Study, TimeLaw};
+use crate::model::{Axis, PointId};
+use crate::study::{Drive, Formulation, Order, Study, TimeLaw};
 
 /// One quantity with the derivatives asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,8 @@ pub struct Output {
 pub struct Plan {
     /// What drives.
     pub drive: Drive,
+    /// How poses are found.
+    pub formulation: Formulation,
     /// Drive values and the order in which they are visited.
     pub march: March,
     /// Rack displacements, in the study's axes.
@@ -109,6 +111,7 @@ impl Plan {
             .unwrap_or(1);
         Plan {
             drive: study.motion.drive,
+            formulation: study.formulation,
             march: March::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,

@@ -11,6 +11,7 @@
 
 mod angles;
 mod anti;
+mod attia;
 mod gains;
 mod instant_centre;
 mod steering;
@@ -40,6 +41,8 @@ pub enum Need {
     Spring,
     /// A steering axis in the topology: a wheel that can be steered, or held against steering.
     SteeringAxis,
+    /// `strut_upper` in `[suspension.hardpoints]`.
+    StrutUpper,
 }
 
 /// What the catalogue says of a characteristic.
@@ -147,6 +150,8 @@ catalogue! {
     AntiLift => anti::AntiLift,
     AntiSquat => anti::AntiSquat,
     MotionRatio => track::MotionRatio,
+    AttiaKingpin => attia::AttiaKingpin,
+    AttiaCamber => attia::AttiaCamber,
 }
 
 /// The derivative of a characteristic by each thing it reads: slot by slot, in the order of

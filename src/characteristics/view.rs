@@ -221,6 +221,11 @@ impl Slot {
                     seeds.point(spring.lower, -(along * seed.x));
                 }
             }
+            Slot::StrutUpper => {
+                if let Some(upper) = mechanism.strut_upper() {
+                    seeds.point(upper, seed);
+                }
+            }
             Slot::Turn => seeds.turn(seed),
             Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
             Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
@@ -245,6 +250,10 @@ fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
             Some(spring) => (at.point(spring.upper) - at.point(spring.lower)).norm(),
             None => at.rack.zero(),
         },
+        strut_upper: match mechanism.strut_upper() {
+            Some(upper) => at.point(upper),
+            None => steering_point.zero(),
+        },
     }
 }
 
@@ -255,10 +264,11 @@ fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
     Wheel {
         spin_axis,
         centre: at.designed(at.mechanism.wheel_centre),
-        // No formula reads the steering axis or the spring in the design position.
+        // No formula reads the steering axis, spring or strut in the design position.
         steering_point: spin_axis.zero(),
         steering_direction: spin_axis.zero(),
         spring_length: at.rack.zero(),
+        strut_upper: spin_axis.zero(),
     }
 }
 

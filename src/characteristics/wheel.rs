@@ -15,6 +15,8 @@ pub struct Wheel<T> {
     pub steering_direction: Vector3<T>,
     /// Length of the spring or strut; zero where there is none.
     pub spring_length: T,
+    /// The upper of the two knuckle points that give a strut its axis; zero where the study gives none.
+    pub strut_upper: Vector3<T>,
 }
 
 /// Plain figures of the study that formulas read. Zero where the study does not give them; the plan
@@ -60,6 +62,8 @@ pub enum Slot {
     SteeringDirection,
     /// `now.spring_length`, as first component
     SpringLength,
+    /// `now.strut_upper`
+    StrutUpper,
     /// `rate.spin_axis`
     SpinAxisRate,
     /// `rate.centre`
@@ -84,6 +88,7 @@ impl Slot {
         Slot::SteeringPoint,
         Slot::SteeringDirection,
         Slot::SpringLength,
+        Slot::StrutUpper,
         Slot::SpinAxisRate,
         Slot::CentreRate,
         Slot::SteeringDirectionRate,
@@ -116,6 +121,7 @@ impl Slot {
             Slot::Centre => &mut inputs.now.centre,
             Slot::SteeringPoint => &mut inputs.now.steering_point,
             Slot::SteeringDirection => &mut inputs.now.steering_direction,
+            Slot::StrutUpper => &mut inputs.now.strut_upper,
             Slot::SpinAxisRate => &mut inputs.rate.spin_axis,
             Slot::CentreRate => &mut inputs.rate.centre,
             Slot::SteeringDirectionRate => &mut inputs.rate.steering_direction,
@@ -147,6 +153,7 @@ impl<T: Real> Wheel<T> {
             steering_point: self.steering_point.map(&mut f),
             steering_direction: self.steering_direction.map(&mut f),
             spring_length: f(self.spring_length),
+            strut_upper: self.strut_upper.map(&mut f),
         }
     }
 
@@ -226,6 +233,7 @@ pub(super) mod tests {
             steering_point: Vector3::new(5.0, 705.0 + t, 190.0),
             steering_direction: Vector3::new(-40.0 - 2.0 * t, -130.0 + t, 660.0 + 3.0 * t),
             spring_length: 480.0 - t,
+            strut_upper: Vector3::new(-17.0, 611.0 + t, 490.0 - t),
         };
         Inputs {
             now: wheel(0.01),

@@ -5,10 +5,10 @@ use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::curves::curves;
 use crate::kinematics::March;
-use crate::model::{Drive, PointId};
+use crate::model::PointId;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
-use crate::study::Study;
+use crate::study::{Drive, Formulation, Study};
 use std::io::Write;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
@@ -21,6 +21,10 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     design_study.motion.time = None;
     design_study.motion.rack = vec![0.0];
     let design_plan = Plan {
+        drive: match plan.drive {
+            Drive::PaperTheta => Drive::ArmAngle,
+            drive => drive,
+        },
         march: March::through(&[0.0]),
         racks: vec![0.0],
         time: None,
@@ -48,10 +52,15 @@ fn plan_table(study: &Study, plan: &Plan) -> Table {
     let drive = match plan.drive {
         Drive::Travel => "wheel travel",
         Drive::ArmAngle => "arm angle",
+        Drive::PaperTheta => "the seed paper's theta",
+    };
+    let formulation = match plan.formulation {
+        Formulation::KnucklePose => "positions",
+        Formulation::PointCoordinates => "positions, in point coordinates",
     };
     let stations = plan.stations();
     table.push([
-        "positions".to_owned(),
+        formulation.to_owned(),
         format!(
             "[motion]: {} of {drive} x {} of rack",
             stations / plan.racks.len(),

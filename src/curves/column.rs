@@ -1,8 +1,9 @@
 //! Columns of the results: names that say what a number is and in what unit.
 
 use crate::characteristics::Quantity;
-use crate::model::{Axis, Drive, LengthUnit};
+use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
+use crate::study::Drive;
 
 /// A column of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +48,7 @@ impl Column {
         let (by, factor) = match (&plan.time, plan.drive) {
             (Some(_), _) => ("s", 1.0),
             (None, Drive::Travel) => (length.symbol(), 1.0),
-            (None, Drive::ArmAngle) => ("deg", 1.0_f64.to_radians()),
+            (None, Drive::ArmAngle | Drive::PaperTheta) => ("deg", 1.0_f64.to_radians()),
         };
         let unit = per(&output.unit, by, order + depth);
         let by_time = plan.time.is_some();

@@ -1,12 +1,15 @@
 //! Curves: every output of a plan at every station of the motion.
 
 mod column;
+mod course;
+mod point_coordinates;
 mod run;
 
 pub use column::Column;
 pub use run::curves;
 
 use crate::kinematics::Failure;
+use crate::kinematics::point_coordinates::Refusal;
 use crate::model::{Axis, PointId};
 
 /// What came of a station.
@@ -23,11 +26,17 @@ impl Status {
     pub fn word(&self) -> &'static str {
         match self {
             Status::Ok => "ok",
-            Status::Failed(Failure::Unreachable { .. } | Failure::RackUnreachable { .. }) => {
-                "unreachable"
-            }
-            Status::Failed(Failure::Singular) => "singular",
-            Status::Failed(Failure::Uncertified(_)) => "uncertified",
+            Status::Failed(failure) => match failure {
+                Failure::Unreachable { .. }
+                | Failure::RackUnreachable { .. }
+                | Failure::DeadCentre => "unreachable",
+                Failure::Singular => "singular",
+                Failure::Uncertified(_) => "uncertified",
+                Failure::PointCoordinates { refusal, .. } => match refusal {
+                    Refusal::Unreachable { .. } | Refusal::RackUnreachable { .. } => "unreachable",
+                    Refusal::Singular(_) | Refusal::NotFinite => "singular",
+                },
+            },
         }
     }
 }
@@ -35,10 +44,10 @@ impl Status {
 /// A station with its values, in the units they are printed in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Wheel travel; `None` where an arm-angle drive has no pose.
+    /// Wheel travel; `None` where another drive has no pose.
     pub travel: Option<f64>,
-    /// Arm angle in degrees, where the arm drives.
-    pub arm_angle: Option<f64>,
+    /// The drive's angle in degrees, where an angle drives.
+    pub angle: Option<f64>,
     /// Rack displacement, in the study's axes.
     pub rack: f64,
     /// Time, where the drive is a function of it.

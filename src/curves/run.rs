@@ -1,11 +1,15 @@
 //! Running a plan: march, read, differentiate.
 
+use super::course::Course;
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::characteristics::View;
-use crate::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver};
-use crate::model::{Axis, Drive, Suspension};
+use crate::kinematics::{
+    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, Posture, Solver,
+};
+use crate::model::{Axis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
+use crate::study::{Drive, Formulation};
 use std::ops::ControlFlow;
 
 /// The curves of a suspension under a plan.
@@ -19,84 +23,101 @@ pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFaul
 }
 
 /// A run with `N` coefficients for every power series.
-struct Run<'a, const N: usize> {
-    suspension: &'a Suspension,
-    plan: &'a Plan,
+pub(super) struct Run<'a, const N: usize> {
+    pub(super) suspension: &'a Suspension,
+    pub(super) plan: &'a Plan,
+    pub(super) lifted: Lifted<N>,
     columns: Vec<Column>,
-    lifted: Lifted<N>,
-    /// Gradients of one output.
-    buffer: Vec<Vector3<Jet<f64, N>>>,
+    stations: Vec<Station>,
+    sensitivities: Vec<Sensitivity>,
 }
 
 /// What is found at one station.
-type Findings = (Vec<Option<f64>>, Vec<Sensitivity>);
+pub(super) struct Findings {
+    travel: f64,
+    values: Vec<Option<f64>>,
+    gradients: Vec<Sensitivity>,
+}
 
 impl<'a, const N: usize> Run<'a, N> {
     fn new(suspension: &'a Suspension, plan: &'a Plan) -> Self {
-        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        let columns = Column::all(plan, suspension.length_unit);
+        let at = |rack: f64, number: usize, value: f64| Station {
+            travel: (plan.drive == Drive::Travel).then_some(value),
+            angle: plan.drive.is_angle().then(|| value.to_degrees()),
+            rack,
+            time: plan.time.as_ref().map(|law| law.times[number]),
+            // Of what is not on the course nothing more will be known.
+            status: Status::Failed(Failure::DeadCentre),
+            values: vec![None; columns.len()],
+        };
+        let along = |rack: &f64| {
+            let rack = *rack;
+            let values = plan.march.values().iter().enumerate();
+            values.map(move |(number, value)| (rack, number, *value))
+        };
+        let stations = plan.racks.iter().flat_map(along);
         Run {
             suspension,
             plan,
-            columns: Column::all(plan, suspension.length_unit),
             lifted: Lifted::new(&suspension.mechanism, &suspension.design)
                 .with_steering_axis(plan.reads_steering_axis()),
-            buffer: vec![zero; suspension.design.len()],
+            stations: stations
+                .map(|(rack, number, value)| at(rack, number, value))
+                .collect(),
+            columns,
+            sensitivities: Vec::new(),
         }
     }
 
     fn run(mut self) -> Result<Curves, DesignFault> {
-        let plan = self.plan;
-        let mut solver = Solver::new(&self.suspension.mechanism, &self.suspension.design)?;
-        let per_rack = plan.march.values().len();
-        let mut stations: Vec<Option<Station>> = vec![None; plan.stations()];
-        let mut sensitivities = Vec::new();
-        for (i, rack) in plan.racks.iter().enumerate() {
-            solver.march(
-                plan.drive,
-                &plan.march,
-                rack * plan.rack_sign,
-                |solver, number, pose| {
-                    let index = i * per_rack + number;
-                    let mut station = self.blank(number, *rack);
-                    let found =
-                        pose.and_then(|pose| self.read(solver, pose, number, *rack, &mut station));
-                    match found {
-                        Ok((values, gradients)) => {
-                            station.values = values;
-                            sensitivities.extend(gradients.into_iter().map(|g| Sensitivity {
-                                station: index,
-                                ..g
-                            }));
-                        }
-                        Err(failure) => station.status = Status::Failed(failure),
-                    }
-                    stations[index] = Some(station);
-                    ControlFlow::Continue(())
-                },
-            )?;
+        match self.plan.formulation {
+            Formulation::KnucklePose => self.by_knuckle_pose()?,
+            Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
         // The march goes outward; results are in the order of the motion.
-        sensitivities.sort_by_key(|s| s.station);
+        self.sensitivities.sort_by_key(|s| s.station);
         Ok(Curves {
             columns: self.columns,
-            stations: stations
-                .into_iter()
-                .map(|s| s.expect("the march visits every station"))
-                .collect(),
-            sensitivities,
+            stations: self.stations,
+            sensitivities: self.sensitivities,
         })
     }
 
-    /// A station of which only the motion is known.
-    fn blank(&self, number: usize, rack: f64) -> Station {
-        let value = self.plan.march.values()[number];
-        Station {
-            travel: (self.plan.drive == Drive::Travel).then_some(value),
-            arm_angle: (self.plan.drive == Drive::ArmAngle).then(|| value.to_degrees()),
-            rack,
-            time: self.plan.time.as_ref().map(|law| law.times[number]),
-            status: Status::Ok,
-            values: vec![None; self.columns.len()],
+    fn by_knuckle_pose(&mut self) -> Result<(), DesignFault> {
+        let (suspension, plan) = (self.suspension, self.plan);
+        let course = Course::of(suspension, plan)?;
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        for (i, rack) in plan.racks.iter().enumerate() {
+            let drive = plan.drive.in_kernel();
+            let rack = rack * plan.rack_sign;
+            solver.march(drive, &course.march, rack, |solver, place, pose| {
+                let number = course.stations[place];
+                let motion = course.motion(plan.march.values()[number], rack);
+                let found = pose.and_then(|pose| self.read(solver, pose, number, &motion));
+                self.note(i, number, found);
+                ControlFlow::Continue(())
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Takes down what was found at a station of the motion, with the rack at its `rack`-th place.
+    pub(super) fn note(&mut self, rack: usize, number: usize, found: Result<Findings, Failure>) {
+        let index = rack * self.plan.march.values().len() + number;
+        let station = &mut self.stations[index];
+        match found {
+            Ok(findings) => {
+                station.status = Status::Ok;
+                station.travel = station.travel.or(Some(findings.travel));
+                station.values = findings.values;
+                let gradients = findings.gradients.into_iter();
+                self.sensitivities.extend(gradients.map(|g| Sensitivity {
+                    station: index,
+                    ..g
+                }));
+            }
+            Err(failure) => station.status = Status::Failed(failure),
         }
     }
 
@@ -106,60 +127,23 @@ impl<'a, const N: usize> Run<'a, N> {
         solver: &Solver,
         pose: &Pose<f64>,
         number: usize,
-        rack: f64,
-        station: &mut Station,
+        motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Findings, Failure> {
-        let plan = self.plan;
-        let point = MotionPoint {
-            drive: plan.drive,
-            value: plan.march.values()[number],
-            rack: rack * plan.rack_sign,
-        };
-        let motion = point.along_drive::<N>();
-        let in_time = ByTime::at(plan, number);
-        let mut gradients = Vec::new();
-        let linearised;
-        let posture;
-        let at = if plan.sensitivities.is_empty() {
-            posture = solver.posture_series(&self.lifted, pose, &motion)?;
-            &posture
-        } else {
-            linearised = solver.linearised(&self.lifted, pose, &motion)?;
-            let view = View::of(&linearised.at, plan.constants);
-            for (of, output) in plan.outputs.iter().enumerate() {
-                // By order, point and axis, before the change to derivatives by time.
-                let mut found: Vec<[Vector3<f64>; 3]> =
-                    vec![[Vector3::default(); 3]; self.buffer.len()];
-                view.gradients(
-                    &linearised,
-                    output.quantity,
-                    output.highest,
-                    &mut self.buffer,
-                    |order, id, gradient| found[id.0][order] = gradient,
-                );
-                for (index, column) in self.columns.iter().enumerate().filter(|(_, c)| c.of == of) {
-                    for id in &plan.sensitivities {
-                        for axis in Axis::ALL {
-                            let orders = found[id.0].map(|g| g.to_array()[axis as usize]);
-                            let value =
-                                in_time.apply(output.quantity.is_rate(), orders, column.order);
-                            gradients.push(Sensitivity {
-                                station: 0,
-                                column: index,
-                                point: *id,
-                                axis,
-                                value: value * column.factor * self.suspension.frame.sign(axis),
-                            });
-                        }
-                    }
-                }
-            }
-            &linearised.at
-        };
-        if plan.drive == Drive::ArmAngle {
-            let centre = solver.mechanism().wheel_centre;
-            station.travel = Some((at.point(centre).z - at.designed(centre).z)[0]);
+        if self.plan.sensitivities.is_empty() {
+            let posture = solver.posture_series(&self.lifted, pose, motion)?;
+            return Ok(self.values(&posture, number));
         }
+        let linearised = solver.linearised(&self.lifted, pose, motion)?;
+        Ok(Findings {
+            gradients: self.gradients(&linearised, number),
+            ..self.values(&linearised.at, number)
+        })
+    }
+
+    /// The value of every column.
+    pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize) -> Findings {
+        let plan = self.plan;
+        let in_time = ByTime::at(plan, number);
         let view = View::of(at, plan.constants);
         let values = self.columns.iter().map(|column| {
             let output = &plan.outputs[column.of];
@@ -172,7 +156,49 @@ impl<'a, const N: usize> Run<'a, N> {
             let printed = value * column.factor;
             printed.is_finite().then_some(printed)
         });
-        Ok((values.collect(), gradients))
+        let centre = at.mechanism.wheel_centre;
+        Findings {
+            travel: (at.point(centre).z - at.designed(centre).z)[0],
+            values: values.collect(),
+            gradients: Vec::new(),
+        }
+    }
+
+    /// The sensitivities of every column.
+    fn gradients(&self, linearised: &Linearised<'_, N>, number: usize) -> Vec<Sensitivity> {
+        let plan = self.plan;
+        let in_time = ByTime::at(plan, number);
+        let view = View::of(&linearised.at, plan.constants);
+        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        let mut buffer = vec![zero; self.suspension.design.len()];
+        let mut gradients = Vec::new();
+        for (of, output) in plan.outputs.iter().enumerate() {
+            // By order, point and axis, before the change to derivatives by time.
+            let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
+            view.gradients(
+                linearised,
+                output.quantity,
+                output.highest,
+                &mut buffer,
+                |order, id, gradient| found[id.0][order] = gradient,
+            );
+            for (index, column) in self.columns.iter().enumerate().filter(|(_, c)| c.of == of) {
+                for id in &plan.sensitivities {
+                    for axis in Axis::ALL {
+                        let orders = found[id.0].map(|g| g.to_array()[axis as usize]);
+                        let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
+                        gradients.push(Sensitivity {
+                            station: 0,
+                            column: index,
+                            point: *id,
+                            axis,
+                            value: value * column.factor * self.suspension.frame.sign(axis),
+                        });
+                    }
+                }
+            }
+        }
+        gradients
     }
 }
 

@@ -181,7 +181,7 @@ impl<const N: usize> Lifted<N> {
     }
 
     /// A series of poses of this design.
-    pub(super) fn at<'a>(
+    pub fn at<'a>(
         &'a self,
         mechanism: &'a Mechanism,
         pose: Pose<Jet<f64, N>>,

@@ -14,6 +14,7 @@ use super::limits::LimitCause;
 use super::loads::{Load, Reactions, Support};
 use super::lu::{Lu6, Matrix6};
 use super::motion::{Lifted, MotionPoint};
+use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
 use crate::model::{Constraint, Drive, Mechanism, PointId, SpinAxis};
@@ -44,6 +45,15 @@ pub enum Failure {
     Singular,
     /// A proof was asked for and there is none.
     Uncertified(Unproven),
+    /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
+    DeadCentre,
+    /// The formulation in point coordinates found no pose.
+    PointCoordinates {
+        /// What drives.
+        drive: point_coordinates::Drive,
+        /// Why there is none; the value of the drive in it is as the study counts it.
+        refusal: point_coordinates::Refusal,
+    },
 }
 
 /// Why a design cannot be solved at all.
@@ -80,6 +90,13 @@ pub enum DesignFault {
     /// The coordinates are so large, or the points so close to each other for their distance from the
     /// origin, that double precision cannot tell them apart.
     OutOfScale,
+    /// The seed paper's drive is singular in the design position.
+    DeadCentre {
+        /// The outer joint of the arm.
+        outer: PointId,
+    },
+    /// The formulation in point coordinates cannot describe the design.
+    PointCoordinates(point_coordinates::Refusal),
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -116,6 +133,14 @@ impl DesignFault {
                 "the upper arm is in line with the steering axis, so it does not hold {}",
                 name(outer)
             ),
+            DesignFault::DeadCentre { outer } => format!(
+                "{} is at the highest or lowest point of its arm's circle, where the drive \
+                 \"paper_theta\" is singular",
+                name(outer)
+            ),
+            DesignFault::PointCoordinates(refusal) => format!(
+                "the design position cannot be solved in point coordinates: {refusal}"
+            ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
             }
@@ -149,6 +174,28 @@ impl fmt::Display for Failure {
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
             Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
+            Failure::DeadCentre => write!(
+                f,
+                "theta takes the arm to its highest or lowest position or beyond, where this drive \
+                 is singular"
+            ),
+            Failure::PointCoordinates {
+                drive,
+                refusal: Refusal::Unreachable { value, limit },
+            } => match drive {
+                point_coordinates::Drive::Travel => {
+                    write!(f, "the wheel travel ends at {value:.6}: {limit}")
+                }
+                point_coordinates::Drive::ArmAngle => {
+                    let value = value.to_degrees();
+                    write!(f, "the arm turns no further than {value:.6} deg: {limit}")
+                }
+                point_coordinates::Drive::PaperTheta => {
+                    let value = value.to_degrees();
+                    write!(f, "theta gets no further than {value:.6} deg: {limit}")
+                }
+            },
+            Failure::PointCoordinates { refusal, .. } => refusal.fmt(f),
         }
     }
 }

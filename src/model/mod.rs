@@ -182,6 +182,15 @@ impl Mechanism {
         &self.points[id.0].name
     }
 
+    /// The second point of a strut's axis on the knuckle, where there is one.
+    #[inline]
+    pub fn strut_upper(&self) -> Option<PointId> {
+        self.constraints.iter().find_map(|c| match c {
+            Constraint::StrutLine { upper, .. } => *upper,
+            _ => None,
+        })
+    }
+
     /// The body a point sits on.
     #[inline(always)]
     pub fn body(&self, id: PointId) -> Body {

@@ -96,7 +96,7 @@ impl Wishes {
             })
             .collect();
         Wishes {
-            drive: motion.drive,
+            drive: motion.drive.in_kernel(),
             rack: frame.sign(Axis::Y)
                 * if motion.rack_moves {
                     0.0

@@ -5,6 +5,7 @@ use crate::curves::{Curves, Station};
 use crate::model::{LengthUnit, Mechanism};
 use crate::optimise::Multistart;
 use crate::plan::Plan;
+use crate::study::Drive;
 
 /// A CSV file in memory.
 fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
@@ -20,7 +21,7 @@ fn optional(value: Option<f64>) -> String {
 
 /// The columns that say where on the motion a row is: names and values.
 struct MotionColumns {
-    arm: bool,
+    drive: Drive,
     rack: bool,
     time: bool,
     length: LengthUnit,
@@ -29,7 +30,7 @@ struct MotionColumns {
 impl MotionColumns {
     fn of(plan: &Plan, length: LengthUnit) -> Self {
         MotionColumns {
-            arm: plan.drive == crate::model::Drive::ArmAngle,
+            drive: plan.drive,
             rack: plan.rack_moves,
             time: plan.time.is_some(),
             length,
@@ -39,7 +40,8 @@ impl MotionColumns {
     fn names(&self) -> Vec<String> {
         let unit = self.length.symbol();
         let mut names = vec![format!("travel_{unit}")];
-        names.extend(self.arm.then(|| "arm_angle_deg".to_owned()));
+        let angle = || format!("{}_deg", self.drive.key());
+        names.extend(self.drive.is_angle().then(angle));
         names.extend(self.rack.then(|| format!("rack_{unit}")));
         names.extend(self.time.then(|| "time_s".to_owned()));
         names
@@ -47,7 +49,8 @@ impl MotionColumns {
 
     fn values(&self, station: &Station) -> Vec<String> {
         let mut values = vec![optional(station.travel)];
-        values.extend(self.arm.then(|| optional(station.arm_angle)));
+        let angle = || optional(station.angle);
+        values.extend(self.drive.is_angle().then(angle));
         values.extend(self.rack.then(|| shortest(station.rack)));
         values.extend(self.time.then(|| optional(station.time)));
         values

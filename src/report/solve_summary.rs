@@ -2,7 +2,7 @@
 
 use super::{Table, shortest};
 use crate::curves::{Curves, Station, Status};
-use crate::study::Study;
+use crate::study::{Drive, Study};
 use serde::Serialize;
 
 /// `summary.json` of a solve.
@@ -22,6 +22,7 @@ pub struct SolveSummary {
 struct FailedStation {
     travel: Option<f64>,
     arm_angle_deg: Option<f64>,
+    theta_deg: Option<f64>,
     rack: f64,
     status: &'static str,
     reason: String,
@@ -40,19 +41,20 @@ struct Range {
 impl SolveSummary {
     /// The summary of some curves.
     pub fn of(study: &Study, curves: &Curves) -> Self {
+        let angle_of = |s: &Station, drive: Drive| s.angle.filter(|_| study.motion.drive == drive);
         let failed = curves.stations.iter().filter_map(|s| match s.status {
             Status::Ok => None,
             Status::Failed(failure) => Some(FailedStation {
                 travel: s.travel,
-                arm_angle_deg: s.arm_angle,
+                arm_angle_deg: angle_of(s, Drive::ArmAngle),
+                theta_deg: angle_of(s, Drive::PaperTheta),
                 rack: s.rack,
                 status: s.status.word(),
                 reason: failure.to_string(),
             }),
         });
-        let is_design = |s: &&Station| {
-            s.arm_angle.or(s.travel) == Some(0.0) && s.rack == 0.0 && s.time.is_none()
-        };
+        let is_design =
+            |s: &&Station| s.angle.or(s.travel) == Some(0.0) && s.rack == 0.0 && s.time.is_none();
         let design = curves.stations.iter().find(is_design);
         let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
             let values = || curves.stations.iter().filter_map(|s| s.values[k]);
@@ -103,9 +105,10 @@ impl SolveSummary {
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<(String, usize, String, String)> = Vec::new();
         for f in &self.failed {
-            let place = match (f.arm_angle_deg, f.travel) {
-                (Some(angle), _) => format!("arm angle {} deg", shortest(angle)),
-                (None, travel) => format!("travel {}", travel.map_or_else(String::new, shortest)),
+            let place = match (f.arm_angle_deg, f.theta_deg, f.travel) {
+                (Some(angle), ..) => format!("arm angle {} deg", shortest(angle)),
+                (_, Some(theta), _) => format!("theta {} deg", shortest(theta)),
+                (.., travel) => format!("travel {}", travel.map_or_else(String::new, shortest)),
             };
             let place = match f.rack {
                 0.0 => place,

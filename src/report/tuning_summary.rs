@@ -2,7 +2,6 @@
 
 use super::solve_summary::brief;
 use super::{Table, shortest};
-use crate::model::Drive;
 use crate::optimise::{Fulfilment, Hold, Tuning};
 use crate::study::{Optimise, Study};
 use serde::Serialize;
@@ -102,10 +101,7 @@ impl TuningSummary {
                 DeviationSummary {
                     rms: d.rms,
                     worst: d.worst,
-                    worst_at: match study.motion.drive {
-                        Drive::Travel => d.worst_at,
-                        Drive::ArmAngle => d.worst_at.to_degrees(),
-                    },
+                    worst_at: study.motion.drive.printed(d.worst_at),
                 }
             };
             TargetSummary {

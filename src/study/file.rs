@@ -25,6 +25,9 @@ pub struct File {
     pub vehicle: Vehicle,
     /// `[motion]`
     pub motion: Spanned<Motion>,
+    /// `[solver]`
+    #[serde(default)]
+    pub solver: Solver,
     /// `[outputs]`
     pub outputs: Option<Outputs>,
     /// `[sweep]`: any table. Sweeps are not part of this version, and a study that has one is still
@@ -94,12 +97,14 @@ pub struct Vehicle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// `travel` or `arm_angle`.
+    /// `travel`, `arm_angle` or `paper_theta`.
     pub drive: Option<Text>,
     /// Heights of the wheel centre above its design position.
     pub travel: Option<Spanned<Values>>,
     /// Angles of the first arm from its design position.
     pub arm_angle: Option<Spanned<Values>>,
+    /// Values of the seed paper's angle.
+    pub theta: Option<Spanned<Values>>,
     /// `deg` or `rad`.
     pub angle_unit: Option<Text>,
     /// Displacements of the rack along +y.
@@ -120,6 +125,14 @@ pub struct Time {
     pub to: Number,
     /// Number of times.
     pub steps: Whole,
+}
+
+/// `[solver]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// `knuckle_pose` or `point_coordinates`.
+    pub formulation: Option<Text>,
 }
 
 /// `[outputs]`

@@ -19,6 +19,7 @@ mod outputs;
 mod overrides;
 mod parse;
 mod resolve;
+mod solver;
 mod source;
 mod suspension;
 mod targets;
@@ -27,7 +28,6 @@ mod value;
 pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
-pub use crate::model::Drive;
 use crate::model::{Axis, PointId, Suspension};
 
 /// A study, resolved and validated.
@@ -43,10 +43,34 @@ pub struct Study {
     pub suspension: Suspension,
     /// The motion.
     pub motion: Motion,
+    /// How poses are found.
+    pub formulation: Formulation,
     /// What is asked for.
     pub outputs: Outputs,
     /// The optimisation, if the study has one.
     pub optimise: Option<Optimise>,
+}
+
+/// What drives the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The height of the wheel centre above its design position.
+    Travel,
+    /// The angle of the first control arm from its design position, positive upwards.
+    ArmAngle,
+    /// The seed paper's angle theta (see [`crate::kinematics::PaperTheta`]).
+    PaperTheta,
+}
+
+/// The equations whose solution is a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formulation {
+    /// Six closure equations in the pose of the knuckle, or their closed form: of every topology, with
+    /// every output.
+    KnucklePose,
+    /// The seed paper's fifteen equations in the coordinates of five points
+    /// ([`crate::kinematics::point_coordinates`]): of the MacPherson strut, up to second derivatives.
+    PointCoordinates,
 }
 
 /// The motion: every combination of a drive value and a rack displacement.

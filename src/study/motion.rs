@@ -5,7 +5,7 @@ use super::file;
 use super::names::choose;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
-use crate::model::Suspension;
+use crate::model::{self, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
@@ -13,11 +13,44 @@ use toml::Spanned;
 const MOST_STATIONS: i64 = 10_000_000;
 
 impl Drive {
-    const ALL: [(&str, Drive); 2] = [("travel", Drive::Travel), ("arm_angle", Drive::ArmAngle)];
+    const ALL: [(&str, Drive); 3] = [
+        ("travel", Drive::Travel),
+        ("arm_angle", Drive::ArmAngle),
+        ("paper_theta", Drive::PaperTheta),
+    ];
 
     /// Its name in studies.
     pub fn name(self) -> &'static str {
         Drive::ALL[self as usize].0
+    }
+
+    /// The key of its values in `[motion]`; with the unit, also the name of its column in results.
+    pub fn key(self) -> &'static str {
+        match self {
+            Drive::PaperTheta => "theta",
+            _ => self.name(),
+        }
+    }
+
+    /// Whether its values are angles.
+    pub fn is_angle(self) -> bool {
+        self != Drive::Travel
+    }
+
+    /// What of the kernel's drives it moves.
+    pub fn in_kernel(self) -> model::Drive {
+        match self {
+            Drive::Travel => model::Drive::Travel,
+            Drive::ArmAngle | Drive::PaperTheta => model::Drive::ArmAngle,
+        }
+    }
+
+    /// A value of its, as written in degrees or length units.
+    pub fn printed(self, value: f64) -> f64 {
+        match self.is_angle() {
+            true => value.to_degrees(),
+            false => value,
+        }
     }
 }
 
@@ -59,18 +92,22 @@ fn drive_values(
     place: Span<usize>,
     problems: &mut Problems,
 ) -> Option<(Vec<f64>, Option<TimeLaw>)> {
-    let name = drive.name();
-    let (given, other, other_drive) = match drive {
-        Drive::Travel => (&section.travel, &section.arm_angle, Drive::ArmAngle),
-        Drive::ArmAngle => (&section.arm_angle, &section.travel, Drive::Travel),
+    let values_of = |drive: Drive| match drive {
+        Drive::Travel => &section.travel,
+        Drive::ArmAngle => &section.arm_angle,
+        Drive::PaperTheta => &section.theta,
     };
-    if let Some(other) = other {
-        let other_name = other_drive.name();
-        let message = format!("{other_name} is given, but the drive is \"{name}\"");
-        let error = problems.add(other.span(), message);
-        error.help(format!("drive = \"{other_name}\" would use it"));
-        return None;
+    let others = Drive::ALL.map(|(_, other)| other).into_iter();
+    for other in others.filter(|other| *other != drive) {
+        if let Some(values) = values_of(other) {
+            let (key, name) = (other.key(), drive.name());
+            let message = format!("{key} is given, but the drive is \"{name}\"");
+            let error = problems.add(values.span(), message);
+            error.help(format!("drive = \"{}\" would use it", other.name()));
+            return None;
+        }
     }
+    let (name, given) = (drive.key(), values_of(drive));
     let degrees = match &section.angle_unit {
         None => true,
         Some(text) => choose(
@@ -81,7 +118,7 @@ fn drive_values(
         )?,
     };
     let resolved = |written: f64| match drive {
-        Drive::ArmAngle if degrees => written.to_radians(),
+        Drive::ArmAngle | Drive::PaperTheta if degrees => written.to_radians(),
         _ => written,
     };
     match (given, &section.time) {
@@ -122,7 +159,7 @@ pub fn check_drive(
     problems: &mut Problems,
 ) {
     let mechanism = &suspension.mechanism;
-    if motion.drive == Drive::ArmAngle && mechanism.arms.is_empty() {
+    if motion.drive.is_angle() && mechanism.arms.is_empty() {
         let place = section
             .get_ref()
             .drive

@@ -191,6 +191,10 @@ pub fn characteristic(
             .then_some("a spring or strut"),
         // No study can mend that; see below.
         Need::SteeringAxis => None,
+        Need::StrutUpper => {
+            let absent = suspension.mechanism.strut_upper().is_none();
+            absent.then_some("strut_upper in [suspension.hardpoints]")
+        }
     };
     let missing: Vec<&str> = characteristic
         .info()

@@ -1,7 +1,9 @@
 //! From the file as written to what it means.
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
-use super::{Motion, Study, edit, motion, optimise, outputs, overrides, parse, source, suspension};
+use super::{
+    Motion, Study, edit, motion, optimise, outputs, overrides, parse, solver, source, suspension,
+};
 use crate::model::Suspension;
 use std::path::Path;
 use std::sync::Arc;
@@ -58,7 +60,11 @@ fn resolve(
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
+    let formulation = solver::formulation(&file, &suspension, &mut problems);
     let outputs = outputs::outputs(&file, &suspension, &mut problems);
+    if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
+        solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
+    }
     let context = Context {
         suspension: &suspension,
         motion: motion.as_ref(),
@@ -69,12 +75,8 @@ fn resolve(
         Some(section) => optimise::optimise(section, &context, &mut problems)
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };
-    let (motion, outputs, (optimise, curves)) = problems.finish(
-        motion
-            .zip(outputs)
-            .zip(optimise)
-            .map(|((m, o), p)| (m, o, p)),
-    )?;
+    let resolved = motion.zip(formulation).zip(outputs).zip(optimise);
+    let (((motion, formulation), outputs), (optimise, curves)) = problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -84,6 +86,7 @@ fn resolve(
         text: edit::with_curves_inside(&source.text, &curves),
         suspension,
         motion,
+        formulation,
         outputs,
         optimise,
     })

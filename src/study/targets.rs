@@ -8,7 +8,7 @@ use super::outputs::characteristic;
 use super::resolve::Context;
 use super::suspension::above_zero;
 use super::value::Number;
-use super::{Drive, Interpolation, Motion, Target, Wanted};
+use super::{Interpolation, Motion, Target, Wanted};
 use crate::characteristics::Unit;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -223,16 +223,16 @@ fn wanted_value(
 
 /// The drive value a target speaks of: degrees become radians.
 fn drive_value(motion: &Motion, written: f64) -> f64 {
-    match motion.drive {
-        Drive::Travel => written,
-        Drive::ArmAngle => written.to_radians(),
+    match motion.drive.is_angle() {
+        false => written,
+        true => written.to_radians(),
     }
 }
 
 /// The name of the drive's column in files.
 fn drive_column(context: &Context) -> String {
     match context.motion.map(|motion| motion.drive) {
-        Some(Drive::ArmAngle) => "arm_angle_deg".to_owned(),
+        Some(drive) if drive.is_angle() => format!("{}_deg", drive.key()),
         _ => format!("travel_{}", context.suspension.length_unit.symbol()),
     }
 }
@@ -246,14 +246,9 @@ fn ends(values: &[f64]) -> (f64, f64) {
 /// Words for the range of the motion, in the unit of target abscissae.
 fn reach(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
-    match motion.drive {
-        Drive::Travel => format!("runs from {lowest} to {highest}"),
-        Drive::ArmAngle => {
-            format!(
-                "runs from {} to {} degrees",
-                lowest.to_degrees(),
-                highest.to_degrees()
-            )
-        }
+    let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));
+    match motion.drive.is_angle() {
+        false => format!("runs from {lowest} to {highest}"),
+        true => format!("runs from {lowest} to {highest} degrees"),
     }
 }

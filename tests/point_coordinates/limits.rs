@@ -1,6 +1,6 @@
 //! Singular designs, dead centres and the ends of the travel.
 
-use super::{at, nominal, reference, strut};
+use super::{at, nominal, reference, strut, unsuitable};
 use hardpoint::kinematics::point_coordinates::{
     Drive, PointCoordinates, Refusal, Singular, Strut, StrutPoints, solve_travel,
 };
@@ -82,29 +82,10 @@ fn singular_designs_are_named() {
     };
     let singular =
         |change: &dyn Fn(&mut Strut)| refusal(change, StrutPoints::Spread, Drive::ArmAngle);
-    // A strut as horizontal as one can be with its top mount above the arm: its line level.
-    assert_eq!(
-        singular(&|s| {
-            s.strut_lower = s.strut_top + Vector3::new(0.02, 0.4, 0.0);
-            s.strut_upper = None;
-        }),
-        Refusal::Singular(Singular::HorizontalStrut)
-    );
-    assert_eq!(
-        singular(&|s| {
-            s.strut_lower = s.lower_ball_joint + (s.strut_top - s.lower_ball_joint) * 0.3;
-            s.strut_upper = None;
-        }),
-        Refusal::Singular(Singular::BallJointOnStrutAxis)
-    );
-    assert_eq!(
-        singular(&|s| {
-            let axis = s.axis();
-            s.tie_rod_outer =
-                s.lower_ball_joint + (s.strut_top - s.lower_ball_joint) * 0.4 + axis * -0.3;
-        }),
-        Refusal::Singular(Singular::CoplanarKnuckle)
-    );
+    for (what, strut) in unsuitable() {
+        let refused = PointCoordinates::new(&strut, StrutPoints::Spread, Drive::ArmAngle);
+        assert_eq!(refused.unwrap_err(), Refusal::Singular(what));
+    }
     assert_eq!(
         singular(&|s| s.strut_upper = Some(s.strut_lower)),
         Refusal::Singular(Singular::StrutPointsCoincide)

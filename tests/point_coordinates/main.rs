@@ -1,11 +1,16 @@
 //! The paper's formulation against its own table, against answers of 110 digits, and at its limits.
 
+mod agreement;
+mod extra_points;
 mod limits;
 mod reference;
 mod scatter;
+mod study;
 mod table;
 
-use hardpoint::kinematics::point_coordinates::{Moving, PointCoordinates, Pose, Station, Strut};
+use hardpoint::kinematics::point_coordinates::{
+    Moving, PointCoordinates, Pose, Singular, Station, Strut,
+};
 use hardpoint::number::Vector3;
 use serde_json::Value;
 
@@ -35,11 +40,43 @@ fn strut(case: &Value) -> Strut {
         strut_top: p(4),
         lower_ball_joint: p(5),
         strut_lower: p(6),
-        strut_upper: Some(p(7)),
+        strut_upper: (case["strut_model"] != "axis46").then(|| p(7)),
         tie_rod_outer: p(8),
         rod_point: Some(p(9)),
         wheel_centre: p(10),
     }
+}
+
+/// Sound suspensions that the paper's equations cannot describe, and why.
+fn unsuitable() -> [(Singular, Strut); 3] {
+    let (s, nominal) = (nominal(), nominal());
+    let (steering, axis) = (s.strut_top - s.lower_ball_joint, s.axis());
+    [
+        // A strut as horizontal as one can be with its top mount above the arm: its line level.
+        (
+            Singular::HorizontalStrut,
+            Strut {
+                strut_lower: s.strut_top + Vector3::new(0.02, 0.4, 0.0),
+                strut_upper: None,
+                ..nominal
+            },
+        ),
+        (
+            Singular::BallJointOnStrutAxis,
+            Strut {
+                strut_lower: s.lower_ball_joint + steering * 0.3,
+                strut_upper: None,
+                ..nominal
+            },
+        ),
+        (
+            Singular::CoplanarKnuckle,
+            Strut {
+                tie_rod_outer: s.lower_ball_joint + steering * 0.4 + axis * -0.3,
+                ..nominal
+            },
+        ),
+    ]
 }
 
 fn at(value: f64) -> Station {

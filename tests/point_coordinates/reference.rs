@@ -44,7 +44,8 @@ fn compare(name: &str) {
                     "{name}, order {order}: {error:?}, {bound:e}"
                 );
             }
-            if points == StrutPoints::Study {
+            // Without a point 7 the strut's line is 4-6, which 9 misses by the rounding of its digits.
+            if points == StrutPoints::Study && case["strut_model"] != "axis46" {
                 let error = now[4] - vector(&expected["p9"]);
                 assert!(
                     error.norm() < bound,
@@ -63,9 +64,9 @@ fn compare(name: &str) {
         }
 
         let motion = mechanism.motion(&pose, Rates::BY_DRIVE).unwrap();
+        let lever = 0.05 * case.get("length_scale").map_or(1.0, number);
         check_angular(
-            &mechanism,
-            &pose,
+            (&mechanism, &pose, lever),
             &motion,
             &state["omega_per_drive"],
             &state["alpha_per_drive"],
@@ -81,15 +82,19 @@ fn compare(name: &str) {
         let motion = mechanism.motion(&pose, rates).unwrap();
         check(1, &motion.velocity, &time["vel"]);
         check(2, &motion.acceleration, &time["acc"]);
-        check_angular(&mechanism, &pose, &motion, &time["omega"], &time["alpha"]);
+        check_angular(
+            (&mechanism, &pose, lever),
+            &motion,
+            &time["omega"],
+            &time["alpha"],
+        );
     }
 }
 
 /// A velocity error turns into one of angular velocity by the shortest lever: the ball joint's distance
 /// from the strut's axis, more than 50 mm in all of these cases.
 fn check_angular(
-    mechanism: &PointCoordinates,
-    pose: &Pose,
+    (mechanism, pose, lever): (&PointCoordinates, &Pose, f64),
     motion: &Motion,
     omega: &Value,
     alpha: &Value,
@@ -100,7 +105,7 @@ fn check_angular(
         (2, angular.acceleration, motion.acceleration, alpha),
     ] {
         let error = (now - vector(expected)).norm();
-        let bound = bound(mechanism, pose, order, size(&of)) / 0.05;
+        let bound = bound(mechanism, pose, order, size(&of)) / lever;
         assert!(error < bound, "order {order}: {error:e}, bound {bound:e}");
     }
 }
@@ -108,6 +113,14 @@ fn check_angular(
 #[test]
 fn the_paper_s_example_to_the_accuracy_of_its_conditioning() {
     compare("attia-example");
+}
+
+#[test]
+fn a_road_car_to_the_accuracy_of_its_conditioning() {
+    compare("nominal");
+    compare("nominal-axis-through-top");
+    compare("nominal-in-mm");
+    compare("vertical-strut");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use hardpoint::kinematics::point_coordinates::{
 use hardpoint::number::Vector3;
 
 /// A generator good enough to scatter hardpoints (Numerical Recipes' quick 64-bit one).
-struct Scatter(u64);
+pub(super) struct Scatter(pub(super) u64);
 
 impl Scatter {
     fn next(&mut self) -> f64 {
@@ -18,7 +18,7 @@ impl Scatter {
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    fn strut(&mut self, spread: f64) -> Strut {
+    pub(super) fn strut(&mut self, spread: f64) -> Strut {
         let s = nominal();
         let mut moved = |p: Vector3<f64>| p.map(|c| c + spread * self.next());
         Strut {

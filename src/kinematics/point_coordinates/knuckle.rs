@@ -2,7 +2,7 @@
 
 use super::Moving;
 use super::motion::Motion;
-use crate::number::Vector3;
+use crate::number::{Matrix3 as Axes, Vector3};
 use nalgebra::Matrix3;
 
 /// A point fixed in the knuckle, as an affine combination of the points 5, 6, 7 and 8.
@@ -19,12 +19,8 @@ impl KnucklePoint {
     /// The point that is at `point` when the knuckle's points are at `moving`. `None` where 5, 6, 7
     /// and 8 are in one plane, out of which no combination of them leads.
     pub(super) fn new(point: Vector3<f64>, moving: &Moving) -> Option<Self> {
-        let [p5, p6, p7, p8, _] = *moving;
-        let edges = [p6 - p5, p7 - p5, p8 - p5].map(columns);
-        let rest = Matrix3::from_columns(&edges)
-            .lu()
-            .solve(&columns(point - p5))?;
-        Some(KnucklePoint([1.0 - rest.sum(), rest.x, rest.y, rest.z]))
+        let [_, w6, w7, w8] = vector_shares(point - moving[0], moving)?;
+        Some(KnucklePoint([1.0 - (w6 + w7 + w8), w6, w7, w8]))
     }
 
     /// The weights of the points 5, 6, 7 and 8; their sum is one.
@@ -34,9 +30,41 @@ impl KnucklePoint {
 
     /// Position, velocity or acceleration, from those of the unknown points.
     pub fn of(&self, moving: &Moving) -> Vector3<f64> {
-        let [w5, w6, w7, w8] = self.0;
-        let [p5, p6, p7, p8, _] = *moving;
-        p5 * w5 + p6 * w6 + p7 * w7 + p8 * w8
+        combined(self.0, moving)
+    }
+}
+
+/// Weights of 5, 6, 7 and 8 that combine to this vector of the knuckle; their sum is zero.
+fn vector_shares(vector: Vector3<f64>, moving: &Moving) -> Option<[f64; 4]> {
+    let [p5, p6, p7, p8, _] = *moving;
+    let edges = [p6 - p5, p7 - p5, p8 - p5].map(columns);
+    let rest = Matrix3::from_columns(&edges).lu().solve(&columns(vector))?;
+    Some([-rest.sum(), rest.x, rest.y, rest.z])
+}
+
+fn combined([w5, w6, w7, w8]: [f64; 4], moving: &Moving) -> Vector3<f64> {
+    let [p5, p6, p7, p8, _] = *moving;
+    p5 * w5 + p6 * w6 + p7 * w7 + p8 * w8
+}
+
+/// The images of the three unit vectors under the knuckle's rotation, as linear combinations of the
+/// points 5, 6, 7 and 8. Like [`KnucklePoint`] they serve for rates as well: the same weights give the
+/// derivatives of the rotation from those of the points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct KnuckleRotation([[f64; 4]; 3]);
+
+impl KnuckleRotation {
+    /// From the position in which the rotation is the identity; `None` where 5, 6, 7 and 8 are in one
+    /// plane.
+    pub(super) fn new(design: &Moving) -> Option<Self> {
+        let [x, y, z] = Axes::identity(0.0).columns;
+        let shares = |v| vector_shares(v, design);
+        Some(KnuckleRotation([shares(x)?, shares(y)?, shares(z)?]))
+    }
+
+    /// The rotation, or a derivative of it, by columns.
+    pub(super) fn of(&self, moving: &Moving) -> [Vector3<f64>; 3] {
+        self.0.map(|shares| combined(shares, moving))
     }
 }
 

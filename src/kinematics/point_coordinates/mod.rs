@@ -50,6 +50,7 @@ mod branch;
 mod drive;
 mod equations;
 mod knuckle;
+mod march;
 mod motion;
 mod refusal;
 mod strut;

@@ -53,6 +53,12 @@ pub enum Refusal {
         /// What ends it.
         limit: Singular,
     },
+    /// The branch of the design position ends before the rack is where it was asked to be.
+    #[error("unreachable: the rack does not get there; where it stops, {limit}")]
+    RackUnreachable {
+        /// What ends it.
+        limit: Singular,
+    },
     /// A number in the input is not finite.
     #[error("the input is not finite")]
     NotFinite,

@@ -1,6 +1,7 @@
 //! The design position, and the choice of the points 6, 7 and 9 on the strut's axis.
 
 use super::Moving;
+use crate::model::{Constraint, Mechanism, PointId};
 use crate::number::Vector3;
 
 /// Design positions of a strut's hardpoints (left wheel; x forward, y left, z up; any unit of length).
@@ -44,6 +45,46 @@ pub enum StrutPoints {
 }
 
 impl Strut {
+    /// The strut that a mechanism is, read off its arm and its constraints; `None` for any other
+    /// topology.
+    pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Option<Self> {
+        let [arm] = mechanism.arms[..] else {
+            return None;
+        };
+        let (mut line, mut tie_rod) = (None, None);
+        for constraint in &mechanism.constraints {
+            match *constraint {
+                Constraint::StrutLine { top, lower, upper } => line = Some((top, lower, upper)),
+                Constraint::Link { inner, outer } if outer != arm.outer => {
+                    tie_rod = Some((inner, outer));
+                }
+                Constraint::Link { .. } | Constraint::Revolute { .. } => {}
+            }
+        }
+        let at = |id: PointId| design[id.0];
+        let ((top, lower, upper), (inner, outer)) = (line?, tie_rod?);
+        Some(Strut {
+            lower_arm_front: at(arm.front),
+            lower_arm_rear: at(arm.rear),
+            tie_rod_inner: at(inner),
+            strut_top: at(top),
+            lower_ball_joint: at(arm.outer),
+            strut_lower: at(lower),
+            strut_upper: upper.map(at),
+            tie_rod_outer: at(outer),
+            rod_point: None,
+            wheel_centre: at(mechanism.wheel_centre),
+        })
+    }
+
+    /// What a turn of the arm that raises the ball joint is multiplied by to be one of
+    /// [`super::Drive::ArmAngle`], which is about the axis from front to rear.
+    pub fn raising_turn(&self) -> f64 {
+        let axis = self.lower_arm_rear - self.lower_arm_front;
+        let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;
+        if rise > 0.0 { 1.0 } else { -1.0 }
+    }
+
     /// Whether every coordinate is a number.
     pub(super) fn is_finite(&self) -> bool {
         let required = [

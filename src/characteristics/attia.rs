@@ -1,0 +1,47 @@
+//! The seed paper's kingpin and camber angles, under names of their own.
+//!
+//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension
+//! System*, KSME International Journal 17 (2003), equations (16) and (17). They are what the paper
+//! defines, for comparison with it; an engineer who says kingpin inclination or camber means
+//! `kingpin_inclination` and `camber`.
+
+use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use crate::kinematics::point_coordinates;
+use crate::number::Real;
+
+/// Front-view inclination of the line 5-7.
+pub(super) struct AttiaKingpin;
+impl Formula for AttiaKingpin {
+    const INFO: Info = Info {
+        name: "attia_kingpin",
+        unit: Unit::Angle,
+        positive: "strut_upper outboard of lower_ball_joint",
+        formula: "atan((y7 - y5)/(z7 - z5)), 5 lower_ball_joint, 7 strut_upper",
+        source: "Attia 2003, equation (16); a strut steers about 5-4, so it is no kingpin inclination",
+        reads: &[Slot::SteeringPoint, Slot::StrutUpper],
+        needs: &[Need::StrutUpper],
+    };
+    #[inline]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let now = &inputs.now;
+        point_coordinates::attia_kingpin(now.steering_point, now.strut_upper)
+    }
+}
+
+/// Front-view inclination of the line 7-10 against the lateral.
+pub(super) struct AttiaCamber;
+impl Formula for AttiaCamber {
+    const INFO: Info = Info {
+        name: "attia_camber",
+        unit: Unit::Angle,
+        positive: "wheel_centre above strut_upper and outboard of it",
+        formula: "atan(-(z7 - z10)/(y7 - y10)), 7 strut_upper, 10 wheel_centre",
+        source: "Attia 2003, equation (17); camber only where 7-10 is the spin axis of an unsteered wheel",
+        reads: &[Slot::StrutUpper, Slot::Centre],
+        needs: &[Need::StrutUpper],
+    };
+    #[inline]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        point_coordinates::attia_camber(inputs.now.strut_upper, inputs.now.centre)
+    }
+}

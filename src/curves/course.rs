@@ -1,0 +1,60 @@
+//! The motion of a study as one of the kernel's drives.
+
+use crate::kinematics::{DesignFault, March, MotionPoint, PaperTheta};
+use crate::model::Suspension;
+use crate::number::Jet;
+use crate::plan::Plan;
+use crate::study::Drive;
+
+/// The stations a motion has on the kernel's drive, and the order in which they are visited.
+pub(super) struct Course {
+    drive: Drive,
+    /// Where the study's drive is not one of the kernel's.
+    law: Option<PaperTheta>,
+    /// The kernel's drive values.
+    pub march: March,
+    /// The number in the motion of each of them.
+    pub stations: Vec<usize>,
+}
+
+impl Course {
+    /// The course of a plan's motion through this design. Stations of which the kernel's drive knows
+    /// nothing are left out.
+    pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
+        let law = match plan.drive {
+            Drive::Travel | Drive::ArmAngle => None,
+            Drive::PaperTheta => Some(PaperTheta::of(&suspension.mechanism, &suspension.design)?),
+        };
+        let all = plan.march.values().iter().enumerate();
+        let (stations, march) = match law {
+            None => (all.map(|(number, _)| number).collect(), plan.march.clone()),
+            Some(law) => {
+                let angle = |theta: f64| law.arm_angle(Jet::<f64, 1>::constant(theta));
+                let found = all.filter_map(|(number, theta)| Some((number, angle(*theta)?[0])));
+                let (stations, angles): (Vec<_>, Vec<_>) = found.unzip();
+                (stations, March::through(&angles))
+            }
+        };
+        Ok(Course {
+            drive: plan.drive,
+            law,
+            march,
+            stations,
+        })
+    }
+
+    /// The kernel's drive along the study's, at a station of the course that has this drive value.
+    pub fn motion<const N: usize>(&self, value: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
+        let along = Jet::variable(value);
+        MotionPoint {
+            drive: self.drive.in_kernel(),
+            value: match self.law {
+                None => along,
+                Some(law) => law
+                    .arm_angle(along)
+                    .expect("stations of the course are no dead centres"),
+            },
+            rack: Jet::constant(rack),
+        }
+    }
+}

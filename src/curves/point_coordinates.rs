@@ -1,0 +1,92 @@
+//! Running a plan with the formulation in point coordinates.
+
+use super::run::Run;
+use crate::kinematics::point_coordinates::{
+    self, PointCoordinates, Pose, Rates, Refusal, Strut, StrutPoints,
+};
+use crate::kinematics::{DesignFault, Failure, Posture};
+use crate::number::Jet;
+use crate::study::Drive;
+
+/// The paper's equations with the study's drive.
+struct Driven {
+    equations: PointCoordinates,
+    drive: point_coordinates::Drive,
+    /// What a drive value of the study is multiplied by to be one of the equations'.
+    sense: f64,
+}
+
+impl Driven {
+    fn new(strut: &Strut, drive: Drive) -> Result<Self, DesignFault> {
+        let (drive, sense) = match drive {
+            Drive::Travel => (point_coordinates::Drive::Travel, 1.0),
+            Drive::ArmAngle => (point_coordinates::Drive::ArmAngle, strut.raising_turn()),
+            Drive::PaperTheta => (point_coordinates::Drive::PaperTheta, 1.0),
+        };
+        let equations = PointCoordinates::new(strut, StrutPoints::Spread, drive)
+            .map_err(DesignFault::PointCoordinates)?;
+        Ok(Driven {
+            equations,
+            drive,
+            sense,
+        })
+    }
+
+    fn failure(&self, refusal: Refusal) -> Failure {
+        let refusal = match refusal {
+            Refusal::Unreachable { value, limit } => Refusal::Unreachable {
+                value: value * self.sense,
+                limit,
+            },
+            other => other,
+        };
+        Failure::PointCoordinates {
+            drive: self.drive,
+            refusal,
+        }
+    }
+}
+
+impl<const N: usize> Run<'_, N> {
+    pub(super) fn by_point_coordinates(&mut self) -> Result<(), DesignFault> {
+        let (suspension, plan) = (self.suspension, self.plan);
+        let strut = Strut::of(&suspension.mechanism, &suspension.design)
+            .expect("the study has seen to it that the suspension is a strut");
+        let driven = Driven::new(&strut, plan.drive)?;
+        let values: Vec<f64> = plan
+            .march
+            .values()
+            .iter()
+            .map(|v| v * driven.sense)
+            .collect();
+        for (i, rack) in plan.racks.iter().enumerate() {
+            let start = match driven.equations.placed(rack * plan.rack_sign) {
+                Ok(start) => start,
+                Err(refusal) => {
+                    for number in 0..values.len() {
+                        self.note(i, number, Err(driven.failure(refusal)));
+                    }
+                    continue;
+                }
+            };
+            driven.equations.march(&start, &values, |number, pose| {
+                let read = |pose: &Pose| Ok(self.values(&self.posture(&driven, pose)?, number));
+                let found = pose
+                    .and_then(read)
+                    .map_err(|refusal| driven.failure(refusal));
+                self.note(i, number, found);
+            });
+        }
+        Ok(())
+    }
+
+    fn posture(&self, driven: &Driven, pose: &Pose) -> Result<Posture<'_, Jet<f64, N>>, Refusal> {
+        let rates = Rates {
+            drive: driven.sense,
+            ..Rates::default()
+        };
+        let series = driven.equations.knuckle_pose(pose, rates)?;
+        let rack = Jet::constant(pose.station().rack);
+        Ok(self.lifted.at(&self.suspension.mechanism, series, rack))
+    }
+}

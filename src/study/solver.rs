@@ -1,0 +1,130 @@
+//! `[solver]`: how poses are found, and what the choice leaves to ask for.
+
+use super::error::Problems;
+use super::file::File;
+use super::names::choose;
+use super::value::{Selection, Text};
+use super::{Drive, Formulation, Motion, Order, Outputs};
+use crate::characteristics::Quantity;
+use crate::kinematics::point_coordinates::Strut;
+use crate::model::Suspension;
+use std::ops::Range as Span;
+
+impl Formulation {
+    const ALL: [(&str, Formulation); 2] = [
+        ("knuckle_pose", Formulation::KnucklePose),
+        ("point_coordinates", Formulation::PointCoordinates),
+    ];
+
+    /// Its name in studies.
+    pub fn name(self) -> &'static str {
+        Formulation::ALL[self as usize].0
+    }
+
+    /// The highest derivative by the drive it can give.
+    fn highest_derivative(self) -> usize {
+        match self {
+            Formulation::KnucklePose => usize::MAX,
+            Formulation::PointCoordinates => 2,
+        }
+    }
+}
+
+/// The formulation, if the topology has it.
+pub fn formulation(
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Formulation> {
+    let Some(text) = &file.solver.formulation else {
+        return Some(Formulation::KnucklePose);
+    };
+    let formulation = choose(text, "formulation", &Formulation::ALL, problems)?;
+    let mechanism = &suspension.mechanism;
+    let is_strut = Strut::of(mechanism, &suspension.design).is_some();
+    if formulation == Formulation::PointCoordinates && !is_strut {
+        let message = format!(
+            "the equations in point coordinates are those of a MacPherson strut, not of a {}",
+            mechanism.topology.name
+        );
+        let error = problems.add(text.span(), message);
+        error.help("formulation = \"knuckle_pose\" solves every topology");
+        return None;
+    }
+    Some(formulation)
+}
+
+/// Refuses what the formulation or the drive cannot give.
+pub fn check_outputs(
+    file: &File,
+    formulation: Formulation,
+    motion: Option<&Motion>,
+    outputs: &Outputs,
+    problems: &mut Problems,
+) {
+    check_derivatives(file, formulation, outputs, problems);
+    let drive = motion.map(|motion| motion.drive);
+    let written = &file.motion.get_ref().drive;
+    let (text, what, help) = match (formulation, drive) {
+        (Formulation::PointCoordinates, _) => (
+            &file.solver.formulation,
+            "the formulation in point coordinates",
+            "formulation = \"knuckle_pose\" gives them",
+        ),
+        (Formulation::KnucklePose, Some(Drive::PaperTheta)) => (
+            written,
+            "the drive \"paper_theta\", whose angle changes its meaning with the hardpoints,",
+            "drive = \"arm_angle\" has them",
+        ),
+        _ => return,
+    };
+    let Some(text) = text else { return };
+    let wanted = [
+        (!outputs.sensitivities.is_empty(), "[outputs] asks for"),
+        (file.optimise.is_some(), "[optimise] needs"),
+    ];
+    for (_, who) in wanted.into_iter().filter(|(wanted, _)| *wanted) {
+        let message = format!("{what} has no sensitivities, which {who}");
+        let error = problems.add(text.span(), message);
+        error.help(help);
+        if let Some(place) = sensitivities(file).filter(|_| who.contains("[outputs]")) {
+            error.related(place, "asked for here");
+        }
+    }
+}
+
+fn sensitivities(file: &File) -> Option<Span<usize>> {
+    match file.outputs.as_ref()?.sensitivities.as_ref()? {
+        Selection::Named(names) => names.first().map(Text::span),
+        Selection::All(_) => None,
+    }
+}
+
+fn check_derivatives(
+    file: &File,
+    formulation: Formulation,
+    outputs: &Outputs,
+    problems: &mut Problems,
+) {
+    let order = outputs.order as usize;
+    let given = formulation.highest_derivative();
+    let Some(section) = file
+        .outputs
+        .as_ref()
+        .filter(|_| outputs.order > Order::Position)
+    else {
+        return;
+    };
+    for (text, characteristic) in section.characteristics.iter().zip(&outputs.characteristics) {
+        let takes = order + Quantity::Characteristic(*characteristic).depth();
+        if takes > given {
+            let (name, order) = (text.get_ref(), outputs.order.name());
+            let message = format!(
+                "{name} with order = \"{order}\" takes {takes} derivatives; \
+                 formulation = \"{}\" gives {given}",
+                formulation.name()
+            );
+            problems.add(text.span(), message);
+        }
+    }
+}

@@ -36,8 +36,8 @@ const designTraces = (c, output, abscissa, design) => {
     number += 1;
     const name = byRack.size > 1 ? `${label}, rack ${brief(rack)}` : label;
     traces.push({
-      type: 'scatter', mode: 'lines', connectgaps: false, name, legendgroup: label,
-      showlegend: number === 1,
+      type: 'scatter', mode: 'lines+markers', connectgaps: false, name, legendgroup: label,
+      showlegend: number === 1, marker: { size: 6, color: 'rgba(0,0,0,0)' },
       x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
       line: { color: colour, width: isLast(design) ? 2.2 : 1.6, dash: isLast(design) ? 'solid' : 'dash' },
       opacity: 0.35 + (0.65 * number) / byRack.size,

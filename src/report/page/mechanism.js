@@ -103,7 +103,7 @@ const drawStage = async (state) => {
   })));
   const ranges = stageRanges();
   const spans = ranges.map(([l, h]) => h - l);
-  const scale = 1.5 / Math.max(...spans);
+  const scale = 1.6 / Math.max(...spans);
   const stageAxis = (name, k) => ({
     title: { text: `${name} [${record.length_unit}]` }, range: ranges[k], gridcolor: c.rule, zeroline: false,
     showbackground: false, color: c.muted, showspikes: false,

@@ -15,7 +15,7 @@ const drawHistory = async () => {
   await draw(byId('history-plot'), traces, layout(c, {
     xaxis: axis(c, { title: { text: 'iteration' }, tickformat: 'd' }),
     yaxis: axis(c, { title: { text: 'misfit [tolerances]' }, type: 'log', dtick: 1 }),
-    showlegend: traces.length < 12,
+    showlegend: traces.length > 1 && traces.length < 12,
   }));
 };
 
@@ -44,7 +44,7 @@ const drawInfluences = async () => {
     type: 'heatmap', x: influenced.map((o) => plain(o.title)), y: coordinates.map(plain),
     z: cells((o, _, k) => share(o.column, k)), zmin: 0, zmax: 1, showscale: false, xgap: 1, ygap: 1,
     colorscale: [[0, c.panel], [1, c.accent]],
-    text: cells((o, found) => (found ? found.rms.toPrecision(2) : '')), texttemplate: '%{text}',
+    text: cells((o, found, k) => (share(o.column, k) < 0.01 ? '' : found.rms.toPrecision(2))), texttemplate: '%{text}',
     customdata: cells((o, found) => (found ? `rms ${brief(found.rms)}, largest ${brief(found.largest)} ${perLength(o)}` : 'none')),
     hovertemplate: '%{y} on %{x}<br>%{customdata}<extra></extra>',
   }], layout(c, {
@@ -68,6 +68,6 @@ const drawRanking = async () => {
   }], layout(c, {
     xaxis: axis(c, { title: { text: plain(`${output.title} [${perLength(output)}]`) }, rangemode: 'tozero' }),
     yaxis: axis(c, { autorange: 'reversed' }),
-    margin: { l: 10, r: 16, t: 10, b: 44 },
+    margin: { l: 10, r: 16, t: 30, b: 44 },
   }));
 };

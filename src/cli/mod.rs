@@ -6,6 +6,7 @@ mod new;
 mod optimise;
 mod output;
 mod progress;
+mod report;
 mod solve;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -39,6 +40,8 @@ enum Command {
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
     Optimise(RunArguments),
+    /// Make one HTML page of a finished run, or pictures of its curves
+    Report(ReportArguments),
 }
 
 /// What names a study.
@@ -65,6 +68,22 @@ struct RunArguments {
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
+    /// Write report.html as well: one page that needs nothing else
+    #[arg(long)]
+    report: bool,
+    /// Write the curves as SVG pictures into a directory
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+}
+
+/// What a report is made of.
+#[derive(Args)]
+struct ReportArguments {
+    /// The directory a run has written its results to
+    run: PathBuf,
+    /// Write the curves as SVG pictures into a directory
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -104,6 +123,7 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Optimise(arguments) => optimise::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
     };
     match ended {
         Ok(exit) => exit.into(),

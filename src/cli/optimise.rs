@@ -4,11 +4,12 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
+use super::report::Wanted;
 use crate::curves::curves;
 use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::report::{TuningSummary, curves_csv, history_csv};
+use crate::report::{Record, TuningSummary, curves_csv, history_csv};
 use crate::study::{Optimise, Study};
 use std::sync::atomic::Ordering;
 
@@ -27,6 +28,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let before = curves(&study.suspension, &plan).map_err(fault)?;
     let output = Output::open(arguments, &study)?;
+    let wanted = Wanted::open(arguments)?;
     let tuning = pool
         .install(|| tune_with_progress(&study, optimise))
         .map_err(fault)?;
@@ -38,19 +40,28 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("curves_before.csv", &curves_csv(&before, &plan, length))?;
     output.file("history.csv", &history_csv(&tuning.starts))?;
     output.json("summary.json", &summary)?;
-    if let Some(best) = &tuning.best {
-        let tuned = Suspension {
-            design: best.design.clone(),
-            ..study.suspension.clone()
-        };
-        let after = curves(&tuned, &plan).map_err(fault)?;
+    let mut designs = vec![("before", "curves_before.csv", &study.suspension, &before)];
+    let tuned = tuning.best.as_ref().map(|best| Suspension {
+        design: best.design.clone(),
+        ..study.suspension.clone()
+    });
+    let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
+    let after = after.transpose().map_err(fault)?;
+    if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
         complete &= after.failed() == 0;
-        output.main_csv("curves.csv", &curves_csv(&after, &plan, length))?;
+        designs.push(("after", "curves.csv", tuned, after));
+        output.main_csv("curves.csv", &curves_csv(after, &plan, length))?;
         output.file("optimised.toml", study.with_design(&best.design).as_bytes())?;
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
     } else {
         complete = false;
     }
+    if output.directory().is_some() {
+        let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
+        output.record("report.json", &record)?;
+        files.push("report.json");
+    }
+    files.extend(wanted.show(output.directory())?);
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     if output.is_text() && tuning.best.is_some() {

@@ -45,6 +45,17 @@ impl Output {
         }
     }
 
+    /// The directory, where there is one.
+    pub(super) fn directory(&self) -> Option<&RunDirectory> {
+        self.directory.as_ref()
+    }
+
+    /// Writes a record for programs, on one line.
+    pub(super) fn record(&self, name: &str, record: &impl serde::Serialize) -> Result<(), Stop> {
+        let text = serde_json::to_string(record).expect("records are plain data");
+        self.file(name, (text + "\n").as_bytes())
+    }
+
     /// Writes a summary as JSON.
     pub(super) fn json(&self, name: &str, summary: &impl serde::Serialize) -> Result<(), Stop> {
         let text = serde_json::to_string_pretty(summary).expect("summaries are plain data");

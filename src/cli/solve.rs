@@ -3,9 +3,10 @@
 use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
+use super::report::Wanted;
 use crate::curves::curves;
 use crate::plan::Plan;
-use crate::report::{SolveSummary, curves_csv, sensitivities_csv};
+use crate::report::{Record, SolveSummary, Stretch, curves_csv, sensitivities_csv};
 use crate::study::Study;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
@@ -15,6 +16,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let suspension = &study.suspension;
     let curves = curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
     let output = Output::open(arguments, &study)?;
+    let wanted = Wanted::open(arguments)?;
 
     let length = suspension.length_unit;
     let summary = SolveSummary::of(&study, &curves);
@@ -27,16 +29,23 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     output.json("summary.json", &summary)?;
     files.push("summary.json");
+    if output.directory().is_some() {
+        let design = ("design", "curves.csv", suspension, &curves);
+        let record = Record::of("solve", &study, &plan, &[design])
+            .map_err(|fault| design_fault(&study, path, &fault))?;
+        output.record("report.json", &record)?;
+        files.push("report.json");
+    }
+    files.extend(wanted.show(output.directory())?);
 
     output.say(&format!(
-        "{}: {}, {} of {} stations solved\n\n",
+        "{}: {}, {}\n\n",
         study.name,
         suspension.mechanism.topology.name,
-        curves.stations.len() - curves.failed(),
-        curves.stations.len()
+        summary.headline()
     ))?;
     output.table(&summary.table())?;
-    for failure in summary.failures() {
+    for failure in Stretch::all(&curves) {
         output.say(&format!("\nnot solved: {failure}\n"))?;
     }
     output.farewell(&files)?;

@@ -7,7 +7,7 @@ use crate::plan::Plan;
 use crate::study::Drive;
 
 /// The stations a motion has on the kernel's drive, and the order in which they are visited.
-pub(super) struct Course {
+pub struct Course {
     drive: Drive,
     /// Where the study's drive is not one of the kernel's.
     law: Option<PaperTheta>,

@@ -6,6 +6,7 @@ mod point_coordinates;
 mod run;
 
 pub use column::Column;
+pub use course::Course;
 pub use run::curves;
 
 use crate::kinematics::Failure;

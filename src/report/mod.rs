@@ -1,13 +1,32 @@
-//! Results as files and tables.
+//! Results as files, tables, pictures and a page.
+//!
+//! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page`] and
+//! [`pictures`] are made of that alone.
 
+mod curve_table;
+mod failures;
 mod files;
+mod influence;
+mod page;
+mod picture;
+mod record;
+mod run;
 mod run_directory;
+mod scene;
 mod solve_summary;
 mod table;
 mod tuning_summary;
 
+pub use curve_table::CurveTable;
+pub use failures::Stretch;
 pub use files::{curves_csv, history_csv, sensitivities_csv};
+pub use influence::Influence;
+pub use page::page;
+pub use picture::{Picture, pictures};
+pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
+pub use run::{Run, RunError, Summary};
 pub use run_directory::{RunDirectory, WriteError};
+pub use scene::{Frame, Member, MemberKind, Placement, Scene};
 pub use solve_summary::SolveSummary;
 pub use table::{Format, Table};
 pub use tuning_summary::TuningSummary;

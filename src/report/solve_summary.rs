@@ -1,35 +1,35 @@
 //! What a solve came to.
 
-use super::{Table, shortest};
+use super::Table;
 use crate::curves::{Curves, Station, Status};
 use crate::study::{Drive, Study};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// `summary.json` of a solve.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SolveSummary {
-    command: &'static str,
-    version: &'static str,
+    command: String,
+    version: String,
     study: String,
-    topology: &'static str,
+    topology: String,
     stations: usize,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
 }
 
 /// A station without a pose.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct FailedStation {
     travel: Option<f64>,
     arm_angle_deg: Option<f64>,
     theta_deg: Option<f64>,
     rack: f64,
-    status: &'static str,
+    status: String,
     reason: String,
 }
 
 /// The range of a column over the motion.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Range {
     output: String,
     /// Where the drive and the rack are zero, if that is a station.
@@ -49,7 +49,7 @@ impl SolveSummary {
                 arm_angle_deg: angle_of(s, Drive::ArmAngle),
                 theta_deg: angle_of(s, Drive::PaperTheta),
                 rack: s.rack,
-                status: s.status.word(),
+                status: s.status.word().to_owned(),
                 reason: failure.to_string(),
             }),
         });
@@ -66,10 +66,10 @@ impl SolveSummary {
             }
         });
         SolveSummary {
-            command: "solve",
-            version: env!("CARGO_PKG_VERSION"),
+            command: "solve".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            topology: study.suspension.mechanism.topology.name,
+            topology: study.suspension.mechanism.topology.name.to_owned(),
             stations: curves.stations.len(),
             failed: failed.collect(),
             outputs: outputs.collect(),
@@ -101,34 +101,13 @@ impl SolveSummary {
         table
     }
 
-    /// One line for each run of stations that failed for one reason.
-    pub fn failures(&self) -> Vec<String> {
-        let mut lines: Vec<(String, usize, String, String)> = Vec::new();
-        for f in &self.failed {
-            let place = match (f.arm_angle_deg, f.theta_deg, f.travel) {
-                (Some(angle), ..) => format!("arm angle {} deg", shortest(angle)),
-                (_, Some(theta), _) => format!("theta {} deg", shortest(theta)),
-                (.., travel) => format!("travel {}", travel.map_or_else(String::new, shortest)),
-            };
-            let place = match f.rack {
-                0.0 => place,
-                rack => format!("{place}, rack {}", shortest(rack)),
-            };
-            match lines.last_mut() {
-                Some((reason, count, _, last)) if *reason == f.reason => {
-                    *count += 1;
-                    *last = place;
-                }
-                _ => lines.push((f.reason.clone(), 1, place.clone(), place)),
-            }
-        }
-        lines
-            .into_iter()
-            .map(|(reason, count, first, last)| match count {
-                1 => format!("{first}: {reason}"),
-                _ => format!("{first} to {last} ({count} stations): {reason}"),
-            })
-            .collect()
+    /// How many stations were solved, in words.
+    pub fn headline(&self) -> String {
+        format!(
+            "{} of {} stations solved",
+            self.stations - self.failed.len(),
+            self.stations
+        )
     }
 }
 

@@ -40,6 +40,16 @@ impl Table {
         self.rows.is_empty()
     }
 
+    /// Names of the columns.
+    pub fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// Cells, row by row.
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     /// The table as text, ending in a line break.
     pub fn render(&self, format: Format) -> String {
         match format {

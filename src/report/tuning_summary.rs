@@ -4,15 +4,15 @@ use super::solve_summary::brief;
 use super::{Table, shortest};
 use crate::optimise::{Fulfilment, Hold, Tuning};
 use crate::study::{Optimise, Study};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// `summary.json` of an optimisation.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TuningSummary {
-    command: &'static str,
-    version: &'static str,
+    command: String,
+    version: String,
     study: String,
-    topology: &'static str,
+    topology: String,
     /// In tolerances; absent where the design itself cannot be evaluated.
     misfit_before: Option<f64>,
     /// Why the design itself cannot be evaluated.
@@ -29,19 +29,19 @@ pub struct TuningSummary {
     unseen: Vec<Vec<f64>>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct VariableSummary {
     hardpoint: String,
-    axis: &'static str,
+    axis: String,
     design: f64,
     tuned: Option<f64>,
     offset: Option<f64>,
     range: [f64; 2],
     /// `lower` or `upper` where the variable ended at that bound.
-    at_bound: Option<&'static str>,
+    at_bound: Option<String>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct TargetSummary {
     output: String,
     tolerance: f64,
@@ -51,7 +51,7 @@ struct TargetSummary {
 }
 
 /// In tolerances.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
     rms: f64,
     worst: f64,
@@ -59,7 +59,7 @@ struct DeviationSummary {
     worst_at: f64,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct StartSummary {
     start: usize,
     offsets: Vec<f64>,
@@ -82,15 +82,15 @@ impl TuningSummary {
             };
             VariableSummary {
                 hardpoint: suspension.mechanism.name(v.point).to_owned(),
-                axis: v.axis.name(),
+                axis: v.axis.name().to_owned(),
                 design: coordinate(&suspension.design),
                 tuned: best.map(|b| coordinate(&b.design)),
                 offset: best.map(|b| b.offsets[k] + 0.0),
                 range: v.range,
                 at_bound: fit.and_then(|fit| match fit.holds[k] {
                     Hold::Free => None,
-                    Hold::Lower => Some("lower"),
-                    Hold::Upper => Some("upper"),
+                    Hold::Lower => Some("lower".to_owned()),
+                    Hold::Upper => Some("upper".to_owned()),
                 }),
             }
         });
@@ -139,10 +139,10 @@ impl TuningSummary {
                 }
             });
         TuningSummary {
-            command: "optimise",
-            version: env!("CARGO_PKG_VERSION"),
+            command: "optimise".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            topology: suspension.mechanism.topology.name,
+            topology: suspension.mechanism.topology.name.to_owned(),
             misfit_before: tuning.before.as_ref().ok().map(|f| f.misfit),
             design_failure: tuning.before.as_ref().err().map(ToString::to_string),
             misfit_after: best.map(|b| b.after.misfit),
@@ -165,6 +165,22 @@ impl TuningSummary {
         }
     }
 
+    /// Misfit before and after, in tolerances, for reading.
+    pub fn misfits(&self) -> [Option<String>; 2] {
+        [self.misfit_before, self.misfit_after].map(|m| m.map(hundredths))
+    }
+
+    /// The start whose end was kept.
+    pub fn kept_start(&self) -> Option<usize> {
+        self.best_start
+    }
+
+    /// How many of the variables ended at a bound, and how many there are.
+    pub fn at_bounds(&self) -> [usize; 2] {
+        let active = self.variables.iter().filter(|v| v.at_bound.is_some());
+        [active.count(), self.variables.len()]
+    }
+
     /// What moved by how much.
     pub fn variables_table(&self) -> Table {
         let mut table = Table::new([
@@ -180,7 +196,7 @@ impl TuningSummary {
             let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
             table.push([
                 v.hardpoint.clone(),
-                v.axis.to_owned(),
+                v.axis.clone(),
                 brief(v.design),
                 cell(v.tuned),
                 v.offset.map_or_else(String::new, |o| match brief(o) {
@@ -193,6 +209,7 @@ impl TuningSummary {
                     shortest_whole(v.range[1])
                 ),
                 v.at_bound
+                    .as_ref()
                     .map_or_else(String::new, |side| format!("at {side} bound")),
             ]);
         }

@@ -1,0 +1,117 @@
+//! A CSV file of a run, read back.
+
+use serde::Serialize;
+
+/// Columns of numbers, and the column `status` where there is one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CurveTable {
+    /// Names of the columns of numbers.
+    pub header: Vec<String>,
+    /// Column by column; `None` for an empty cell.
+    pub columns: Vec<Vec<Option<f64>>>,
+    /// Row by row.
+    pub status: Vec<String>,
+}
+
+impl CurveTable {
+    /// Reads a CSV file as runs write them.
+    pub fn read(text: &[u8]) -> Result<Self, String> {
+        let mut reader = csv::Reader::from_reader(text);
+        let names: Vec<String> = reader
+            .headers()
+            .map_err(|e| e.to_string())?
+            .iter()
+            .map(str::to_owned)
+            .collect();
+        let has_status = names.last().is_some_and(|name| name == "status");
+        let numbers = names.len() - has_status as usize;
+        let mut table = CurveTable {
+            header: names[..numbers].to_vec(),
+            columns: vec![Vec::new(); numbers],
+            status: Vec::new(),
+        };
+        for (row, record) in reader.records().enumerate() {
+            let record = record.map_err(|e| e.to_string())?;
+            for (column, cell) in record.iter().take(numbers).enumerate() {
+                table.columns[column].push(match cell {
+                    "" => None,
+                    cell => Some(number(cell).ok_or_else(|| {
+                        format!(
+                            "line {}, {}: expected a number, found {cell:?}",
+                            row + 2,
+                            names[column]
+                        )
+                    })?),
+                });
+            }
+            if has_status {
+                table.status.push(record[numbers].to_owned());
+            }
+        }
+        Ok(table)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// The column of this name.
+    pub fn column(&self, name: &str) -> Option<&[Option<f64>]> {
+        let place = self.header.iter().position(|n| n == name)?;
+        Some(&self.columns[place])
+    }
+
+    /// Every so many rows, and the last one.
+    pub fn thinned(&self, most: usize) -> Self {
+        let rows = self.rows();
+        if rows <= most {
+            return self.clone();
+        }
+        let kept: Vec<usize> = (0..most).map(|i| i * (rows - 1) / (most - 1)).collect();
+        CurveTable {
+            header: self.header.clone(),
+            columns: self
+                .columns
+                .iter()
+                .map(|c| kept.iter().map(|row| c[*row]).collect())
+                .collect(),
+            status: match self.status.is_empty() {
+                true => Vec::new(),
+                false => kept.iter().map(|row| self.status[*row].clone()).collect(),
+            },
+        }
+    }
+}
+
+fn number(cell: &str) -> Option<f64> {
+    cell.parse().ok().filter(|v: &f64| v.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_cells_stay_empty() {
+        let table =
+            CurveTable::read(b"travel_mm,camber_deg,status\n-1.0,0.5,ok\n1.0,,unreachable\n");
+        let table = table.unwrap();
+        assert_eq!(table.column("camber_deg"), Some(&[Some(0.5), None][..]));
+        assert_eq!(table.status, ["ok", "unreachable"]);
+        assert!(CurveTable::read(b"a\nNaN\n").is_err());
+        assert!(CurveTable::read(b"a,b\n1\n").is_err());
+    }
+
+    #[test]
+    fn thinning_keeps_the_ends() {
+        let text: String = (0..100).map(|i| format!("{i},ok\n")).collect();
+        let table = CurveTable::read(format!("travel_mm,status\n{text}").as_bytes()).unwrap();
+        let few = table.thinned(10);
+        assert_eq!((few.rows(), few.status.len()), (10, 10));
+        assert_eq!(
+            (few.columns[0][0], few.columns[0][9]),
+            (Some(0.0), Some(99.0))
+        );
+    }
+}

@@ -1,0 +1,79 @@
+//! Which coordinate moves which curve.
+
+use crate::characteristics::Quantity;
+use crate::curves::curves;
+use crate::kinematics::DesignFault;
+use crate::model::{PointId, Suspension};
+use crate::plan::{Output, Plan};
+use serde::{Deserialize, Serialize};
+
+/// What a hardpoint coordinate does to an output over the motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Influence {
+    /// The output's column.
+    pub output: String,
+    /// The coordinate, as in `tie_rod_inner.z`.
+    pub coordinate: String,
+    /// The derivative with the largest magnitude over the motion, in the output's unit per length unit.
+    pub largest: f64,
+    /// The root mean square of the derivative over the motion.
+    pub rms: f64,
+}
+
+/// The influence of every coordinate on every characteristic of a plan, with the rack at its first
+/// place. Stations without a pose count for nothing; coordinates without influence are left out.
+pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
+    let outputs: Vec<Output> = plan
+        .outputs
+        .iter()
+        .filter(|o| matches!(o.quantity, Quantity::Characteristic(_)))
+        .map(|o| Output {
+            highest: 0,
+            ..o.clone()
+        })
+        .collect();
+    if outputs.is_empty() {
+        return Ok(Vec::new());
+    }
+    let depth = outputs.iter().map(|o| o.quantity.depth()).max();
+    let points = 0..suspension.mechanism.points.len();
+    let found = curves(
+        suspension,
+        &Plan {
+            racks: plan.racks[..1].to_vec(),
+            time: None,
+            coefficients: depth.unwrap_or(0) + 1,
+            sensitivities: points.map(PointId).collect(),
+            outputs,
+            ..plan.clone()
+        },
+    )?;
+    // Every station lists its derivatives in the same order: by output, point and axis.
+    let stations = found.stations.len() - found.failed();
+    let stride = found.sensitivities.len() / stations.max(1);
+    let mut influences = Vec::new();
+    for place in 0..stride {
+        let over_motion = || found.sensitivities.iter().skip(place).step_by(stride);
+        let Some(first) = over_motion().next() else {
+            continue;
+        };
+        let largest = over_motion()
+            .map(|s| s.value)
+            .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let squares: f64 = over_motion().map(|s| s.value * s.value).sum();
+        let influence = Influence {
+            output: found.columns[first.column].name.clone(),
+            coordinate: format!(
+                "{}.{}",
+                suspension.mechanism.name(first.point),
+                first.axis.name()
+            ),
+            largest: largest.unwrap_or(0.0),
+            rms: (squares / stations as f64).sqrt(),
+        };
+        if influence.rms > 0.0 && influence.rms.is_finite() {
+            influences.push(influence);
+        }
+    }
+    Ok(influences)
+}

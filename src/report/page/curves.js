@@ -1,0 +1,121 @@
+// Every output over the motion: the designs, the target with its tolerance, and what was not solved.
+const column = (table, name) => table.columns[table.header.indexOf(name)];
+
+// Rows of a table by rack displacement, each with the station it is.
+const families = (table, design) => {
+  const stations = record.designs[design].stations;
+  const rows = table.status.length;
+  const station = (row) => (rows === stations ? row : Math.floor((row * (stations - 1)) / (rows - 1)));
+  const racks = record.rack ? column(table, record.rack) : null;
+  const byRack = new Map();
+  for (let row = 0; row < rows; row += 1) {
+    const rack = racks ? racks[row] : 0;
+    if (!byRack.has(rack)) byRack.set(rack, []);
+    byRack.get(rack).push({ row, station: station(row) });
+  }
+  return byRack;
+};
+
+// A trace with the motion upright, or lying.
+const turned = (upright, trace) => {
+  if (upright) return trace;
+  const { x, y, xaxis, error_x: bar, ...rest } = trace;
+  return { ...rest, x: y, y: x, ...(xaxis && { yaxis: 'y2' }), ...(bar && { error_y: bar }) };
+};
+
+const designTraces = (c, output, abscissa, design) => {
+  const table = run.curves[design];
+  const values = column(table, output.column);
+  const places = column(table, abscissa);
+  const { label, failures } = record.designs[design];
+  const byRack = families(table, design);
+  const colour = isLast(design) ? c.accent : c.before;
+  const traces = [];
+  let number = 0;
+  for (const [rack, rows] of byRack) {
+    number += 1;
+    const name = byRack.size > 1 ? `${label}, rack ${brief(rack)}` : label;
+    traces.push({
+      type: 'scatter', mode: 'lines+markers', connectgaps: false, name, legendgroup: label,
+      showlegend: number === 1, marker: { size: 6, color: 'rgba(0,0,0,0)' },
+      x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
+      line: { color: colour, width: isLast(design) ? 2.2 : 1.6, dash: isLast(design) ? 'solid' : 'dash' },
+      opacity: 0.35 + (0.65 * number) / byRack.size,
+    });
+    const failed = rows.filter(({ row }) => table.status[row] !== 'ok' && places[row] !== null);
+    if (failed.length) {
+      const reason = ({ station }) => failures.find((f) => f.first <= station && station <= f.last).reason;
+      traces.push({
+        type: 'scatter', mode: 'markers', name: `${name}, not solved`, legendgroup: `${label} failed`,
+        showlegend: number === 1, xaxis: 'x2',
+        x: failed.map(() => (isLast(design) ? 0.02 : 0.05)), y: failed.map(({ row }) => places[row]),
+        text: failed.map((f) => plain(reason(f))), hovertemplate: 'not solved: %{text}',
+        marker: { symbol: 'x-thin', size: 6, line: { color: isLast(design) ? c.bad : c.before, width: 1.5 } },
+      });
+    }
+  }
+  return traces;
+};
+
+// Targets are given by drive value; over anything else they are where the last design has that value.
+const targetTraces = (c, output, abscissa) => {
+  const table = run.curves[run.curves.length - 1];
+  const place = (drive) => {
+    if (abscissa === record.drive) return drive;
+    const row = column(table, record.drive).indexOf(drive);
+    return row < 0 ? null : column(table, abscissa)[row];
+  };
+  return record.targets.filter((t) => t.column === output.column).flatMap((target) => {
+    const points = target.points.map(([drive, value]) => [place(drive), value]).filter(([at]) => at !== null);
+    const y = points.map(([at]) => at);
+    const x = points.map(([, value]) => value);
+    const shared = { type: 'scatter', legendgroup: 'target', name: 'target ± tolerance' };
+    if (points.length === 1) {
+      return [{
+        ...shared, mode: 'markers', x, y, marker: { color: c.target, size: 8, symbol: 'diamond' },
+        error_x: { type: 'constant', value: target.tolerance, color: c.target },
+      }];
+    }
+    const band = [...x.map((v) => v + target.tolerance), ...x.map((v) => v - target.tolerance).reverse()];
+    return [
+      {
+        ...shared, mode: 'lines', x: band, y: [...y, ...[...y].reverse()], fill: 'toself', showlegend: false,
+        fillcolor: faint(c.target, 0.25), line: { width: 0 }, hoverinfo: 'skip',
+      },
+      { ...shared, mode: 'lines', x, y, line: { color: c.target, width: 1.2, dash: 'dot' } },
+    ];
+  });
+};
+
+const drawCurve = (element, output, state) => {
+  const c = colours();
+  const traces = [
+    ...targetTraces(c, output, state.abscissa),
+    ...record.designs.flatMap((_, design) => designTraces(c, output, state.abscissa, design)),
+  ].map((trace) => turned(state.upright, trace));
+  const motion = axis(c, { title: { text: axisTitle(state.abscissa) } });
+  const value = axis(c, { title: { text: plain(withUnit(output.title, output.unit)) }, hoverformat: '.5~g' });
+  const edge = { range: [0, 1], visible: false, fixedrange: true };
+  const axes = state.upright
+    ? { xaxis: value, yaxis: motion, xaxis2: { ...edge, overlaying: 'x' } }
+    : { xaxis: motion, yaxis: value, yaxis2: { ...edge, overlaying: 'y' } };
+  return draw(element, traces, layout(c, {
+    ...axes,
+    hovermode: state.upright ? 'y unified' : 'x unified',
+    showlegend: true,
+    legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
+    uirevision: `${state.abscissa} ${state.upright}`,
+  }));
+};
+
+const curvePlots = record.outputs.map((output) => {
+  const figure = byId('curve-plots').appendChild(document.createElement('figure'));
+  const caption = figure.appendChild(document.createElement('figcaption'));
+  caption.append(withUnit(output.title, output.unit));
+  if (output.positive) {
+    caption.appendChild(document.createElement('small')).textContent = `positive: ${output.positive}`;
+  }
+  const element = figure.appendChild(document.createElement('div'));
+  element.className = 'plot';
+  return (state) => drawCurve(element, output, state);
+});

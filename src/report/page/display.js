@@ -1,0 +1,64 @@
+// What every plot shares: the run's data, colours, labels, and the place they are drawn in.
+const byId = (id) => document.getElementById(id);
+const root = document.documentElement;
+const run = JSON.parse(byId('run').textContent);
+const record = run.record;
+
+// Whatever goes wrong is written where a reader, or a test, can find it.
+const noteError = (message) => {
+  root.dataset.errors = Number(root.dataset.errors || 0) + 1;
+  root.dataset.lastError = message;
+};
+root.dataset.errors = 0;
+addEventListener('error', (e) => noteError(e.message));
+addEventListener('unhandledrejection', (e) => noteError(String(e.reason)));
+document.addEventListener('securitypolicyviolation', (e) => noteError(`${e.violatedDirective} ${e.blockedURI}`));
+
+const colours = () => {
+  const style = getComputedStyle(root);
+  const names = ['paper', 'panel', 'ink', 'muted', 'rule', 'accent', 'before', 'target', 'bad', 'sans'];
+  return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+};
+// #rrggbb with an opacity.
+const faint = (colour, opacity) => {
+  const [r, g, b] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
+  return `rgba(${r},${g},${b},${opacity})`;
+};
+
+// Names from a study, as the plots' labels take them: they read a little markup, which a name is not.
+const plain = (text) => String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
+const brief = (value) => String(Number(value.toPrecision(6)));
+const axisTitle = (column) => {
+  const [, name, unit] = /^(travel|arm_angle|rack|time)_(.*)$/.exec(column);
+  const long = { travel: 'wheel travel', arm_angle: 'arm angle', rack: 'rack', time: 'time' }[name];
+  return `${long} [${unit === 'deg' ? '°' : unit}]`;
+};
+const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
+
+const isLast = (design) => design === record.designs.length - 1;
+const config = {
+  responsive: true,
+  displaylogo: false,
+  modeBarButtonsToRemove: ['select2d', 'lasso2d'],
+  toImageButtonOptions: { format: 'svg', filename: 'hardpoint' },
+};
+const axis = (c, more) => ({
+  gridcolor: c.rule, zerolinecolor: c.muted, zerolinewidth: 1, linecolor: c.rule, automargin: true,
+  ...more,
+});
+const layout = (c, more) => ({
+  font: { family: c.sans, size: 12, color: c.ink },
+  paper_bgcolor: 'rgba(0,0,0,0)',
+  plot_bgcolor: c.panel,
+  hoverlabel: { bgcolor: c.paper, bordercolor: c.rule, font: { family: c.sans, size: 12, color: c.ink } },
+  modebar: { bgcolor: 'rgba(0,0,0,0)', color: c.muted, activecolor: c.accent },
+  margin: { l: 56, r: 16, t: 28, b: 44 },
+  ...more,
+});
+
+const drawn = new Set();
+const draw = async (element, traces, figure) => {
+  await Plotly.react(element, traces, figure, config);
+  drawn.add(element);
+  root.dataset.plotsDrawn = drawn.size;
+};

@@ -1,0 +1,208 @@
+//! `report.html`: a run as one page that needs nothing else.
+//!
+//! Text and tables are written here; plots are drawn by the page's own small script, which hands the
+//! data of the run to plotly.js. The page loads nothing and its policy says so.
+
+mod escape;
+mod library;
+mod policy;
+
+use super::TuningSummary;
+use super::curve_table::CurveTable;
+use super::run::{Run, Summary};
+use super::table::Table;
+use escape::html;
+use serde::Serialize;
+
+const STYLE: &str = include_str!("style.css");
+
+/// The page's own script.
+const GLUE: &str = concat!(
+    "'use strict';\n(() => {\n",
+    include_str!("display.js"),
+    include_str!("curves.js"),
+    include_str!("mechanism.js"),
+    include_str!("tuning.js"),
+    include_str!("start.js"),
+    "})();\n"
+);
+
+/// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
+const MOST_NUMBERS: usize = 30_000;
+
+/// What the page's script reads.
+#[derive(Serialize)]
+struct Data<'a> {
+    record: &'a super::record::Record,
+    curves: Vec<CurveTable>,
+    history: Option<CurveTable>,
+    kept_start: Option<usize>,
+}
+
+/// The page of a run.
+pub fn page(run: &Run) -> String {
+    let library = library::script();
+    let (curves, curves_note) = drawn(run);
+    let data = Data {
+        record: &run.record,
+        curves,
+        history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
+        kept_start: match &run.summary {
+            Summary::Optimise(tuning) => tuning.kept_start(),
+            Summary::Solve(_) => None,
+        },
+    };
+    let (tuning, ranges) = match &run.summary {
+        Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
+        Summary::Solve(solve) => (String::new(), solve.table().html()),
+    };
+    let files: Vec<String> = run.files.iter().map(|f| html(f)).collect();
+    format!(
+        include_str!("page.html"),
+        policy = html(&policy::policy(&[&library, GLUE])),
+        study = html(&run.record.study),
+        style = STYLE,
+        about = html(&format!(
+            "{}, {} · hardpoint {}",
+            run.record.topology.replace('_', " "),
+            run.record.command,
+            run.record.version
+        )),
+        facts = facts(run),
+        failures = failures(run),
+        sections = sections(run),
+        curves_note = curves_note,
+        ranges = ranges,
+        tuning = tuning,
+        files = files.join(", "),
+        notice = html(library::NOTICE),
+        data = escape::json(&data),
+        library = library,
+        glue = GLUE,
+    )
+}
+
+/// The curves that are drawn, and a remark where those are not all.
+fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
+    let widths = run.curves.iter().map(|table| table.header.len());
+    let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
+    let all = run.curves.iter().map(CurveTable::rows).max().unwrap_or(0);
+    let note = match all > most {
+        true => format!(
+            r#"<p class="notice">{most} of {all} stations are drawn, evenly chosen; the files have all.</p>"#
+        ),
+        false => String::new(),
+    };
+    (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
+}
+
+/// What matters most, first.
+fn facts(run: &Run) -> String {
+    let mut facts = Vec::new();
+    match &run.summary {
+        Summary::Solve(solve) => facts.push(("Motion", html(&solve.headline()))),
+        Summary::Optimise(tuning) => {
+            let [before, after] = tuning.misfits();
+            let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
+            let misfit = format!(
+                "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
+                known(before),
+                known(after)
+            );
+            facts.push(("Misfit", misfit));
+            let [active, all] = tuning.at_bounds();
+            let bounds = format!("{active} of {all} <small>variables</small>");
+            facts.push(("At a bound", bounds));
+        }
+    }
+    let failed = run.record.designs.last().map_or(0, |design| {
+        let lengths = design.failures.iter().map(|s| s.last - s.first + 1);
+        lengths.sum()
+    });
+    let stations = run.record.designs.last().map_or(0, |d| d.stations);
+    let failed = match failed {
+        0 => format!("none <small>of {stations} stations</small>"),
+        n => format!("<strong class=\"bad\">{n}</strong> <small>of {stations} stations</small>"),
+    };
+    facts.push(("Not solved", failed));
+    let item =
+        |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
+    facts.iter().map(item).collect()
+}
+
+/// Every failed stretch with its reason.
+fn failures(run: &Run) -> String {
+    let mut items = String::new();
+    for design in &run.record.designs {
+        for stretch in &design.failures {
+            items += &format!(
+                "<li><b>{}</b>, {}</li>",
+                html(&design.label),
+                html(&stretch.to_string())
+            );
+        }
+    }
+    match items.is_empty() {
+        true => items,
+        false => format!(
+            r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
+        ),
+    }
+}
+
+/// The links to the sections.
+fn sections(run: &Run) -> String {
+    let tuned = matches!(run.summary, Summary::Optimise(_));
+    let all = [
+        ("curves", "Curves", true),
+        ("mechanism", "Mechanism", true),
+        ("hardpoints", "Hardpoints", tuned),
+        ("convergence", "Convergence", tuned),
+        ("sensitivities", "Sensitivities", true),
+    ];
+    all.iter()
+        .filter(|(_, _, shown)| *shown)
+        .map(|(id, name, _)| format!("<li><a href=\"#{id}\">{name}</a></li>"))
+        .collect()
+}
+
+/// Targets, moved hardpoints and the course of an optimisation.
+fn tuning_sections(tuning: &TuningSummary) -> String {
+    let unseen: String = tuning
+        .unseen()
+        .iter()
+        .map(|u| format!("<li>{}</li>", html(u)))
+        .collect();
+    let unseen = match unseen.is_empty() {
+        true => unseen,
+        false => format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>"),
+    };
+    format!(
+        include_str!("tuning.html"),
+        targets = tuning.targets_table().html(),
+        variables = tuning.variables_table().html(),
+        unseen = unseen,
+        starts = tuning.starts_table().html(),
+    )
+}
+
+impl Table {
+    /// The table as HTML.
+    fn html(&self) -> String {
+        let row = |cells: &[String], opening: &str, closing: &str| {
+            let cell = |cell: &String| {
+                let number = cell.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
+                let class = if number { " class=\"number\"" } else { "" };
+                format!("<{opening}{class}>{}</{closing}>", html(cell))
+            };
+            let cells: String = cells.iter().map(cell).collect();
+            format!("<tr>{cells}</tr>")
+        };
+        let rows = self.rows().iter();
+        let body: String = rows.map(|cells| row(cells, "td", "td")).collect();
+        format!(
+            r#"<div class="table" tabindex="0" role="group"><table><thead>{}</thead><tbody>{body}</tbody></table></div>"#,
+            row(self.header(), r#"th scope="col""#, "th")
+        )
+    }
+}

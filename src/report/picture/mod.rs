@@ -1,0 +1,153 @@
+//! Curves as pictures for documents: SVG, on a background of their own, the same bytes every time.
+
+mod panel;
+mod scale;
+
+use super::curve_table::CurveTable;
+use super::record::OutputRecord;
+use super::run::Run;
+use panel::{Band, Line, Look, Panel, SIZE};
+
+/// A picture and the name of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// `camber_deg.svg`
+    pub name: String,
+    /// The file.
+    pub svg: String,
+}
+
+/// The most panels of the overview.
+const MOST_PANELS: usize = 3;
+
+const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif;fill:#3d454d}\
+.label{font-size:13px;fill:#1b1f24}path{fill:none;stroke-linejoin:round;stroke-linecap:round}\
+.grid{stroke:#e3e7eb}.main{stroke:#0b63c5;stroke-width:2.2}\
+.former{stroke:#8a929b;stroke-width:1.6;stroke-dasharray:6 4}\
+.target{stroke:#b45f06;stroke-width:1.3;stroke-dasharray:1 3}.band{fill:#f0cfa6;stroke:#f0cfa6;stroke-width:1}\
+.spot{fill:#b45f06}.failed{stroke:#b3261e;stroke-width:1.5}";
+
+/// A picture for each output, and `overview.svg` with those that have targets side by side (the first
+/// ones where none has).
+pub fn pictures(run: &Run) -> Vec<Picture> {
+    let outputs = &run.record.outputs;
+    let mut pictures: Vec<Picture> = outputs
+        .iter()
+        .map(|output| Picture {
+            name: format!("{}.svg", file_name(&output.column)),
+            svg: sheet(&[panel(run, output)]),
+        })
+        .collect();
+    let has_target = |o: &&OutputRecord| run.record.targets.iter().any(|t| t.column == o.column);
+    let mut chosen: Vec<&OutputRecord> = outputs.iter().filter(has_target).collect();
+    if chosen.is_empty() {
+        chosen = outputs.iter().collect();
+    }
+    let panels = chosen.into_iter().take(MOST_PANELS);
+    let panels: Vec<Panel> = panels.map(|output| panel(run, output)).collect();
+    if !panels.is_empty() {
+        pictures.push(Picture {
+            name: "overview.svg".to_owned(),
+            svg: sheet(&panels),
+        });
+    }
+    pictures
+}
+
+/// Panels side by side.
+fn sheet(panels: &[Panel]) -> String {
+    let [width, height] = [SIZE[0] * panels.len() as f64, SIZE[1]];
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\">\n<style>{STYLE}</style>\n<rect width=\"{width}\" height=\"{height}\" \
+         rx=\"6\" fill=\"#ffffff\"/>\n"
+    );
+    for (number, panel) in panels.iter().enumerate() {
+        svg += &panel.svg(number as f64 * SIZE[0]);
+    }
+    svg + "</svg>\n"
+}
+
+fn panel(run: &Run, output: &OutputRecord) -> Panel {
+    let record = &run.record;
+    let by_time = record.abscissae.iter().find(|a| *a == "time_s");
+    let abscissa = by_time.unwrap_or(&record.drive);
+    let mut lines = Vec::new();
+    let mut failed = Vec::new();
+    for (number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
+        let look = match number + 1 == record.designs.len() {
+            true => Look::Main,
+            false => Look::Former,
+        };
+        let racks = record.rack.as_ref().and_then(|name| table.column(name));
+        let at_rack = |row: usize| racks.and_then(|racks| racks[row]);
+        let rows: Vec<usize> = (0..table.rows()).collect();
+        let families = rows.chunk_by(|a, b| at_rack(*a) == at_rack(*b));
+        for (number, family) in families.enumerate() {
+            lines.push(Line {
+                name: (number == 0).then(|| design.label.clone()),
+                look,
+                points: points(table, family, abscissa, &output.column),
+            });
+        }
+        let motion = table.column(abscissa).unwrap_or_default();
+        let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| *status != "ok");
+        failed.extend(missing.filter_map(|(value, _)| *value));
+    }
+    failed.sort_by(f64::total_cmp);
+    failed.dedup();
+    let targets = record.targets.iter().filter(|t| t.column == output.column);
+    Panel {
+        value: with_unit(&output.title, &output.unit),
+        motion: axis_title(abscissa),
+        upright: by_time.is_none(),
+        lines,
+        bands: match by_time {
+            // Targets are by drive value.
+            Some(_) => Vec::new(),
+            None => targets
+                .map(|t| Band {
+                    points: t.points.clone(),
+                    tolerance: t.tolerance,
+                })
+                .collect(),
+        },
+        failed,
+    }
+}
+
+fn points(table: &CurveTable, rows: &[usize], motion: &str, value: &str) -> Vec<Option<[f64; 2]>> {
+    let (Some(motion), Some(value)) = (table.column(motion), table.column(value)) else {
+        return Vec::new();
+    };
+    let rows = rows.iter();
+    rows.map(|row| Some([motion[*row]?, value[*row]?]))
+        .collect()
+}
+
+fn with_unit(title: &str, unit: &str) -> String {
+    match unit {
+        "" => title.to_owned(),
+        unit => format!("{title} [{unit}]"),
+    }
+}
+
+/// `travel_mm` -> `wheel travel [mm]`
+fn axis_title(column: &str) -> String {
+    let (name, unit) = column.rsplit_once('_').unwrap_or((column, ""));
+    let name = match name {
+        "travel" => "wheel travel".to_owned(),
+        name => name.replace('_', " "),
+    };
+    with_unit(&name, if unit == "deg" { "°" } else { unit })
+}
+
+/// A column's name as that of a file: points may be called anything.
+fn file_name(column: &str) -> String {
+    let kept = |c: char| match c.is_alphanumeric() || "_-.".contains(c) {
+        true => c,
+        false => '_',
+    };
+    let name: String = column.chars().map(kept).collect();
+    name.trim_start_matches('.').to_owned()
+}

@@ -1,0 +1,99 @@
+//! The scale of an axis: from values to lengths on the picture, with round ticks.
+
+/// A linear scale whose ends are round numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    step: f64,
+    /// Where the two ends are drawn.
+    ends: [f64; 2],
+}
+
+impl Scale {
+    /// A scale that shows all of the values with about so many ticks.
+    pub fn showing(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        });
+        let (low, high) = match low <= high {
+            true => (low, high),
+            false => (0.0, 1.0),
+        };
+        // A constant is shown within a range that does not look like a slope.
+        let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
+        let (low, high) = match high - low < least {
+            true => (low - least, high + least),
+            false => (low, high),
+        };
+        let step = round_step((high - low) / ticks);
+        Scale {
+            low: (low / step).floor() * step,
+            high: (high / step).ceil() * step,
+            step,
+            ends,
+        }
+    }
+
+    /// Where a value is drawn.
+    pub fn place(&self, value: f64) -> f64 {
+        let share = (value - self.low) / (self.high - self.low);
+        self.ends[0] + share * (self.ends[1] - self.ends[0])
+    }
+
+    /// The ticks: places and labels.
+    pub fn ticks(&self) -> Vec<(f64, String)> {
+        let count = ((self.high - self.low) / self.step).round() as usize;
+        let decimals = (-self.step.log10().floor()).clamp(0.0, 12.0) as usize;
+        (0..=count)
+            .map(|i| {
+                let value = self.low + i as f64 * self.step;
+                // Rounding must not leave a negative zero.
+                let value = if value.abs() < 0.5 * self.step {
+                    0.0
+                } else {
+                    value
+                };
+                let label = format!("{value:.decimals$}").replace('-', "\u{2212}");
+                (self.place(value), label)
+            })
+            .collect()
+    }
+}
+
+/// The next step of 1, 2 or 5 times a power of ten.
+fn round_step(step: f64) -> f64 {
+    let power = 10f64.powf(step.log10().floor());
+    let factor = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|f| f * power >= step * 0.999);
+    factor.unwrap_or(10.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round() {
+        let scale = Scale::showing([-80.0, 80.0].into_iter(), 8.0, [400.0, 0.0]);
+        let labels: Vec<String> = scale.ticks().into_iter().map(|t| t.1).collect();
+        assert_eq!(
+            labels,
+            ["−80", "−60", "−40", "−20", "0", "20", "40", "60", "80"]
+        );
+        assert_eq!(scale.place(0.0), 200.0);
+    }
+
+    #[test]
+    fn a_constant_and_nothing_have_scales() {
+        let constant = Scale::showing([3.0, 3.0].into_iter(), 5.0, [0.0, 100.0]);
+        assert!((0.0..=100.0).contains(&constant.place(3.0)));
+        assert!(constant.ticks().len() >= 2);
+        assert!(
+            Scale::showing([].into_iter(), 5.0, [0.0, 100.0])
+                .place(0.5)
+                .is_finite()
+        );
+    }
+}

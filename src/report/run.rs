@@ -1,0 +1,153 @@
+//! A finished run, read back from its directory.
+
+use super::curve_table::CurveTable;
+use super::record::{FORM, Record};
+use super::{SolveSummary, TuningSummary};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// Why a directory is not a run that can be reported on.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {problem}")]
+pub struct RunError {
+    /// The directory or the file in it.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: String,
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What was run and drawn.
+    pub record: Record,
+    /// The curves of each design of the record.
+    pub curves: Vec<CurveTable>,
+    /// What it came to.
+    pub summary: Summary,
+    /// The convergence history, of an optimisation.
+    pub history: Option<CurveTable>,
+    /// The files there are, by name.
+    pub files: Vec<String>,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub enum Summary {
+    /// A solve.
+    Solve(SolveSummary),
+    /// An optimisation.
+    Optimise(TuningSummary),
+}
+
+impl Run {
+    /// Reads a run's directory.
+    pub fn read(directory: &Path) -> Result<Run, RunError> {
+        let folder = Folder(directory);
+        if !directory.is_dir() {
+            return Err(folder.error(None, "there is no such directory"));
+        }
+        if !directory.join("report.json").is_file() {
+            return Err(folder.error(
+                None,
+                "not the directory of a run: there is no report.json, which `hardpoint solve` and \
+                 `hardpoint optimise` write",
+            ));
+        }
+        let form: Form = folder.json("report.json")?;
+        if form.form != FORM {
+            let message = format!(
+                "written in form {} by hardpoint {}, this version reads form {FORM}; run the study again",
+                form.form, form.version
+            );
+            return Err(folder.error(Some("report.json"), &message));
+        }
+        let record: Record = folder.json("report.json")?;
+        let mut curves = Vec::new();
+        let mut files = Vec::new();
+        for design in &record.designs {
+            let table = folder.table(&design.curves)?;
+            let absent = |name: &&String| table.column(name).is_none();
+            let columns = record.outputs.iter().map(|o| &o.column);
+            let mut needed = columns.chain([&record.drive]).chain(&record.rack);
+            if table.rows() != design.stations || table.status.len() != design.stations {
+                let message = format!(
+                    "expected the {} stations that report.json speaks of, found {}; run the study again",
+                    design.stations,
+                    table.rows()
+                );
+                return Err(folder.error(Some(&design.curves), &message));
+            }
+            if let Some(name) = needed.find(absent) {
+                let message = format!(
+                    "there is no column {name}, which report.json speaks of; run the study again"
+                );
+                return Err(folder.error(Some(&design.curves), &message));
+            }
+            curves.push(table);
+            files.push(design.curves.clone());
+        }
+        let optimised = record.command == "optimise";
+        let summary = match optimised {
+            true => Summary::Optimise(folder.json("summary.json")?),
+            false => Summary::Solve(folder.json("summary.json")?),
+        };
+        let history = match optimised {
+            true => Some(folder.table("history.csv")?),
+            false => None,
+        };
+        let others = [
+            "sensitivities.csv",
+            "history.csv",
+            "summary.json",
+            "optimised.toml",
+        ];
+        let there = others.iter().filter(|name| directory.join(name).is_file());
+        files.extend(there.map(|name| (*name).to_owned()));
+        Ok(Run {
+            record,
+            curves,
+            summary,
+            history,
+            files,
+        })
+    }
+}
+
+/// The part of `report.json` that every form has.
+#[derive(serde::Deserialize)]
+struct Form {
+    form: u32,
+    version: String,
+}
+
+struct Folder<'a>(&'a Path);
+
+impl Folder<'_> {
+    fn error(&self, name: Option<&str>, problem: &str) -> RunError {
+        RunError {
+            path: name.map_or_else(|| self.0.to_owned(), |name| self.0.join(name)),
+            problem: problem.to_owned(),
+        }
+    }
+
+    fn bytes(&self, name: &str) -> Result<Vec<u8>, RunError> {
+        // The names come from a file: they must not lead out of the directory.
+        if Path::new(name).file_name() != Some(name.as_ref()) {
+            return Err(self.error(
+                Some("report.json"),
+                &format!("{name:?} is not a file's name"),
+            ));
+        }
+        std::fs::read(self.0.join(name)).map_err(|e| self.error(Some(name), &e.to_string()))
+    }
+
+    fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
+        let problem = |e: serde_json::Error| format!("not as `hardpoint` writes it: {e}");
+        serde_json::from_slice(&self.bytes(name)?).map_err(|e| self.error(Some(name), &problem(e)))
+    }
+
+    fn table(&self, name: &str) -> Result<CurveTable, RunError> {
+        CurveTable::read(&self.bytes(name)?).map_err(|e| self.error(Some(name), &e))
+    }
+}

@@ -1,0 +1,193 @@
+//! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
+
+use crate::curves::Course;
+use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver};
+use crate::model::{Axis, Body, Constraint, Mechanism, PointId, SteeringAxis, Suspension};
+use crate::number::{Jet, Vector3};
+use crate::plan::Plan;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// What stays of the drawing while the mechanism moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Name of each point.
+    pub points: Vec<String>,
+    /// What is drawn between them.
+    pub members: Vec<Member>,
+    /// Index of the wheel's centre.
+    pub wheel_centre: usize,
+    /// Loaded radius of the wheel, where it is known.
+    pub wheel_radius: Option<f64>,
+    /// Signs of the study's axes: forward, outboard and up.
+    pub signs: [f64; 3],
+}
+
+/// A line of the drawing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// What it is.
+    pub kind: MemberKind,
+    /// Indices of the points it runs through.
+    pub through: Vec<usize>,
+}
+
+/// What a line of the drawing stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MemberKind {
+    /// A control arm.
+    Arm,
+    /// A link or tie rod.
+    Link,
+    /// A strut.
+    Strut,
+    /// A spring that is not the strut.
+    Spring,
+    /// The wheel carrier.
+    Knuckle,
+}
+
+/// The mechanism at one station, in the study's axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Drive value: wheel travel, or arm angle in degrees.
+    pub drive: f64,
+    /// Rack displacement.
+    pub rack: f64,
+    /// Where everything is, or why that is not known.
+    pub pose: Result<Placement, String>,
+}
+
+/// Where everything is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Placement {
+    /// Position of each point.
+    pub points: Vec<[f64; 3]>,
+    /// Unit vector along the spin axis, outboard.
+    pub spin_axis: [f64; 3],
+    /// Two points of the steering axis.
+    pub steering_axis: Option<[[f64; 3]; 2]>,
+}
+
+impl Scene {
+    /// The drawing of a suspension.
+    pub fn of(suspension: &Suspension) -> Scene {
+        let mechanism = &suspension.mechanism;
+        let sign = |axis| suspension.frame.sign(axis);
+        Scene {
+            points: mechanism.points.iter().map(|p| p.name.clone()).collect(),
+            members: members(mechanism),
+            wheel_centre: mechanism.wheel_centre.0,
+            wheel_radius: suspension.wheel_radius,
+            signs: Axis::ALL.map(sign),
+        }
+    }
+}
+
+/// The lines of a mechanism, from its constraints and arms.
+fn members(mechanism: &Mechanism) -> Vec<Member> {
+    let mut members = Vec::new();
+    let mut add = |kind, through: &[PointId]| {
+        members.push(Member {
+            kind,
+            through: through.iter().map(|id| id.0).collect(),
+        });
+    };
+    for arm in &mechanism.arms {
+        add(MemberKind::Arm, &[arm.front, arm.outer, arm.rear]);
+    }
+    let of_an_arm = |from, to| {
+        let mut arms = mechanism.arms.iter();
+        arms.any(|arm| arm.outer == to && (arm.front == from || arm.rear == from))
+    };
+    let mut strut = None;
+    let mut joints = Vec::new();
+    for constraint in &mechanism.constraints {
+        match *constraint {
+            Constraint::Link { inner, outer } => {
+                if !of_an_arm(inner, outer) {
+                    add(MemberKind::Link, &[inner, outer]);
+                }
+                joints.push(outer);
+            }
+            Constraint::StrutLine { top, lower, upper } => {
+                match upper {
+                    Some(upper) => add(MemberKind::Strut, &[lower, upper, top]),
+                    None => add(MemberKind::Strut, &[lower, top]),
+                }
+                strut = Some((top, lower));
+                joints.push(lower);
+            }
+            Constraint::Revolute { first, second } => {
+                add(MemberKind::Arm, &[first, mechanism.wheel_centre, second]);
+            }
+        }
+    }
+    if let Some(spring) = mechanism.spring
+        && strut != Some((spring.upper, spring.lower))
+    {
+        add(MemberKind::Spring, &[spring.lower, spring.upper]);
+    }
+    joints.sort();
+    joints.dedup();
+    for joint in joints {
+        if mechanism.body(joint) == Body::Knuckle && joint != mechanism.wheel_centre {
+            add(MemberKind::Knuckle, &[joint, mechanism.wheel_centre]);
+        }
+    }
+    members
+}
+
+/// The frames of a suspension at the stations of a plan, rack by rack.
+pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design);
+    let course = Course::of(suspension, plan)?;
+    let values = plan.march.values();
+    let mut frames = Vec::with_capacity(plan.stations());
+    for rack in &plan.racks {
+        let first = frames.len();
+        frames.extend(values.iter().map(|value| Frame {
+            drive: plan.drive.printed(*value),
+            rack: *rack,
+            pose: Err(Failure::DeadCentre.to_string()),
+        }));
+        let rack = rack * plan.rack_sign;
+        let drive = plan.drive.in_kernel();
+        solver.march(drive, &course.march, rack, |solver, place, pose| {
+            let number = course.stations[place];
+            let motion = course.motion::<1>(values[number], rack);
+            frames[first + number].pose = pose
+                .and_then(|pose| solver.posture_series(&lifted, pose, &motion))
+                .map(|at| Placement::of(suspension, &at))
+                .map_err(|failure| failure.to_string());
+            ControlFlow::Continue(())
+        })?;
+    }
+    Ok(frames)
+}
+
+impl Placement {
+    fn of(suspension: &Suspension, at: &Posture<Jet<f64, 1>>) -> Placement {
+        let outside = |v: Vector3<Jet<f64, 1>>| {
+            let [x, y, z] = suspension.frame.vector(v.map(|c| c[0])).to_array();
+            [x + 0.0, y + 0.0, z + 0.0]
+        };
+        let mechanism = &suspension.mechanism;
+        let through = |axis: SteeringAxis| match axis {
+            SteeringAxis::Through { lower, upper } => Some([lower, upper]),
+            SteeringAxis::Instantaneous => None,
+        };
+        Placement {
+            points: (0..mechanism.points.len())
+                .map(|i| outside(at.point(PointId(i))))
+                .collect(),
+            spin_axis: outside(at.spin_axis()),
+            steering_axis: mechanism
+                .steering_axis
+                .and_then(through)
+                .map(|ends| ends.map(|id| outside(at.point(id)))),
+        }
+    }
+}

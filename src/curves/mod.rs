@@ -27,6 +27,7 @@ impl Status {
                 "unreachable"
             }
             Status::Failed(Failure::Singular) => "singular",
+            Status::Failed(Failure::Uncertified(_)) => "uncertified",
         }
     }
 }

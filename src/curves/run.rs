@@ -38,7 +38,8 @@ impl<'a, const N: usize> Run<'a, N> {
             suspension,
             plan,
             columns: Column::all(plan, suspension.length_unit),
-            lifted: Lifted::new(&suspension.mechanism, &suspension.design),
+            lifted: Lifted::new(&suspension.mechanism, &suspension.design)
+                .with_steering_axis(plan.reads_steering_axis()),
             buffer: vec![zero; suspension.design.len()],
         }
     }

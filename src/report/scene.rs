@@ -1,8 +1,8 @@
 //! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
 
 use crate::kinematics::{DesignFault, Lifted, MotionPoint, Posture, Solver};
-use crate::model::{Axis, Body, Constraint, Drive, Mechanism, PointId, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::model::{Axis, Body, Constraint, Drive, Mechanism, PointId, SteeringAxis, Suspension};
+use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -118,6 +118,8 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
                 strut = Some((top, lower));
                 joints.push(lower);
             }
+            // The knuckle is the arm itself.
+            Constraint::Revolute { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring
@@ -181,13 +183,25 @@ impl Placement {
             [x + 0.0, y + 0.0, z + 0.0]
         };
         let mechanism = &suspension.mechanism;
-        let axis = mechanism.steering_axis;
         Placement {
             points: (0..mechanism.points.len())
                 .map(|i| outside(at.point(PointId(i))))
                 .collect(),
             spin_axis: outside(at.spin_axis()),
-            steering_axis: Some([axis.lower, axis.upper].map(|id| outside(at.point(id)))),
+            steering_axis: steering_axis(suspension, at).map(|ends| ends.map(outside)),
         }
     }
+}
+
+/// Two points of the steering axis: its joints, or for an instantaneous one two points
+/// below and above the wheel's centre.
+fn steering_axis<T: Real>(suspension: &Suspension, at: &Posture<T>) -> Option<[Vector3<T>; 2]> {
+    if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
+        return Some([lower, upper].map(|id| at.point(id)));
+    }
+    let (point, along) = at.steering_axis()?;
+    let along = along.normalised();
+    let foot = point + along * along.dot(at.point(at.mechanism.wheel_centre) - point);
+    let half = along.map(|c| c.scaled(0.5 * suspension.size()));
+    Some([foot - half, foot + half])
 }

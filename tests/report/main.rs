@@ -55,7 +55,12 @@ impl Run {
     /// A CSV file: its header, and its cells by column.
     fn csv(&self, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
         let mut reader = csv::Reader::from_path(self.path().join(name)).unwrap();
-        let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader
+            .headers()
+            .unwrap()
+            .iter()
+            .map(str::to_owned)
+            .collect();
         let mut columns = vec![Vec::new(); header.len()];
         for record in reader.records() {
             for (column, cell) in columns.iter_mut().zip(&record.unwrap()) {
@@ -97,9 +102,11 @@ fn hostile() -> Run {
     let point = format!(
         "[suspension.extra_points]\n\"{HOSTILE_POINT}\" = {{ body = \"knuckle\", position = [10.0, 700.0, 200.0] }}\n\n[wheel]"
     );
-    let text = study("macpherson_front.toml").replace("[wheel]", &point).replace(
-        "[outputs]",
-        &format!("[outputs]\npoints = [\"wheel_centre\", \"{HOSTILE_POINT}\"]"),
-    );
+    let text = study("macpherson_front.toml")
+        .replace("[wheel]", &point)
+        .replace(
+            "[outputs]",
+            &format!("[outputs]\npoints = [\"wheel_centre\", \"{HOSTILE_POINT}\"]"),
+        );
     Run::of("optimise", HOSTILE_NAME, &text, &[])
 }

@@ -24,7 +24,10 @@ fn it_is_small_and_needs_nothing_else() {
         assert!(own.contains("default-src &#39;none&#39;"));
         assert!(!own.contains("unsafe-eval"));
         assert!(own.contains("Permission is hereby granted"));
-        assert_eq!(page.matches("<script").count() - page.matches("\"<script").count(), 3);
+        assert_eq!(
+            page.matches("<script").count() - page.matches("\"<script").count(),
+            3
+        );
     }
 }
 
@@ -59,16 +62,22 @@ fn its_values_are_those_of_the_files() {
         }
     }
     let summary: Value =
-        serde_json::from_str(&fs::read_to_string(run.path().join("summary.json")).unwrap()).unwrap();
+        serde_json::from_str(&fs::read_to_string(run.path().join("summary.json")).unwrap())
+            .unwrap();
     let misfit = summary["misfit_after"].as_f64().unwrap();
-    assert!(run.page().contains(&format!("<strong>{misfit:.2}</strong>")));
+    assert!(
+        run.page()
+            .contains(&format!("<strong>{misfit:.2}</strong>"))
+    );
     assert!(run.page().contains("at upper bound"));
 }
 
 #[test]
 fn the_drawing_is_the_solvers() {
-    let text = study("macpherson_front.toml")
-        .replace("[outputs]", "[outputs]\npoints = [\"wheel_centre\", \"tie_rod_outer\"]");
+    let text = study("macpherson_front.toml").replace(
+        "[outputs]",
+        "[outputs]\npoints = [\"wheel_centre\", \"tie_rod_outer\"]",
+    );
     let run = Run::of("optimise", "plain", &text, &[]);
     let data = run.data();
     let (header, columns) = run.csv("curves.csv");
@@ -100,10 +109,19 @@ fn every_topology_is_drawn() {
         let members = record["scene"]["members"].as_array().unwrap();
         assert!(!members.is_empty(), "{name}");
         let count = record["scene"]["points"].as_array().unwrap().len();
-        let joined = members.iter().flat_map(|m| m["through"].as_array().unwrap());
-        assert!(joined.clone().all(|p| (p.as_u64().unwrap() as usize) < count));
+        let joined = members
+            .iter()
+            .flat_map(|m| m["through"].as_array().unwrap());
+        assert!(
+            joined
+                .clone()
+                .all(|p| (p.as_u64().unwrap() as usize) < count)
+        );
         assert!(joined.count() >= 4, "{name}");
-        assert!(!record["influences"].as_array().unwrap().is_empty(), "{name}");
+        assert!(
+            !record["influences"].as_array().unwrap().is_empty(),
+            "{name}"
+        );
     }
 }
 
@@ -136,7 +154,9 @@ fn a_failed_station_is_a_gap_with_a_reason() {
 fn a_hostile_name_is_text() {
     let page = hostile().page();
     let own = own_text(&page);
-    assert!(own.contains("<bdi>&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;amp;{data} \u{202e}abc 🏎</bdi>"));
+    assert!(own.contains(
+        "<bdi>&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;amp;{data} \u{202e}abc 🏎</bdi>"
+    ));
     assert!(!own.contains("<img"));
     assert!(!own.contains("<script>alert"));
     assert!(!own.contains("</script><script>alert"));
@@ -149,7 +169,10 @@ fn the_same_run_gives_the_same_bytes() {
         let run = Run::of("optimise", "plain", &text, &["--threads", threads]);
         let again = hardpoint(&["report"]).arg(run.path()).output().unwrap();
         assert!(again.status.success());
-        (run.page(), fs::read(run.plots().join("overview.svg")).unwrap())
+        (
+            run.page(),
+            fs::read(run.plots().join("overview.svg")).unwrap(),
+        )
     };
     assert!(files("1") == files("2"));
 }

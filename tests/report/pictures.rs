@@ -23,7 +23,12 @@ fn there_is_one_for_each_output_and_an_overview() {
         ]
     );
     let overview = fs::read_to_string(run.plots().join("overview.svg")).unwrap();
-    for part in ["camber [°]", "kingpin inclination [°]", "wheel travel [mm]", "target ± tolerance"] {
+    for part in [
+        "camber [°]",
+        "kingpin inclination [°]",
+        "wheel travel [mm]",
+        "target ± tolerance",
+    ] {
         assert!(overview.contains(part), "{part}");
     }
     assert_eq!(overview.matches("class=\"band\"").count(), 2);
@@ -35,7 +40,12 @@ fn a_failed_station_breaks_the_line() {
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
     assert!(picture.contains("not solved"));
     let (_, columns) = run.csv("curves.csv");
-    let solved = columns.last().unwrap().iter().filter(|s| *s == "ok").count();
+    let solved = columns
+        .last()
+        .unwrap()
+        .iter()
+        .filter(|s| *s == "ok")
+        .count();
     let drawn: usize = picture
         .lines()
         .filter(|l| l.starts_with("<path class=\"main\" d=\"M") && !l.contains('h'))
@@ -51,7 +61,10 @@ fn names_are_text_and_stay_in_the_directory() {
         let picture = fs::read_to_string(file.unwrap().path()).unwrap();
         assert!(!picture.contains("<script"));
     }
-    let point = fs::read_to_string(run.plots().join("__script__script_alert_1___script__x_mm.svg"));
+    let point = fs::read_to_string(
+        run.plots()
+            .join("__script__script_alert_1___script__x_mm.svg"),
+    );
     assert!(point.unwrap().contains("&lt;/script&gt;"));
 }
 
@@ -67,9 +80,14 @@ fn the_picture_of_the_sample_study_is_current() {
         parts.map(str::to_owned).collect()
     };
     let (kept, made) = (pieces(&kept), pieces(&made));
-    assert_eq!(kept.len(), made.len(), "out/plots/overview.svg is another picture");
+    assert_eq!(
+        kept.len(),
+        made.len(),
+        "out/plots/overview.svg is another picture"
+    );
     for (a, b) in kept.iter().zip(&made) {
-        let number = |s: &str| s[..s.len() - s.chars().last().map_or(0, char::len_utf8)].parse::<f64>();
+        let number =
+            |s: &str| s[..s.len() - s.chars().last().map_or(0, char::len_utf8)].parse::<f64>();
         match (number(a), number(b)) {
             // A pixel: what the last digits of a platform or a better optimum may do.
             (Ok(x), Ok(y)) => assert!((x - y).abs() <= 1.0, "{a} and {b}"),

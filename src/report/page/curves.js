@@ -34,7 +34,8 @@ const designTraces = (c, output, abscissa, design) => {
   let number = 0;
   for (const [rack, rows] of byRack) {
     number += 1;
-    const name = byRack.size > 1 ? `${label}, rack ${brief(rack)}` : label;
+    const rackName = `rack ${brief(rack)}`;
+    const name = byRack.size === 1 ? label : record.designs.length === 1 ? rackName : `${label}, ${rackName}`;
     traces.push({
       type: 'scatter', mode: 'lines+markers', connectgaps: false, name,
       showlegend: byRack.size < 7 || number === 1 || number === byRack.size, marker: { size: 6, color: 'rgba(0,0,0,0)' },
@@ -49,7 +50,7 @@ const designTraces = (c, output, abscissa, design) => {
         type: 'scatter', mode: 'markers', name: `${label}, not solved`, legendgroup: `${label}, not solved`,
         showlegend: !traces.some((t) => t.xaxis), xaxis: 'x2',
         x: failed.map(() => (isLast(design) ? 0.02 : 0.05)), y: failed.map(({ row }) => places[row]),
-        text: failed.map((f) => plain(reason(f))), hovertemplate: `${byRack.size > 1 ? `rack ${brief(rack)}: ` : ''}%{text}`,
+        text: failed.map((f) => plain(reason(f))), hovertemplate: `${byRack.size > 1 ? `${rackName}: ` : ''}%{text}`,
         marker: { symbol: 'x-thin', size: 6, line: { color: isLast(design) ? c.bad : c.before, width: 1.5 } },
       });
     }

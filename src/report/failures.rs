@@ -23,31 +23,38 @@ pub struct Stretch {
 impl Stretch {
     /// The failed stretches of some curves, in the order of their stations.
     pub fn all(curves: &Curves) -> Vec<Stretch> {
+        let stations = &curves.stations;
         let mut stretches: Vec<Stretch> = Vec::new();
-        for (index, station) in curves.stations.iter().enumerate() {
+        for (index, station) in stations.iter().enumerate() {
             let Status::Failed(failure) = station.status else {
                 continue;
             };
             let reason = failure.to_string();
-            match stretches.last_mut() {
-                Some(s) if s.last + 1 == index && s.reason == reason => s.last = index,
-                _ => stretches.push(Stretch {
+            let continues = |s: &&mut Stretch| {
+                let last = &stations[s.last];
+                s.last + 1 == index && s.reason == reason && last.rack == station.rack
+            };
+            if let Some(stretch) = stretches.last_mut().filter(continues) {
+                stretch.last = index;
+            } else {
+                stretches.push(Stretch {
                     first: index,
                     last: index,
                     status: station.status.word().to_owned(),
                     reason,
                     place: String::new(),
-                }),
+                });
             }
         }
         for stretch in &mut stretches {
-            let [first, last] = [stretch.first, stretch.last].map(|i| place(&curves.stations[i]));
-            stretch.place = match stretch.last - stretch.first {
-                0 => first,
-                more => format!("{first} to {last} ({} stations)", more + 1),
-            };
+            stretch.place = place(&stations[stretch.first..=stretch.last]);
         }
         stretches
+    }
+
+    /// Number of stations.
+    pub fn stations(&self) -> usize {
+        (self.last + 1).saturating_sub(self.first)
     }
 }
 
@@ -57,14 +64,29 @@ impl fmt::Display for Stretch {
     }
 }
 
-/// A station in words.
-fn place(station: &Station) -> String {
-    let drive = match (station.angle, station.travel) {
-        (Some(angle), _) => format!("drive at {} deg", shortest(angle)),
-        (None, travel) => format!("travel {}", travel.map_or_else(String::new, shortest)),
+/// Neighbouring stations at one displacement of the rack, in words.
+fn place(stations: &[Station]) -> String {
+    let [first, last] = [&stations[0], &stations[stations.len() - 1]];
+    let (drive, unit) = match first.angle {
+        Some(_) => ("angle", " deg"),
+        None => ("travel", ""),
     };
-    match station.rack {
-        0.0 => drive,
-        rack => format!("{drive}, rack {}", shortest(rack)),
+    let value = |s: &Station| s.angle.or(s.travel).map_or_else(String::new, whole);
+    let mut text = match stations.len() {
+        1 => format!("{drive} {}{unit}", value(first)),
+        _ => format!("{drive} {} to {}{unit}", value(first), value(last)),
+    };
+    if first.rack != 0.0 {
+        text += &format!(", rack {}", whole(first.rack));
     }
+    match stations.len() {
+        1 => text,
+        n => format!("{text} ({n} stations)"),
+    }
+}
+
+/// A number without a trailing ".0".
+fn whole(value: f64) -> String {
+    let text = shortest(value);
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

@@ -16,8 +16,10 @@ pub struct Influence {
     pub coordinate: String,
     /// The derivative with the largest magnitude over the motion, in the output's unit per length unit.
     pub largest: f64,
-    /// The root mean square of the derivative over the motion.
+    /// The root mean square of the derivative over the motion: how far the curve moves.
     pub rms: f64,
+    /// The same of its difference from its mean: how much the curve bends, wherever it moves to.
+    pub bend: f64,
 }
 
 /// The influence of every coordinate on every characteristic of a plan, with the rack at its first
@@ -60,7 +62,10 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
         let largest = over_motion()
             .map(|s| s.value)
             .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let squares: f64 = over_motion().map(|s| s.value * s.value).sum();
+        let mean_of = |f: &dyn Fn(f64) -> f64| {
+            over_motion().map(|s| f(s.value)).sum::<f64>() / stations as f64
+        };
+        let mean = mean_of(&|v| v);
         let influence = Influence {
             output: found.columns[first.column].name.clone(),
             coordinate: format!(
@@ -69,7 +74,8 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
                 first.axis.name()
             ),
             largest: largest.unwrap_or(0.0),
-            rms: (squares / stations as f64).sqrt(),
+            rms: mean_of(&|v| v * v).sqrt(),
+            bend: mean_of(&|v| (v - mean) * (v - mean)).sqrt(),
         };
         if influence.rms > 0.0 && influence.rms.is_finite() {
             influences.push(influence);

@@ -3,7 +3,7 @@
 use crate::curves::Course;
 use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver};
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, SteeringAxis, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -119,9 +119,8 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
                 strut = Some((top, lower));
                 joints.push(lower);
             }
-            Constraint::Revolute { first, second } => {
-                add(MemberKind::Arm, &[first, mechanism.wheel_centre, second]);
-            }
+            // The knuckle is the arm itself.
+            Constraint::Revolute { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring
@@ -175,19 +174,25 @@ impl Placement {
             [x + 0.0, y + 0.0, z + 0.0]
         };
         let mechanism = &suspension.mechanism;
-        let through = |axis: SteeringAxis| match axis {
-            SteeringAxis::Through { lower, upper } => Some([lower, upper]),
-            SteeringAxis::Instantaneous => None,
-        };
         Placement {
             points: (0..mechanism.points.len())
                 .map(|i| outside(at.point(PointId(i))))
                 .collect(),
             spin_axis: outside(at.spin_axis()),
-            steering_axis: mechanism
-                .steering_axis
-                .and_then(through)
-                .map(|ends| ends.map(|id| outside(at.point(id)))),
+            steering_axis: steering_axis(suspension, at).map(|ends| ends.map(outside)),
         }
     }
+}
+
+/// Two points of the steering axis: its joints, or for an instantaneous one two points
+/// below and above the wheel's centre.
+fn steering_axis<T: Real>(suspension: &Suspension, at: &Posture<T>) -> Option<[Vector3<T>; 2]> {
+    if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
+        return Some([lower, upper].map(|id| at.point(id)));
+    }
+    let (point, along) = at.steering_axis()?;
+    let along = along.normalised();
+    let foot = point + along * along.dot(at.point(at.mechanism.wheel_centre) - point);
+    let half = along.map(|c| c.scaled(0.5 * suspension.size()));
+    Some([foot - half, foot + half])
 }

@@ -34,10 +34,11 @@ const designTraces = (c, output, abscissa, design) => {
   let number = 0;
   for (const [rack, rows] of byRack) {
     number += 1;
-    const name = byRack.size > 1 ? `${label}, rack ${brief(rack)}` : label;
+    const rackName = `rack ${brief(rack)}`;
+    const name = byRack.size === 1 ? label : record.designs.length === 1 ? rackName : `${label}, ${rackName}`;
     traces.push({
-      type: 'scatter', mode: 'lines+markers', connectgaps: false, name, legendgroup: label,
-      showlegend: number === 1, marker: { size: 6, color: 'rgba(0,0,0,0)' },
+      type: 'scatter', mode: 'lines+markers', connectgaps: false, name,
+      showlegend: byRack.size < 7 || number === 1 || number === byRack.size, marker: { size: 6, color: 'rgba(0,0,0,0)' },
       x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
       line: { color: colour, width: isLast(design) ? 2.2 : 1.6, dash: isLast(design) ? 'solid' : 'dash' },
       opacity: 0.35 + (0.65 * number) / byRack.size,
@@ -46,10 +47,10 @@ const designTraces = (c, output, abscissa, design) => {
     if (failed.length) {
       const reason = ({ station }) => failures.find((f) => f.first <= station && station <= f.last).reason;
       traces.push({
-        type: 'scatter', mode: 'markers', name: `${name}, not solved`, legendgroup: `${label} failed`,
-        showlegend: number === 1, xaxis: 'x2',
+        type: 'scatter', mode: 'markers', name: `${label}, not solved`, legendgroup: `${label}, not solved`,
+        showlegend: !traces.some((t) => t.xaxis), xaxis: 'x2',
         x: failed.map(() => (isLast(design) ? 0.02 : 0.05)), y: failed.map(({ row }) => places[row]),
-        text: failed.map((f) => plain(reason(f))), hovertemplate: 'not solved: %{text}',
+        text: failed.map((f) => plain(reason(f))), hovertemplate: `${byRack.size > 1 ? `${rackName}: ` : ''}%{text}`,
         marker: { symbol: 'x-thin', size: 6, line: { color: isLast(design) ? c.bad : c.before, width: 1.5 } },
       });
     }

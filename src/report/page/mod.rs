@@ -9,6 +9,7 @@ mod policy;
 
 use super::TuningSummary;
 use super::curve_table::CurveTable;
+use super::failures::Stretch;
 use super::run::{Run, Summary};
 use super::table::Table;
 use escape::html;
@@ -99,32 +100,27 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
 /// What matters most, first.
 fn facts(run: &Run) -> String {
     let mut facts = Vec::new();
-    match &run.summary {
-        Summary::Solve(solve) => facts.push(("Motion", html(&solve.headline()))),
-        Summary::Optimise(tuning) => {
-            let [before, after] = tuning.misfits();
-            let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
-            let misfit = format!(
-                "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
-                known(before),
-                known(after)
-            );
-            facts.push(("Misfit", misfit));
-            let [active, all] = tuning.at_bounds();
-            let bounds = format!("{active} of {all} <small>variables</small>");
-            facts.push(("At a bound", bounds));
-        }
+    if let Summary::Optimise(tuning) = &run.summary {
+        let [before, after] = tuning.misfits();
+        let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
+        let misfit = format!(
+            "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
+            known(before),
+            known(after)
+        );
+        facts.push(("Misfit", misfit));
+        let [active, all] = tuning.at_bounds();
+        let bounds = format!("{active} of {all} <small>variables</small>");
+        facts.push(("At a bound", bounds));
     }
-    let failed = run.record.designs.last().map_or(0, |design| {
-        let lengths = design.failures.iter().map(|s| s.last - s.first + 1);
-        lengths.sum()
-    });
-    let stations = run.record.designs.last().map_or(0, |d| d.stations);
-    let failed = match failed {
-        0 => format!("none <small>of {stations} stations</small>"),
-        n => format!("<strong class=\"bad\">{n}</strong> <small>of {stations} stations</small>"),
-    };
-    facts.push(("Not solved", failed));
+    if let Some(design) = run.record.designs.last() {
+        let failed: usize = design.failures.iter().map(Stretch::stations).sum();
+        let all = design.stations;
+        let solved = all.saturating_sub(failed);
+        let class = if failed == 0 { "" } else { " class=\"bad\"" };
+        let solved = format!("<span{class}>{solved}</span> of {all} <small>stations</small>");
+        facts.push(("Solved", solved));
+    }
     let item =
         |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
     facts.iter().map(item).collect()

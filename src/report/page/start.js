@@ -102,6 +102,7 @@ byId('play').addEventListener('click', () => {
 
 for (const output of influenced) option(byId('influence-output'), output.column, output.title);
 byId('influence-output').addEventListener('change', drawRanking);
+byId('measure').addEventListener('change', drawInfluences);
 byId('sensitivities').hidden = influenced.length === 0;
 
 setTheme(wishes.get('theme'));

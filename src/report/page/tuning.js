@@ -19,6 +19,7 @@ const drawHistory = async () => {
   }));
 };
 
+const measure = () => byId('measure').value;
 const influenceOf = (output, coordinate) => record.influences.find((i) => i.output === output && i.coordinate === coordinate);
 const influenced = record.outputs.filter((o) => record.influences.some((i) => i.output === o.column));
 const perLength = (output) => `${output.unit || '1'} per ${record.length_unit}`;
@@ -27,11 +28,11 @@ const drawInfluences = async () => {
   const c = colours();
   const most = new Map(influenced.map((o) => [
     o.column,
-    Math.max(...record.influences.filter((i) => i.output === o.column).map((i) => i.rms)),
+    Math.max(...record.influences.filter((i) => i.output === o.column).map((i) => i[measure()])),
   ]));
   const share = (output, coordinate) => {
     const found = influenceOf(output, coordinate);
-    return found ? found.rms / most.get(output) : 0;
+    return found && most.get(output) > 0 ? found[measure()] / most.get(output) : 0;
   };
   const strength = (coordinate) => Math.max(...influenced.map((o) => share(o.column, coordinate)));
   const coordinates = [...new Set(record.influences.map((i) => i.coordinate))]
@@ -39,18 +40,18 @@ const drawInfluences = async () => {
     .slice(0, 24);
   const cells = (value) => coordinates.map((k) => influenced.map((o) => value(o, influenceOf(o.column, k), k)));
   const element = byId('influence-map');
-  element.style.height = `${150 + 23 * coordinates.length}px`;
+  element.style.height = `${176 + 23 * coordinates.length}px`;
   await draw(element, [{
     type: 'heatmap', x: influenced.map((o) => plain(o.title)), y: coordinates.map(plain),
     z: cells((o, _, k) => share(o.column, k)), zmin: 0, zmax: 1, showscale: false, xgap: 1, ygap: 1,
     colorscale: [[0, c.panel], [1, c.accent]],
-    text: cells((o, found, k) => (share(o.column, k) < 0.01 ? '' : found.rms.toPrecision(2))), texttemplate: '%{text}',
-    customdata: cells((o, found) => (found ? `rms ${brief(found.rms)}, largest ${brief(found.largest)} ${perLength(o)}` : 'none')),
+    text: cells((o, found, k) => (share(o.column, k) < 0.01 ? '' : found[measure()].toPrecision(2))), texttemplate: '%{text}',
+    customdata: cells((o, found) => (found ? `moves ${brief(found.rms)}, bends ${brief(found.bend)}, at most ${brief(found.largest)} ${perLength(o)}` : 'none')),
     hovertemplate: '%{y} on %{x}<br>%{customdata}<extra></extra>',
   }], layout(c, {
     xaxis: axis(c, { side: 'top', tickangle: -35, showgrid: false }),
     yaxis: axis(c, { autorange: 'reversed', showgrid: false }),
-    margin: { l: 10, r: 10, t: 10, b: 10 },
+    margin: { l: 10, r: 10, t: 36, b: 10 },
   }));
   await drawRanking();
 };
@@ -58,13 +59,13 @@ const drawInfluences = async () => {
 const drawRanking = async () => {
   const c = colours();
   const output = influenced.find((o) => o.column === byId('influence-output').value);
-  const ranked = record.influences.filter((i) => i.output === output.column).sort((a, b) => b.rms - a.rms).slice(0, 15);
+  const ranked = record.influences.filter((i) => i.output === output.column).sort((a, b) => b[measure()] - a[measure()]).slice(0, 15);
   const element = byId('influence-bars');
   element.style.height = `${110 + 23 * ranked.length}px`;
   await draw(element, [{
-    type: 'bar', orientation: 'h', x: ranked.map((i) => i.rms), y: ranked.map((i) => plain(i.coordinate)),
+    type: 'bar', orientation: 'h', x: ranked.map((i) => i[measure()]), y: ranked.map((i) => plain(i.coordinate)),
     marker: { color: c.accent }, customdata: ranked.map((i) => brief(i.largest)),
-    hovertemplate: '%{y}: rms %{x:.4~g}, largest %{customdata}<extra></extra>',
+    hovertemplate: '%{y}: %{x:.4~g}, at most %{customdata}<extra></extra>',
   }], layout(c, {
     xaxis: axis(c, { title: { text: plain(`${output.title} [${perLength(output)}]`) }, rangemode: 'tozero' }),
     yaxis: axis(c, { autorange: 'reversed' }),

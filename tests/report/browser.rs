@@ -1,0 +1,136 @@
+//! The page in a real browser, where there is one.
+
+use super::*;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+const BROWSERS: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+];
+const PATIENCE: Duration = Duration::from_secs(300);
+
+fn browser() -> Option<PathBuf> {
+    let folders = std::env::var_os("PATH")?;
+    let folders: Vec<PathBuf> = std::env::split_paths(&folders).collect();
+    let mut all = BROWSERS
+        .iter()
+        .flat_map(|name| folders.iter().map(move |f| f.join(name)));
+    all.find(|path| path.is_file())
+}
+
+/// What a browser makes of a page: attributes of its root element, and what it wrote to the console.
+struct Shown {
+    root: String,
+    console: Vec<String>,
+}
+
+impl Shown {
+    fn of(browser: &Path, run: &Run, hash: &str) -> Shown {
+        let scratch = tempfile::tempdir().unwrap();
+        let [dom, log] = ["dom", "log"].map(|name| scratch.path().join(name));
+        let child = std::process::Command::new(browser)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--no-first-run",
+                "--disable-extensions",
+            ])
+            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args([
+                "--enable-logging=stderr",
+                "--virtual-time-budget=20000",
+                "--dump-dom",
+            ])
+            .arg(format!(
+                "--user-data-dir={}",
+                scratch.path().join("profile").display()
+            ))
+            .arg(format!(
+                "file://{}{hash}",
+                run.path().join("report.html").display()
+            ))
+            .stdout(fs::File::create(&dom).unwrap())
+            .stderr(fs::File::create(&log).unwrap())
+            .stdin(Stdio::null())
+            .spawn()
+            .unwrap();
+        wait(child);
+        let dom = String::from_utf8_lossy(&fs::read(&dom).unwrap()).into_owned();
+        let log = String::from_utf8_lossy(&fs::read(&log).unwrap()).into_owned();
+        let start = dom
+            .find("<html")
+            .unwrap_or_else(|| panic!("no page:\n{log}"));
+        let end = start + dom[start..].find('>').unwrap();
+        let said = log.lines().filter(|l| l.contains(":CONSOLE"));
+        Shown {
+            root: dom[start..end].to_owned(),
+            // A hint on speed, about the plotting library's own canvas.
+            console: said
+                .filter(|l| !l.contains("willReadFrequently"))
+                .map(str::to_owned)
+                .collect(),
+        }
+    }
+
+    fn attribute(&self, name: &str) -> &str {
+        let opening = format!("data-{name}=\"");
+        let start = self
+            .root
+            .find(&opening)
+            .unwrap_or_else(|| panic!("{name}: {}", self.root));
+        let value = &self.root[start + opening.len()..];
+        &value[..value.find('"').unwrap()]
+    }
+}
+
+fn wait(mut child: Child) {
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > PATIENCE {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("the browser did not end within {PATIENCE:?}");
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+#[test]
+fn a_browser_draws_everything_and_moves_the_wheel() {
+    let Some(browser) = browser() else {
+        eprintln!(
+            "\n*** SKIPPED: no browser ({}) to open the report in ***\n",
+            BROWSERS.join(", ")
+        );
+        return;
+    };
+    let run = hostile();
+    let (header, columns) = run.csv("curves.csv");
+    let outputs = header.len() - 2;
+    for station in [5, 30] {
+        let shown = Shown::of(&browser, &run, &format!("#station={station}"));
+        assert!(shown.console.is_empty(), "{:#?}", shown.console);
+        assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
+        assert_eq!(shown.attribute("ready"), "true");
+        // The curves, the mechanism, the history and two plots of sensitivities.
+        assert_eq!(shown.attribute("plots-drawn"), (outputs + 4).to_string());
+        assert_eq!(shown.attribute("station"), station.to_string());
+        let centre: Vec<f64> = shown
+            .attribute("wheel-centre")
+            .split(' ')
+            .map(|n| n.parse().unwrap())
+            .collect();
+        let solved: Vec<f64> = ["x", "y", "z"]
+            .iter()
+            .map(|axis| {
+                let name = format!("wheel_centre_{axis}_mm");
+                let column = header.iter().position(|n| *n == name).unwrap();
+                columns[column][station].parse().unwrap()
+            })
+            .collect();
+        assert_eq!(centre, solved);
+    }
+}

@@ -1,0 +1,112 @@
+//! The page and the pictures of a run: what is in them, what must not be, and what a browser shows.
+
+mod browser;
+mod page;
+mod pictures;
+mod refusals;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A run in a directory of its own.
+struct Run {
+    directory: tempfile::TempDir,
+}
+
+impl Run {
+    /// Runs a command on a study of this name and text, with `--report` and `--plots`.
+    fn of(command: &str, name: &str, study: &str, more: &[&str]) -> Run {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(format!("{name}.toml"));
+        fs::write(&path, study).unwrap();
+        let run = Run { directory };
+        let mut command = hardpoint(&[command]);
+        command.arg(&path).arg("--out").arg(run.path());
+        command.args(["--report", "--plots"]).arg(run.plots());
+        let ended = command.args(more).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert!(matches!(ended.status.code(), Some(0 | 1)), "{said}");
+        run
+    }
+
+    fn path(&self) -> PathBuf {
+        self.directory.path().join("run")
+    }
+
+    fn plots(&self) -> PathBuf {
+        self.directory.path().join("plots")
+    }
+
+    fn page(&self) -> String {
+        fs::read_to_string(self.path().join("report.html")).unwrap()
+    }
+
+    /// The data in the page.
+    fn data(&self) -> Value {
+        let page = self.page();
+        let opening = r#"<script type="application/json" id="run">"#;
+        let start = page.find(opening).unwrap() + opening.len();
+        let end = start + page[start..].find("</script>").unwrap();
+        serde_json::from_str(&page[start..end]).unwrap()
+    }
+
+    /// A CSV file: its header, and its cells by column.
+    fn csv(&self, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+        let mut reader = csv::Reader::from_path(self.path().join(name)).unwrap();
+        let header: Vec<String> = reader
+            .headers()
+            .unwrap()
+            .iter()
+            .map(str::to_owned)
+            .collect();
+        let mut columns = vec![Vec::new(); header.len()];
+        for record in reader.records() {
+            for (column, cell) in columns.iter_mut().zip(&record.unwrap()) {
+                column.push(cell.to_owned());
+            }
+        }
+        (header, columns)
+    }
+}
+
+fn hardpoint(arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    command.args(arguments);
+    command
+}
+
+fn studies() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+fn study(name: &str) -> String {
+    fs::read_to_string(studies().join(name)).unwrap()
+}
+
+/// Travel beyond what the strut allows, at several places of the rack.
+const TOO_FAR: [&str; 4] = [
+    "--set",
+    "motion.travel={from=-360.0,to=360.0,steps=37}",
+    "--set",
+    "motion.rack={from=-40.0,to=40.0,steps=3}",
+];
+
+/// A name that is markup, a script, a template, a sentence that turns round, and a car.
+const HOSTILE_NAME: &str = "<img src=x onerror=alert(1)>\"'&amp;{data} \u{202e}abc 🏎";
+const HOSTILE_POINT: &str = "</script><script>alert(1)</script>";
+
+/// A tuning whose study and one of whose points are named so.
+fn hostile() -> Run {
+    let point = format!(
+        "[suspension.extra_points]\n\"{HOSTILE_POINT}\" = {{ body = \"knuckle\", position = [10.0, 700.0, 200.0] }}\n\n[wheel]"
+    );
+    let text = study("macpherson_front.toml")
+        .replace("[wheel]", &point)
+        .replace(
+            "[outputs]",
+            &format!("[outputs]\npoints = [\"wheel_centre\", \"{HOSTILE_POINT}\"]"),
+        );
+    Run::of("optimise", HOSTILE_NAME, &text, &[])
+}

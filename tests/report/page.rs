@@ -1,0 +1,178 @@
+//! What is in the page.
+
+use super::*;
+
+/// The page without the plotting library, which is somebody else's text.
+fn own_text(page: &str) -> String {
+    let start = page.find("<script>/**").expect("the library's banner");
+    let end = start + page[start..].find("</script>").unwrap();
+    format!("{}{}", &page[..start], &page[end..])
+}
+
+#[test]
+fn it_is_small_and_needs_nothing_else() {
+    for run in [
+        Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]),
+        Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]),
+    ] {
+        let page = run.page();
+        assert!(page.len() < 6_000_000, "{} bytes", page.len());
+        let own = own_text(&page);
+        for address in ["http:", "https:", "//cdn", "src=", "@import", "url("] {
+            assert!(!own.contains(address), "{address}");
+        }
+        assert!(own.contains("default-src &#39;none&#39;"));
+        assert!(!own.contains("unsafe-eval"));
+        assert!(own.contains("Permission is hereby granted"));
+        assert_eq!(
+            page.matches("<script").count() - page.matches("\"<script").count(),
+            3
+        );
+    }
+}
+
+#[test]
+fn a_large_run_still_makes_a_small_page() {
+    let run = Run::of(
+        "solve",
+        "large",
+        &study("macpherson_solve.toml"),
+        &["--set", "motion.travel={from=-80.0,to=80.0,steps=20001}"],
+    );
+    let page = run.page();
+    assert!(page.len() < 6_000_000, "{} bytes", page.len());
+    assert!(page.contains("of 20001 stations are drawn"));
+    let travel = &run.data()["curves"][0]["columns"][0];
+    let travel = travel.as_array().unwrap();
+    assert_eq!(travel[0], -80.0);
+    assert_eq!(travel[travel.len() - 1], 80.0);
+}
+
+#[test]
+fn its_values_are_those_of_the_files() {
+    let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
+    let data = run.data();
+    for (design, file) in ["curves_before.csv", "curves.csv"].into_iter().enumerate() {
+        let (header, columns) = run.csv(file);
+        let table = &data["curves"][design];
+        for (k, name) in header.iter().enumerate().filter(|(_, n)| *n != "status") {
+            assert_eq!(table["header"][k], **name);
+            let cells: Vec<f64> = columns[k].iter().map(|c| c.parse().unwrap()).collect();
+            assert_eq!(table["columns"][k], Value::from(cells), "{name}");
+        }
+    }
+    let summary: Value =
+        serde_json::from_str(&fs::read_to_string(run.path().join("summary.json")).unwrap())
+            .unwrap();
+    let misfit = summary["misfit_after"].as_f64().unwrap();
+    assert!(
+        run.page()
+            .contains(&format!("<strong>{misfit:.2}</strong>"))
+    );
+    assert!(run.page().contains("at upper bound"));
+}
+
+#[test]
+fn the_drawing_is_the_solvers() {
+    let text = study("macpherson_front.toml").replace(
+        "[outputs]",
+        "[outputs]\npoints = [\"wheel_centre\", \"tie_rod_outer\"]",
+    );
+    let run = Run::of("optimise", "plain", &text, &[]);
+    let data = run.data();
+    let (header, columns) = run.csv("curves.csv");
+    let names = data["record"]["scene"]["points"].as_array().unwrap();
+    for point in ["wheel_centre", "tie_rod_outer"] {
+        let place = names.iter().position(|n| n == point).unwrap();
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let name = format!("{point}_{axis}_mm");
+            let column = header.iter().position(|n| *n == name).unwrap();
+            for (station, cell) in columns[column].iter().enumerate() {
+                let frame = &data["record"]["designs"][1]["frames"][station];
+                let drawn = frame["pose"]["Ok"]["points"][place][k].as_f64().unwrap();
+                let solved: f64 = cell.parse().unwrap();
+                assert_eq!(drawn, solved, "{name} at station {station}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_topology_is_drawn() {
+    for file in fs::read_dir(studies()).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        let Some(stem) = name.strip_suffix("_solve.toml") else {
+            continue;
+        };
+        let run = Run::of("solve", stem, &study(&name), &[]);
+        let record = &run.data()["record"];
+        let members = record["scene"]["members"].as_array().unwrap();
+        assert!(!members.is_empty(), "{name}");
+        let count = record["scene"]["points"].as_array().unwrap().len();
+        let joined = members
+            .iter()
+            .flat_map(|m| m["through"].as_array().unwrap());
+        assert!(
+            joined
+                .clone()
+                .all(|p| (p.as_u64().unwrap() as usize) < count)
+        );
+        assert!(joined.count() >= 4, "{name}");
+        assert!(
+            !record["influences"].as_array().unwrap().is_empty(),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_failed_station_is_a_gap_with_a_reason() {
+    let run = Run::of("solve", "far", &study("macpherson_solve.toml"), &TOO_FAR);
+    let data = run.data();
+    let table = &data["curves"][0];
+    let status = table["status"].as_array().unwrap();
+    let failed: Vec<usize> = (0..status.len()).filter(|i| status[*i] != "ok").collect();
+    assert!(!failed.is_empty() && failed.len() < status.len());
+    let header = table["header"].as_array().unwrap();
+    let camber = header.iter().position(|n| n == "camber_deg").unwrap();
+    let stretches = data["record"]["designs"][0]["failures"].as_array().unwrap();
+    let page = run.page();
+    for station in failed {
+        assert!(table["columns"][camber][station].is_null());
+        let frame = &data["record"]["designs"][0]["frames"][station];
+        let within = |s: &&Value| {
+            let [first, last] = ["first", "last"].map(|k| s[k].as_u64().unwrap() as usize);
+            (first..=last).contains(&station)
+        };
+        let stretch = stretches.iter().find(within).expect("a reason");
+        assert_eq!(frame["pose"]["Err"], stretch["reason"]);
+        assert!(page.contains(stretch["reason"].as_str().unwrap()));
+    }
+}
+
+#[test]
+fn a_hostile_name_is_text() {
+    let page = hostile().page();
+    let own = own_text(&page);
+    assert!(own.contains(
+        "<bdi>&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;amp;{data} \u{202e}abc 🏎</bdi>"
+    ));
+    assert!(!own.contains("<img"));
+    assert!(!own.contains("<script>alert"));
+    assert!(!own.contains("</script><script>alert"));
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let text = study("macpherson_front.toml").replace("starts = 1", "starts = 4");
+    let files = |threads: &str| {
+        let run = Run::of("optimise", "plain", &text, &["--threads", threads]);
+        let again = hardpoint(&["report"]).arg(run.path()).output().unwrap();
+        assert!(again.status.success());
+        (
+            run.page(),
+            fs::read(run.plots().join("overview.svg")).unwrap(),
+        )
+    };
+    assert!(files("1") == files("2"));
+}

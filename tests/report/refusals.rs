@@ -1,0 +1,77 @@
+//! Directories that are not runs, and calls that make no sense.
+
+use super::*;
+
+fn refused(command: &mut Command, part: &str) {
+    let ended = command.output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(2), "{said}");
+    assert!(said.starts_with("error: ") && said.contains(part), "{said}");
+}
+
+#[test]
+fn a_directory_that_is_not_a_run_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let missing = directory.path().join("missing");
+    refused(
+        hardpoint(&["report"]).arg(&missing),
+        "there is no such directory",
+    );
+    refused(
+        hardpoint(&["report"]).arg(directory.path()),
+        "there is no report.json",
+    );
+    let file = directory.path().join("report.json");
+    fs::write(&file, "{\"form\": 1}").unwrap();
+    refused(
+        hardpoint(&["report"]).arg(directory.path()),
+        "not as `hardpoint` writes it",
+    );
+    fs::write(&file, "{\"form\": 99, \"version\": \"9.9\"}").unwrap();
+    refused(
+        hardpoint(&["report"]).arg(directory.path()),
+        "run the study again",
+    );
+    let left: Vec<_> = fs::read_dir(directory.path()).unwrap().collect();
+    assert_eq!(left.len(), 1, "nothing is written");
+}
+
+#[test]
+fn files_that_do_not_belong_together_are_refused() {
+    let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]);
+    let curves = run.path().join("curves.csv");
+    let text = fs::read_to_string(&curves).unwrap();
+    let shorter: Vec<&str> = text.lines().take(10).collect();
+    for (contents, part) in [
+        (shorter.join("\n"), "41 stations"),
+        (text.replace("camber_deg", "camber"), "no column camber_deg"),
+        (
+            text.replacen("-80.0", "far", 1),
+            "expected a number, found \"far\"",
+        ),
+    ] {
+        fs::write(&curves, contents).unwrap();
+        refused(hardpoint(&["report"]).arg(run.path()), part);
+    }
+    fs::remove_file(&curves).unwrap();
+    refused(hardpoint(&["report"]).arg(run.path()), "curves.csv");
+    let record = run.path().join("report.json");
+    let text = fs::read_to_string(&record).unwrap();
+    fs::write(&record, text.replace("\"curves.csv\"", "\"../curves.csv\"")).unwrap();
+    refused(
+        hardpoint(&["report"]).arg(run.path()),
+        "is not a file's name",
+    );
+}
+
+#[test]
+fn a_report_needs_a_directory() {
+    let study = studies().join("macpherson_solve.toml");
+    for option in [&["--report"][..], &["--plots", "plots"]] {
+        let mut command = hardpoint(&["solve", "--out", "-"]);
+        refused(
+            command.args(option).arg(&study),
+            "with --out - there is none",
+        );
+    }
+}

@@ -1,4 +1,55 @@
 //! Exact suspension kinematics with analytic derivatives, and the tuning of hardpoints.
+//!
+//! A suspension is given by its *hardpoints*, the points its arms, struts and rods hang on. This crate
+//! solves the mechanism exactly for any wheel travel, arm angle and rack displacement, differentiates
+//! everything it finds by travel, by time and by every hardpoint coordinate without a single difference
+//! quotient, and moves hardpoints within bounds until camber, kingpin and other curves are the ones asked
+//! for.
+//!
+//! # Conventions
+//!
+//! Inside the crate there is one frame: a left wheel, x forward, y left (outboard), z up (ISO 8855).
+//! Right-hand wheels and other axis conventions differ by the signs of coordinates and are mapped at the
+//! edges by [`model::Frame`]. Lengths are in the study's unit, whatever it is; angles are in radians
+//! but where names say `deg`. Travel is the height of the wheel centre above its design position, jounce
+//! positive. Signs of characteristics are stated in their catalogue, [`characteristics`].
+//!
+//! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are
+//! recomputed, the value of the drive is held.
+//!
+//! # Map
+//!
+//! Data goes one way, from a study to its results:
+//!
+//! | module | what |
+//! |---|---|
+//! | [`study`] | the file as written, what it means, everything that can be wrong with it |
+//! | [`model`] | hardpoints, bodies, constraints; one file for each topology |
+//! | [`plan`] | what a study asks for, turned into what is computed |
+//! | [`kinematics`] | poses, rates, sensitivities |
+//! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
+//! | [`curves`] | a plan carried out over a motion |
+//! | [`optimise`] | targets as bounded least squares, and their minimum |
+//! | [`report`] | files and tables |
+//! | [`cli`] | the command line |
+//! | [`number`] | Taylor series and gradients as numbers: how one formula serves for all derivatives |
+//!
+//! # Example
+//!
+//! ```
+//! use hardpoint::{curves::curves, model::Topology, plan::Plan, study::Study};
+//! use std::path::Path;
+//!
+//! let template = Topology::named("macpherson").unwrap().template;
+//! let study = Study::from_text("mine.toml", template, Path::new("."))?;
+//! let plan = Plan::of(&study);
+//! let curves = curves(&study.suspension, &plan).expect("the template can be solved");
+//! assert_eq!(curves.columns[0].name, "camber_deg");
+//! let full_jounce = curves.stations.last().unwrap();
+//! println!("camber at {:?}: {:?}", full_jounce.travel, full_jounce.values[0]);
+//! # Ok::<(), hardpoint::study::StudyErrors>(())
+//! ```
+
 pub mod characteristics;
 pub mod cli;
 pub mod curves;

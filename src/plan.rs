@@ -124,6 +124,12 @@ impl Plan {
         }
     }
 
+    /// Whether an output needs the steering axis.
+    pub fn reads_steering_axis(&self) -> bool {
+        let mut quantities = self.outputs.iter().map(|o| o.quantity);
+        quantities.any(Quantity::reads_steering_axis)
+    }
+
     /// Number of stations: drive values times rack displacements.
     pub fn stations(&self) -> usize {
         self.march.values().len() * self.racks.len()

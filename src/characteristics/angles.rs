@@ -1,6 +1,6 @@
 //! The four angles of wheel and steering axis.
 
-use super::{Formula, Info, Inputs, Slot, Unit};
+use super::{Formula, Info, Inputs, Need, Slot, Unit};
 use crate::number::Real;
 
 /// Inclination of the wheel.
@@ -50,7 +50,7 @@ impl Formula for Caster {
         formula: "atan2(-k_x, k_z)",
         source: "ISO 8855 (castor angle)",
         reads: &[Slot::SteeringDirection],
-        needs: &[],
+        needs: &[Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
@@ -69,7 +69,7 @@ impl Formula for KingpinInclination {
         formula: "atan2(-k_y, k_z)",
         source: "ISO 8855 (steering-axis inclination angle)",
         reads: &[Slot::SteeringDirection],
-        needs: &[],
+        needs: &[Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {

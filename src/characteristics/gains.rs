@@ -38,7 +38,7 @@ macro_rules! gain {
                 formula: $formula,
                 source: "derivative of the angle by wheel travel, from the velocity analysis",
                 reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
-                needs: &[],
+                needs: <angles::$angle as Formula>::INFO.needs,
             };
             #[inline]
             fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {

@@ -41,6 +41,8 @@ pub enum Need {
     Spring,
     /// `strut_upper` in `[suspension.hardpoints]`.
     StrutUpper,
+    /// A steering axis in the topology: a wheel that can be steered, or held against steering.
+    SteeringAxis,
 }
 
 /// What the catalogue says of a characteristic.
@@ -66,6 +68,16 @@ impl Info {
     /// Whether the formula reads velocities, so that the pose must be known with its rates.
     pub fn reads_rates(&self) -> bool {
         self.reads.iter().any(|slot| slot.is_rate())
+    }
+
+    /// Whether the formula reads the steering axis.
+    pub fn reads_steering_axis(&self) -> bool {
+        self.reads.iter().any(|slot| {
+            matches!(
+                slot,
+                Slot::SteeringPoint | Slot::SteeringDirection | Slot::SteeringDirectionRate
+            )
+        })
     }
 }
 
@@ -176,6 +188,12 @@ mod tests {
             assert_eq!(Characteristic::named(c.info().name), Some(*c));
             assert!(c.info().reads.len() <= Slot::MOST, "{}", c.info().name);
             assert_eq!(*c as usize, i);
+            assert_eq!(
+                c.info().reads_steering_axis(),
+                c.info().needs.contains(&Need::SteeringAxis),
+                "{}",
+                c.info().name
+            );
         }
     }
 

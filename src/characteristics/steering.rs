@@ -30,7 +30,7 @@ impl Formula for ScrubRadius {
         formula: "-(G - C).O",
         source: "steering-axis offset at ground of ISO 8855 (whose \"scrub radius\" is the distance |G - C|)",
         reads: GROUND,
-        needs: &[Need::WheelRadius],
+        needs: &[Need::WheelRadius, Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
@@ -49,7 +49,7 @@ impl Formula for CasterTrail {
         formula: "(G - C).T",
         source: "castor offset at ground of ISO 8855",
         reads: GROUND,
-        needs: &[Need::WheelRadius],
+        needs: &[Need::WheelRadius, Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
@@ -70,7 +70,7 @@ impl Formula for KingpinOffset {
         formula: "W_y - y of the steering axis at height W_z",
         source: "steering-axis offset at wheel centre of ISO 8855, measured horizontally",
         reads: AT_CENTRE,
-        needs: &[],
+        needs: &[Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
@@ -89,7 +89,7 @@ impl Formula for SpindleTrail {
         formula: "x of the steering axis at height W_z - W_x",
         source: "castor offset at wheel centre of ISO 8855",
         reads: AT_CENTRE,
-        needs: &[],
+        needs: &[Need::SteeringAxis],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {

@@ -27,6 +27,11 @@ impl Quantity {
         }
     }
 
+    /// Whether the value depends on the steering axis.
+    pub fn reads_steering_axis(self) -> bool {
+        matches!(self, Quantity::Characteristic(c) if c.info().reads_steering_axis())
+    }
+
     /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
     /// changes its value. (Characteristics made of velocities are ratios of them.)
     pub fn is_rate(self) -> bool {
@@ -205,10 +210,9 @@ impl Slot {
         match self {
             Slot::SpinAxis | Slot::SpinAxisRate => seeds.spin_axis(seed),
             Slot::Centre | Slot::CentreRate => seeds.point(mechanism.wheel_centre, seed),
-            Slot::SteeringPoint => seeds.point(mechanism.steering_axis.lower, seed),
+            Slot::SteeringPoint => seeds.steering_axis(seed, seed.zero()),
             Slot::SteeringDirection | Slot::SteeringDirectionRate => {
-                seeds.point(mechanism.steering_axis.upper, seed);
-                seeds.point(mechanism.steering_axis.lower, -seed);
+                seeds.steering_axis(seed.zero(), seed);
             }
             Slot::SpringLength | Slot::SpringLengthRate => {
                 if let Some(spring) = mechanism.spring {
@@ -233,12 +237,15 @@ impl Slot {
 #[inline]
 fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
     let mechanism = at.mechanism;
-    let steering_point = at.point(mechanism.steering_axis.lower);
+    let spin_axis = at.spin_axis();
+    let (steering_point, steering_direction) = at
+        .steering_axis()
+        .unwrap_or((spin_axis.zero(), spin_axis.zero()));
     Wheel {
-        spin_axis: at.spin_axis(),
+        spin_axis,
         centre: at.point(mechanism.wheel_centre),
         steering_point,
-        steering_direction: at.point(mechanism.steering_axis.upper) - steering_point,
+        steering_direction,
         spring_length: match mechanism.spring {
             Some(spring) => (at.point(spring.upper) - at.point(spring.lower)).norm(),
             None => at.rack.zero(),
@@ -250,18 +257,18 @@ fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
     }
 }
 
-/// Wheel and steering axis in the design position.
+/// The wheel in the design position.
 #[inline]
 fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
-    let mechanism = at.mechanism;
-    let steering_point = at.designed(mechanism.steering_axis.lower);
+    let spin_axis = at.designed_spin_axis();
     Wheel {
-        spin_axis: at.designed_spin_axis(),
-        centre: at.designed(mechanism.wheel_centre),
-        steering_point,
-        steering_direction: at.designed(mechanism.steering_axis.upper) - steering_point,
+        spin_axis,
+        centre: at.designed(at.mechanism.wheel_centre),
+        // No formula reads the steering axis, the spring or the strut in the design position.
+        steering_point: spin_axis.zero(),
+        steering_direction: spin_axis.zero(),
         spring_length: at.rack.zero(),
-        strut_upper: steering_point.zero(),
+        strut_upper: spin_axis.zero(),
     }
 }
 

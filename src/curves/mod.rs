@@ -31,6 +31,7 @@ impl Status {
                 | Failure::RackUnreachable { .. }
                 | Failure::DeadCentre => "unreachable",
                 Failure::Singular => "singular",
+                Failure::Uncertified(_) => "uncertified",
                 Failure::PointCoordinates { refusal, .. } => match refusal {
                     Refusal::Unreachable { .. } | Refusal::RackUnreachable { .. } => "unreachable",
                     Refusal::Singular(_) | Refusal::NotFinite => "singular",

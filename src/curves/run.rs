@@ -60,7 +60,8 @@ impl<'a, const N: usize> Run<'a, N> {
         Run {
             suspension,
             plan,
-            lifted: Lifted::new(&suspension.mechanism, &suspension.design),
+            lifted: Lifted::new(&suspension.mechanism, &suspension.design)
+                .with_steering_axis(plan.reads_steering_axis()),
             stations: stations
                 .map(|(rack, number, value)| at(rack, number, value))
                 .collect(),

@@ -4,11 +4,19 @@
 //! design --Solver--> pose --pose_series--> rates, curvature --Linearised--> sensitivities
 //! ```
 //!
-//! [`path`](Solver) finds poses connected to the design position: by the closed form of [`strut`] where
+//! [`path`](Solver) finds poses connected to the design position: by the closed form of [`closed_form`] where
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod assemblies;
+mod certificate;
+mod closed_form;
 mod closure;
+mod conditioning;
+mod constraint;
+mod continuation;
+mod limits;
+mod loads;
 mod lu;
 mod motion;
 mod paper_theta;
@@ -17,11 +25,16 @@ pub mod point_coordinates;
 mod pose;
 mod rates;
 mod sensitivity;
-mod strut;
+mod steering;
 
+pub use assemblies::{Assemblies, Assembly};
+pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
+pub use conditioning::Conditioning;
+pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
+pub use loads::{Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
-pub use pose::{Pose, Posture};
+pub use pose::{Pose, Posture, Twist};
 pub use sensitivity::{Linearised, Seeds};

@@ -1,11 +1,12 @@
 //! A design lifted to power series, to be evaluated pose by pose.
 
 use super::closure::{Closure, Driver};
-use super::lu::Lu6;
+use super::lu::{Lu6, Vector6};
 use super::pose::{Pose, Posture};
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
-use crate::model::{Drive, Mechanism};
+use super::steering::{Steered, twist_by_rack};
+use crate::model::{Drive, Mechanism, SteeringAxis};
 use crate::number::{Jet, Vector3};
 
 /// Where the motion is: the drive with its kind, and the rack.
@@ -42,7 +43,8 @@ impl MotionPoint<f64> {
 }
 
 impl<const N: usize> MotionPoint<Jet<f64, N>> {
-    fn driver(&self) -> Driver<Jet<f64, N>> {
+    /// The drive equation along the motion.
+    pub(super) fn driver(&self) -> Driver<Jet<f64, N>> {
         match self.drive {
             Drive::Travel => Driver::Travel(self.value),
             Drive::ArmAngle => {
@@ -58,6 +60,8 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
 pub struct Lifted<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
+    /// Where the steering axis is an instantaneous one.
+    steered: Option<Steered<N>>,
 }
 
 impl<const N: usize> Lifted<N> {
@@ -65,7 +69,22 @@ impl<const N: usize> Lifted<N> {
     pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
         let closure = Closure::new(mechanism, &design);
-        Lifted { design, closure }
+        let steered = (mechanism.steering_axis == Some(SteeringAxis::Instantaneous))
+            .then(|| Steered::new(mechanism, &design));
+        Lifted {
+            design,
+            closure,
+            steered,
+        }
+    }
+
+    /// Leaves out the steering axis if it is not `wanted` and takes more than the position of two
+    /// joints.
+    pub fn with_steering_axis(mut self, wanted: bool) -> Self {
+        if !wanted {
+            self.steered = None;
+        }
+        self
     }
 
     /// Takes over another design of the same mechanism, without allocating.
@@ -74,6 +93,9 @@ impl<const N: usize> Lifted<N> {
             *lifted = point.map(Jet::constant);
         }
         self.closure.prepare(mechanism, &self.design);
+        if let Some(steered) = &mut self.steered {
+            steered.prepare(mechanism, &self.design);
+        }
     }
 
     /// The posture in a solved pose, as a series along `motion`, with the factors of its Jacobian if
@@ -90,13 +112,14 @@ impl<const N: usize> Lifted<N> {
     ) -> Option<(Posture<'a, Jet<f64, N>>, Option<Lu6<f64>>)> {
         let mut series = pose.map(Jet::constant);
         let mut factors = None;
-        if N > 1 || linearise {
+        if N > 1 || linearise || self.steered.is_some() {
             let rack = motion.rack[0];
             let at = Posture {
                 mechanism,
                 design,
                 pose: *pose,
                 rack,
+                steering: None,
             };
             let point = MotionPoint {
                 drive: motion.drive,
@@ -107,12 +130,17 @@ impl<const N: usize> Lifted<N> {
             series = self.series(mechanism, &lu, pose, motion);
             factors = Some(lu);
         }
-        let posture = Posture {
+        let mut posture = Posture {
             mechanism,
             design: &self.design,
             pose: series,
             rack: motion.rack,
+            steering: None,
         };
+        if let (Some(_), Some(lu)) = (&self.steered, &factors) {
+            let twist = twist_by_rack(&posture, &self.closure, motion.driver(), lu);
+            posture.steering = Some(twist);
+        }
         Some((posture, factors))
     }
 
@@ -135,6 +163,23 @@ impl<const N: usize> Lifted<N> {
         )
     }
 
+    /// The residuals of the closure equations along a series of poses.
+    pub(super) fn residuals(
+        &self,
+        mechanism: &Mechanism,
+        pose: &Pose<Jet<f64, N>>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Vector6<Jet<f64, N>> {
+        let at = Posture {
+            mechanism,
+            design: &self.design,
+            pose: *pose,
+            rack: motion.rack,
+            steering: None,
+        };
+        self.closure.residuals(&at, motion.driver())
+    }
+
     /// A series of poses of this design.
     pub fn at<'a>(
         &'a self,
@@ -147,6 +192,7 @@ impl<const N: usize> Lifted<N> {
             design: &self.design,
             pose,
             rack,
+            steering: None,
         }
     }
 
@@ -157,7 +203,13 @@ impl<const N: usize> Lifted<N> {
         factors: Lu6<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Linearised<'a, N> {
-        Linearised::new(posture, &self.closure, motion.driver(), factors)
+        Linearised::new(
+            posture,
+            &self.closure,
+            self.steered.as_ref(),
+            motion.driver(),
+            factors,
+        )
     }
 }
 

@@ -6,14 +6,18 @@
 //! changing (slope, toggle), else by following the closure equations with steps small enough that
 //! Newton's method cannot leave the branch.
 
+use super::certificate::Unproven;
+use super::closed_form::{ClosedForm, Roles};
 use super::closure::{Closure, Driver};
-use super::lu::Lu6;
+use super::continuation::{Curve, Moving, PathEnd};
+use super::limits::LimitCause;
+use super::loads::{Load, Reactions, Support};
+use super::lu::{Lu6, Matrix6};
 use super::motion::{Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
-use super::strut::{StrutForm, StrutPoints};
-use crate::model::{ClosedForm, Drive, Mechanism, PointId};
+use crate::model::{Constraint, Drive, Mechanism, PointId, SpinAxis};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -21,17 +25,21 @@ use std::ops::ControlFlow;
 /// Why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot get there: the mechanism locks at `limit`.
+    /// The drive cannot get there: the mechanism folds at `limit`.
     Unreachable {
         /// What drives.
         drive: Drive,
-        /// The last value that was reached.
+        /// The value at the fold.
         limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
     },
     /// The rack cannot get there, at zero travel.
     RackUnreachable {
-        /// The last displacement that was reached, towards the kernel's +y.
+        /// The displacement at the fold, towards the kernel's +y.
         limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
     },
     /// The pose was reached, but its derivatives do not exist there.
     Singular,
@@ -44,6 +52,8 @@ pub enum Failure {
         /// Why there is none; the value of the drive in it is as the study counts it.
         refusal: point_coordinates::Refusal,
     },
+    /// A proof was asked for and there is none.
+    Uncertified(Unproven),
 }
 
 /// Why a design cannot be solved at all.
@@ -72,6 +82,21 @@ pub enum DesignFault {
     },
     /// The formulation in point coordinates cannot describe the design.
     PointCoordinates(point_coordinates::Refusal),
+    /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
+    UpperArmInLine {
+        /// The upper ball joint.
+        outer: PointId,
+    },
+    /// Two points that a rod, a strut axis or the wheel's spin axis runs between coincide.
+    Coincident {
+        /// One.
+        first: PointId,
+        /// The other.
+        second: PointId,
+    },
+    /// The coordinates are so large, or the points so close to each other for their distance from the
+    /// origin, that double precision cannot tell them apart.
+    OutOfScale,
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -89,6 +114,14 @@ impl DesignFault {
                 "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
                 name(end)
             ),
+            DesignFault::Coincident { first, second } => format!(
+                "{} and {} coincide, but what runs between them needs a length",
+                name(first),
+                name(second)
+            ),
+            DesignFault::OutOfScale => "the points are too far from the origin, or too large or small, \
+                 for double precision to tell them apart"
+                .to_owned(),
             DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
                  plane with the steering axis"
                 .to_owned(),
@@ -104,6 +137,10 @@ impl DesignFault {
             DesignFault::PointCoordinates(refusal) => format!(
                 "the design position cannot be solved in point coordinates: {refusal}"
             ),
+            DesignFault::UpperArmInLine { outer } => format!(
+                "the upper arm is in line with the steering axis, so it does not hold {}",
+                name(outer)
+            ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
             }
@@ -117,17 +154,23 @@ impl fmt::Display for Failure {
             Failure::Unreachable {
                 drive: Drive::Travel,
                 limit,
-            } => write!(f, "the wheel travel ends at {limit:.6}"),
+                cause,
+            } => write!(f, "the wheel travel ends at {limit:.6}: {cause}"),
             Failure::Unreachable {
                 drive: Drive::ArmAngle,
                 limit,
+                cause,
             } => write!(
                 f,
-                "the arm turns no further than {:.6} deg",
+                "the arm turns no further than {:.6} deg: {cause}",
                 limit.to_degrees()
             ),
-            Failure::RackUnreachable { limit } => {
-                write!(f, "the rack moves no further than {:.6}", limit.abs())
+            Failure::RackUnreachable { limit, cause } => {
+                write!(
+                    f,
+                    "the rack moves no further than {:.6}: {cause}",
+                    limit.abs()
+                )
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
             Failure::DeadCentre => write!(
@@ -152,6 +195,7 @@ impl fmt::Display for Failure {
                 }
             },
             Failure::PointCoordinates { refusal, .. } => refusal.fmt(f),
+            Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
         }
     }
 }
@@ -182,6 +226,11 @@ impl March {
         }
     }
 
+    /// The stations of each side, outward.
+    pub(super) fn sides(&self) -> [&[usize]; 2] {
+        [&self.up, &self.down]
+    }
+
     /// Drive values by station.
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -192,17 +241,22 @@ impl March {
 /// double-precision result would be left.
 pub(super) const DEGENERATE: f64 = 1e-10;
 
+/// Sizes whose eighth powers, and their inverses, are ordinary doubles.
+const SIZES: std::ops::Range<f64> = 1e-30..1e30;
+
 /// Finds the poses of one design after another.
 #[derive(Clone, Debug)]
 pub struct Solver<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
     closure: Closure<f64>,
-    form: Option<(StrutPoints, StrutForm<f64>)>,
+    form: Option<ClosedForm<f64>>,
     /// For the predictor of the step-by-step path; made when first needed.
     lifted: Option<Lifted<3>>,
     lifted_is_current: bool,
     size: f64,
+    /// The largest coordinate, at least the size: what positions are rounded at.
+    reach: f64,
 }
 
 /// A place on the path.
@@ -220,6 +274,8 @@ struct Quick {
     tangent: f64,
     slope: f64,
     before: Option<(f64, f64, f64)>,
+    /// What may not vanish on the way, with its slope by the tangent.
+    margins: [Jet<f64, 2>; 2],
 }
 
 impl<'m> Solver<'m> {
@@ -233,6 +289,7 @@ impl<'m> Solver<'m> {
             lifted: None,
             lifted_is_current: false,
             size: 1.0,
+            reach: 1.0,
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -249,7 +306,15 @@ impl<'m> Solver<'m> {
         let origin = design[self.mechanism.origin.0];
         let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
         self.size = design.iter().fold(0.0, farthest).sqrt();
+        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
+        self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
         self.lifted_is_current = false;
+        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
+        // leave six digits of the size. Written so that NaN, from an overflow, is refused.
+        if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
+            return Err(DesignFault::OutOfScale);
+        }
+        self.check_distinct()?;
         for arm in &self.mechanism.arms {
             let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
             let axis = (rear - front).normalised();
@@ -259,17 +324,38 @@ impl<'m> Solver<'m> {
             }
         }
         self.closure.prepare(self.mechanism, design);
-        self.form = match self.mechanism.closed_form {
-            Some(ClosedForm::Strut) => {
-                let points = StrutPoints::of(self.mechanism)
-                    .expect("a mechanism with this closed form has its constraints");
-                let form = StrutForm::new(&points, design);
-                points.check(&form, design)?;
-                Some((points, form))
-            }
-            None => None,
-        };
+        self.form = ClosedForm::of(self.mechanism, design)?;
         Ok(())
+    }
+
+    /// Refuses rods and axes without a length, or so short that rounding of the coordinates leaves fewer
+    /// than six digits of their direction.
+    fn check_distinct(&self) -> Result<(), DesignFault> {
+        let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.reach);
+        let distinct = |first: PointId, second: PointId| {
+            let apart = self.design[second.0] - self.design[first.0];
+            if apart.norm_squared() > shortest * shortest {
+                Ok(())
+            } else {
+                Err(DesignFault::Coincident { first, second })
+            }
+        };
+        for arm in &self.mechanism.arms {
+            distinct(arm.front, arm.rear)?;
+        }
+        for constraint in &self.mechanism.constraints {
+            match *constraint {
+                Constraint::Link { inner, outer } => distinct(inner, outer)?,
+                Constraint::StrutLine { top, lower, upper } => {
+                    distinct(lower, upper.unwrap_or(top))?;
+                }
+                Constraint::Revolute { first, second } => distinct(first, second)?,
+            }
+        }
+        match self.mechanism.spin_axis {
+            SpinAxis::From(inner) => distinct(inner, self.mechanism.wheel_centre),
+            SpinAxis::Along(_) => Ok(()),
+        }
     }
 
     /// The mechanism.
@@ -297,17 +383,7 @@ impl<'m> Solver<'m> {
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
-        let start = self.start(drive)?;
-        let start = match rack {
-            0.0 => Ok(start),
-            _ => self.advance(
-                &start,
-                MotionPoint {
-                    rack,
-                    ..start.point
-                },
-            ),
-        };
+        let start = self.rack_placed(drive, rack)?;
         for side in [&march.up, &march.down] {
             let mut place = start;
             for &station in side {
@@ -330,8 +406,37 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// The design position, if the drive can move the mechanism from there.
-    fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
+    /// The place at zero drive with the rack displaced.
+    fn rack_placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<Place, Failure>, DesignFault> {
+        let start = self.start(drive)?;
+        Ok(match rack {
+            0.0 => Ok(start),
+            _ => self.advance(
+                &start,
+                MotionPoint {
+                    rack,
+                    ..start.point
+                },
+            ),
+        })
+    }
+
+    /// Pose and motion point at zero drive with the rack displaced.
+    pub(super) fn placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<(Pose<f64>, MotionPoint<f64>), Failure>, DesignFault> {
+        let place = self.rack_placed(drive, rack)?;
+        Ok(place.map(|place| (place.pose, place.point)))
+    }
+
+    /// Pose and motion point of the design position.
+    pub(super) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
         let pose = Pose {
             origin: self.design[self.mechanism.origin.0],
             rotation: Matrix3::identity(0.0),
@@ -341,6 +446,53 @@ impl<'m> Solver<'m> {
             value: 0.0,
             rack: 0.0,
         };
+        (pose, point)
+    }
+
+    /// The pose at `to`, followed from the one at `from`.
+    pub(super) fn pose_towards(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let place = Place {
+            point: *from,
+            pose: *pose,
+            quick: None,
+        };
+        self.follow(&place, to)
+    }
+
+    /// The path on which `moving` moves and the rest is held as at `held`.
+    pub(super) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
+        self.lift();
+        Curve {
+            mechanism: self.mechanism,
+            design: &self.design,
+            closure: &self.closure,
+            lifted: self.lifted.as_ref().expect("just made"),
+            size: self.size,
+            rounding: ROUNDING * self.reach / self.size,
+            moving,
+            held,
+        }
+    }
+
+    /// Brings the lifted design up to date.
+    fn lift(&mut self) {
+        if !self.lifted_is_current {
+            match &mut self.lifted {
+                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
+                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
+            }
+            self.lifted_is_current = true;
+        }
+    }
+
+    /// The design position, if the drive can move the mechanism from there.
+    fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
+        let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
@@ -359,12 +511,23 @@ impl<'m> Solver<'m> {
             design: &self.design,
             pose: *pose,
             rack,
+            steering: None,
         }
     }
 
     fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+        self.factorised(pose, point).map(|(_, lu)| lu)
+    }
+
+    /// The Jacobian and its factors.
+    pub(super) fn factorised(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
         let at = self.posture(pose, point.rack);
-        Lu6::new(self.closure.jacobian(&at, point.driver()), self.size)
+        let jacobian = self.closure.jacobian(&at, point.driver());
+        Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
     fn advance(&mut self, from: &Place, to: MotionPoint<f64>) -> Result<Place, Failure> {
@@ -386,10 +549,17 @@ impl<'m> Solver<'m> {
 
     /// What the closed form needs to go on from a pose.
     fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
-        let (_, form) = self.form.as_ref()?;
+        let form = self.form.as_ref()?;
         let tangent = form.half_tangent(pose);
-        // Beyond a right angle the tangent of the half angle loses its advantage.
-        if !tangent.is_finite() || tangent.abs() > 1.0 {
+        // Beyond a right angle the tangent of the half angle loses its advantage. Far from the origin
+        // the closed form would lose what the closure equations keep.
+        if !(tangent.abs() <= 1.0 && self.reach < FAR * self.size) {
+            return None;
+        }
+        // The path may have passed a toggle: then the closed form speaks of another assembly.
+        let found = form.pose(&form.at_half_tangent(tangent, point.rack));
+        let apart = distance(&found, pose, self.size);
+        if apart.is_nan() || apart > SAME * self.size {
             return None;
         }
         let state = form
@@ -403,46 +573,39 @@ impl<'m> Solver<'m> {
                 Drive::ArmAngle => 0.5 * (1.0 + tangent * tangent),
             },
             before: None,
+            margins: state.margins(),
         })
     }
 
     /// One step by the closed form, if nothing speaks against it.
     fn step_by_closed_form(&self, from: &Place, to: &MotionPoint<f64>) -> Option<Place> {
-        let (_, form) = self.form.as_ref()?;
+        let form = self.form.as_ref()?;
         let quick = from.quick?;
         if to.rack != from.point.rack {
             return None;
         }
         let (start, end) = (from.point.value, to.value);
-        let (state, tangent, slope) = match to.drive {
+        let lifted = form.map(Jet::<f64, 2>::constant);
+        let rack = Jet::constant(to.rack);
+        let (tangent, slope, margins) = match to.drive {
+            // No equation to solve.
             Drive::ArmAngle => {
-                // No equation to solve; but the path to there must not have passed a gap.
-                if (end - start).abs() > LONGEST_TURN {
-                    return None;
-                }
-                let (sine, cosine) = end.sin_cos();
-                let state = form.at(cosine, sine, to.rack);
-                let before = form.at_half_tangent(quick.tangent, to.rack);
-                let steady = |now: f64, before: f64| now > 0.5 * before && now < 2.0 * before;
-                if !(steady(state.toggle_margin(), before.toggle_margin())
-                    && steady(state.strut_length(), before.strut_length()))
-                {
-                    return None;
-                }
-                (state, (0.5 * end).tan(), quick.slope)
+                let tangent = (0.5 * end).tan();
+                let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
+                (tangent, quick.slope, state.margins())
             }
             Drive::Travel => {
-                let lifted = form.map(Jet::<f64, 2>::constant);
-                let rack = Jet::constant(to.rack);
                 let predicted = quick.extrapolated(start, end);
                 let mut tangent = predicted;
                 let mut slope = quick.slope;
+                let mut margins = quick.margins;
                 let mut settled = false;
                 for iteration in 0..4 {
                     let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
                     let rise = lifted.travel(&state);
                     let correction = (end - rise[0]) / rise[1];
                     slope = 1.0 / rise[1];
+                    margins = state.margins();
                     let steady = slope / quick.slope;
                     let first_is_long = iteration == 0
                         && correction.abs() > 0.1 * (predicted - quick.tangent).abs();
@@ -460,11 +623,17 @@ impl<'m> Solver<'m> {
                 if !settled {
                     return None;
                 }
-                (form.at_half_tangent(tangent, to.rack), tangent, slope)
+                (tangent, slope, margins)
             }
         };
-        // NaN is refused here as well.
-        if !(state.toggle_margin() > 1e-4 && tangent.abs() < 1.0) {
+        let step = tangent - quick.tangent;
+        let state = form.at_half_tangent(tangent, to.rack);
+        // Half an angle's tangent grows by at least half of the angle.
+        if !(step.abs() <= 0.5 * LONGEST_TURN
+            && tangent.abs() < 1.0
+            && state.is_ordinary()
+            && keep_clear(&quick.margins, &margins, step))
+        {
             return None;
         }
         Some(Place {
@@ -474,20 +643,16 @@ impl<'m> Solver<'m> {
                 tangent,
                 slope,
                 before: Some((start, quick.tangent, quick.slope)),
+                margins,
             }),
         })
     }
 
-    /// Follows the closure equations from one place to a motion point, in steps that are accepted only
-    /// where a second-order prediction was good and the determinant has not changed much.
+    /// Follows the closure equations from one place to a motion point: in steps of the drive, accepted
+    /// only where a second-order prediction was good and the determinant has not changed much; where
+    /// that takes many, by the arc length of the path, which passes folds and finds them.
     fn follow(&mut self, from: &Place, to: &MotionPoint<f64>) -> Result<Pose<f64>, Failure> {
-        if !self.lifted_is_current {
-            match &mut self.lifted {
-                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
-                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
-            }
-            self.lifted_is_current = true;
-        }
+        self.lift();
         let lifted = self.lifted.as_ref().expect("just made");
         let start = from.point;
         let between = |t: f64| MotionPoint {
@@ -525,20 +690,62 @@ impl<'m> Solver<'m> {
                 None => {
                     step = 0.5 * (target - reached);
                     if step < SHORTEST_STEP {
-                        let limit = between(reached);
-                        return Err(if to.rack != start.rack {
-                            Failure::RackUnreachable { limit: limit.rack }
-                        } else {
-                            Failure::Unreachable {
-                                drive: to.drive,
-                                limit: limit.value,
-                            }
-                        });
+                        return self.follow_arc(&pose, &here, to);
                     }
                 }
             }
         }
         Ok(pose)
+    }
+
+    /// Follows the path by its arc length; drive or rack move, not both.
+    fn follow_arc(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let (moving, value, target) = if to.rack != from.rack {
+            (Moving::Rack, from.rack, to.rack)
+        } else {
+            (Moving::Drive, from.value, to.value)
+        };
+        let curve = self.curve(moving, *to);
+        let (limit, cause) = match curve.to(pose, value, target) {
+            Ok(found) => return Ok(found.pose()),
+            Err(PathEnd::Fold(fold)) => (fold.value(), curve.cause(&fold)),
+            Err(PathEnd::Unresolved(limit)) => (limit, LimitCause::Unresolved),
+        };
+        Err(match moving {
+            Moving::Rack => Failure::RackUnreachable { limit, cause },
+            Moving::Drive => Failure::Unreachable {
+                drive: to.drive,
+                limit,
+                cause,
+            },
+        })
+    }
+
+    /// The parts of the closed form, where this mechanism is a strut.
+    pub(super) fn strut(&self) -> Option<Roles> {
+        Roles::of(self.mechanism).filter(Roles::is_strut)
+    }
+
+    /// Newton's method from a pose that is close already; `None` where it does not settle.
+    pub(super) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
+        let (mut pose, mut last) = (*pose, f64::INFINITY);
+        for _ in 0..60 {
+            let at = self.posture(&pose, point.rack);
+            let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
+            if correction >= last || correction.is_nan() {
+                // Corrections that no longer shrink are rounding, amplified by the condition.
+                return (last <= 1e-6 * self.size).then_some(pose);
+            }
+            pose = next;
+            pose.rotation = pose.rotation.orthonormalised();
+            last = correction;
+        }
+        None
     }
 
     /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
@@ -560,12 +767,13 @@ impl<'m> Solver<'m> {
         for iteration in 0..12 {
             let at = self.posture(&pose, point.rack);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
-            if iteration == 0 && correction > 0.1 * moved + ROUNDING * self.size {
+            let rounding = ROUNDING * self.reach;
+            if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
             // Rounding level: the corrections no longer shrink.
-            if correction <= ROUNDING * self.size
-                || (correction >= 0.5 * last && last <= 1e-9 * self.size)
+            if correction <= rounding
+                || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
                 let settled = Pose {
                     origin: next.origin,
@@ -605,6 +813,20 @@ impl<'m> Solver<'m> {
             .ok_or(Failure::Singular)
     }
 
+    /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on
+    /// the knuckle.
+    pub fn reactions(
+        &self,
+        pose: &Pose<f64>,
+        rack: f64,
+        support: Support,
+        load: &Load,
+    ) -> Result<Reactions, Failure> {
+        self.closure
+            .reactions(&self.posture(pose, rack), support, load)
+            .ok_or(Failure::Singular)
+    }
+
     /// As [`Solver::posture_series`], ready for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
@@ -629,10 +851,28 @@ impl<'m> Solver<'m> {
 
 /// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
 const LONGEST_TURN: f64 = 0.2;
-/// The shortest step, as a part of the whole way to the next station.
-const SHORTEST_STEP: f64 = 1e-13;
+/// How far, as a part of the move, a second-order prediction may miss. On a smooth path it misses by the
+/// cube of the step; near another assembly by much more.
+pub(super) const GOOD_PREDICTION: f64 = 0.01;
+/// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
+/// shorter the path turns sharply, and is followed by its arc length.
+const SHORTEST_STEP: f64 = 1.0 / 16.0;
+/// How many sizes from the origin the closed form keeps its accuracy.
+const FAR: f64 = 1e3;
+/// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
+/// closed form is not used.
+const SAME: f64 = 1e-9;
 /// Corrections this small relative to the size are rounding.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Whether margins stay positive over a step, by their values and slopes at both ends. One that is
+/// convex lies above both tangents, one that is concave above its ends.
+fn keep_clear(before: &[Jet<f64, 2>; 2], after: &[Jet<f64, 2>; 2], step: f64) -> bool {
+    before.iter().zip(after).all(|(a, b)| {
+        let least = 0.25 * a[0].min(b[0]);
+        a[0] > 0.0 && b[0] > 0.0 && a[0] + a[1] * step > least && b[0] - b[1] * step > least
+    })
+}
 
 impl Quick {
     /// The tangent at `end` by the cubic through the last two places and their slopes, or along the
@@ -653,7 +893,7 @@ impl Quick {
 }
 
 /// The pose a part of the way along its series.
-fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
+pub(super) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);
     // The truncated series is a rotation to second order only.

@@ -2,7 +2,6 @@
 
 use crate::model::{Arm, Body, Mechanism, PointId};
 use crate::number::{Dual, Matrix3, Real, Vector3};
-use std::array::from_fn;
 
 /// Position and rotation of the knuckle, relative to the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +43,34 @@ pub struct Posture<'a, T> {
     pub pose: Pose<T>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: T,
+    /// The knuckle's velocity per unit of rack displacement, the drive held. Known where the mechanism
+    /// has an instantaneous steering axis and something that reads it was asked for.
+    pub steering: Option<Twist<T>>,
+}
+
+/// A velocity of the knuckle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist<T> {
+    /// Of its origin.
+    pub shift: Vector3<T>,
+    /// Angular.
+    pub turn: Vector3<T>,
+}
+
+impl<T> Twist<T> {
+    /// From the six components, the shift first.
+    pub(super) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
+        Twist {
+            shift: Vector3::new(x, y, z),
+            turn: Vector3::new(a, b, c),
+        }
+    }
+
+    /// The six components, the shift first.
+    pub(super) fn into_array(self) -> [T; 6] {
+        let (v, w) = (self.shift, self.turn);
+        [v.x, v.y, v.z, w.x, w.y, w.z]
+    }
 }
 
 /// Where the derivative of something by the pose and by the hardpoints is collected.
@@ -55,6 +82,9 @@ pub(super) trait Sink<T> {
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
     /// Adds a derivative by a hardpoint at fixed pose.
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>);
+    /// Adds a derivative by the displacement of the rack at fixed pose.
+    #[inline]
+    fn rack(&mut self, _gradient: T) {}
 }
 
 impl<'a, T: Real> Posture<'a, T> {
@@ -79,8 +109,7 @@ impl<'a, T: Real> Posture<'a, T> {
                 let p = self.designed(id);
                 Vector3::new(p.x, p.y + self.rack, p.z)
             }
-            Body::Knuckle if id == self.mechanism.origin => self.pose.origin,
-            Body::Knuckle => self.pose.origin + self.pose.rotation.apply(self.designed_lever(id)),
+            Body::Knuckle => self.carried(id),
             Body::StrutRod(top) => {
                 let top = self.designed(top);
                 top + self.pose.rotation.apply(self.designed(id) - top)
@@ -92,19 +121,38 @@ impl<'a, T: Real> Posture<'a, T> {
         }
     }
 
+    /// Present position of the knuckle's point that was at this one in the design position.
+    #[inline]
+    pub(super) fn carried(&self, id: PointId) -> Vector3<T> {
+        if id == self.mechanism.origin {
+            return self.pose.origin;
+        }
+        self.pose.origin + self.pose.rotation.apply(self.designed_lever(id))
+    }
+
+    /// Adds the derivative of `gradient . carried(id)` to the sink.
+    #[inline]
+    pub(super) fn push_carried(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        if id == self.mechanism.origin {
+            return sink.wrench(gradient, gradient.zero());
+        }
+        let in_knuckle = self.pose.rotation.apply_transposed(gradient);
+        let lever = self.pose.rotation.apply(self.designed_lever(id));
+        sink.wrench(gradient, lever.cross(gradient));
+        sink.hardpoint(id, in_knuckle);
+        sink.hardpoint(self.mechanism.origin, -in_knuckle);
+    }
+
     /// Adds the derivative of `gradient . point(id)` to the sink.
     #[inline]
     pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack => sink.hardpoint(id, gradient),
-            Body::Knuckle if id == self.mechanism.origin => sink.wrench(gradient, gradient.zero()),
-            Body::Knuckle => {
-                let in_knuckle = self.pose.rotation.apply_transposed(gradient);
-                let lever = self.pose.rotation.apply(self.designed_lever(id));
-                sink.wrench(gradient, lever.cross(gradient));
-                sink.hardpoint(id, in_knuckle);
-                sink.hardpoint(self.mechanism.origin, -in_knuckle);
+            Body::Chassis => sink.hardpoint(id, gradient),
+            Body::Rack => {
+                sink.hardpoint(id, gradient);
+                sink.rack(gradient.y);
             }
+            Body::Knuckle => self.push_carried(id, gradient, sink),
             Body::StrutRod(top) => {
                 let in_knuckle = self.pose.rotation.apply_transposed(gradient);
                 let lever = self.point(id) - self.designed(top);
@@ -120,22 +168,21 @@ impl<'a, T: Real> Posture<'a, T> {
     #[inline(never)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         let inputs = self.arm_inputs(arm, id);
-        let seeded: [Vector3<Dual<T, 15>>; 5] = from_fn(|k| {
-            let p = inputs[k];
-            Vector3::new(
-                Dual::input(p.x, 3 * k),
-                Dual::input(p.y, 3 * k + 1),
-                Dual::input(p.z, 3 * k + 2),
-            )
-        });
-        let image = arm_point(seeded);
         let by = |k: usize| {
+            let mut seeded = inputs.map(|p| p.map(Dual::<T, 3>::constant));
+            let p = inputs[k];
+            seeded[k] = Vector3::new(
+                Dual::input(p.x, 0),
+                Dual::input(p.y, 1),
+                Dual::input(p.z, 2),
+            );
+            let image = arm_point(seeded);
             let along = |i: usize| {
                 gradient.x * image.x.partials[i]
                     + gradient.y * image.y.partials[i]
                     + gradient.z * image.z.partials[i]
             };
-            Vector3::new(along(3 * k), along(3 * k + 1), along(3 * k + 2))
+            Vector3::from([0, 1, 2].map(along))
         };
         for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
             sink.hardpoint(hardpoint, by(k));

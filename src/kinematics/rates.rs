@@ -29,6 +29,7 @@ pub(super) fn pose_series<const N: usize>(
             design,
             pose: series,
             rack,
+            steering: None,
         };
         let residuals = closure.residuals(&at, driver);
         let correction = lu.solve(residuals.map(|r| -r[k]));

@@ -15,8 +15,9 @@
 
 use super::closure::{Closure, Driver, Wrench};
 use super::lu::{Lu6, Matrix6};
-use super::pose::{Posture, Sink};
-use crate::model::{PointId, SpinAxis};
+use super::pose::{Posture, Sink, Twist};
+use super::steering::{Steered, screw_axis, screw_axis_gradient};
+use crate::model::{PointId, SpinAxis, SteeringAxis};
 use crate::number::{Jet, Real, Vector3};
 
 /// Gradient of an output by the hardpoints, collected together with its wrench.
@@ -37,7 +38,7 @@ impl<T: Real> Sink<T> for Adjoint<'_, T> {
 }
 
 /// A gradient by the hardpoints alone.
-struct HardpointGradient<'a, T>(&'a mut [Vector3<T>]);
+pub(super) struct HardpointGradient<'a, T>(pub &'a mut [Vector3<T>]);
 
 impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
     #[inline]
@@ -54,6 +55,7 @@ pub struct Linearised<'a, const N: usize> {
     /// The posture, as a series.
     pub at: Posture<'a, Jet<f64, N>>,
     closure: &'a Closure<Jet<f64, N>>,
+    steered: Option<&'a Steered<N>>,
     driver: Driver<Jet<f64, N>>,
     jacobian: Matrix6<Jet<f64, N>>,
     lu: Lu6<f64>,
@@ -63,6 +65,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
     pub(super) fn new(
         at: Posture<'a, Jet<f64, N>>,
         closure: &'a Closure<Jet<f64, N>>,
+        steered: Option<&'a Steered<N>>,
         driver: Driver<Jet<f64, N>>,
         lu: Lu6<f64>,
     ) -> Self {
@@ -70,6 +73,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
             jacobian: closure.jacobian(&at, driver),
             at,
             closure,
+            steered,
             driver,
             lu,
         }
@@ -90,9 +94,30 @@ impl<'a, const N: usize> Linearised<'a, N> {
                 wrench: Wrench::zero(like),
                 gradient,
             },
+            by_twist: None,
         };
         seed(&mut seeds);
-        let wrench = seeds.adjoint.wrench.to_row();
+        let by_twist = seeds.by_twist;
+        let Adjoint {
+            mut wrench,
+            gradient,
+        } = seeds.adjoint;
+        if let (Some(by_twist), Some(twist), Some(steered)) =
+            (by_twist, &self.at.steering, self.steered)
+        {
+            let multipliers = self
+                .lu
+                .solve_transposed_series(&self.jacobian, &by_twist.into_array());
+            steered.subtract(
+                &self.at,
+                twist,
+                self.driver,
+                &multipliers,
+                &mut wrench,
+                gradient,
+            );
+        }
+        let wrench = wrench.to_row();
         let multipliers = self.lu.solve_transposed_series(&self.jacobian, &wrench);
         self.closure.differential(
             &self.at,
@@ -107,9 +132,34 @@ impl<'a, const N: usize> Linearised<'a, N> {
 pub struct Seeds<'s, 'a, T> {
     at: &'s Posture<'a, T>,
     adjoint: Adjoint<'s, T>,
+    /// By the twist of the steering motion, where something depends on it.
+    by_twist: Option<Twist<T>>,
 }
 
 impl<T: Real> Seeds<'_, '_, T> {
+    /// By a point of the steering axis and by its direction, as [`Posture::steering_axis`] has them.
+    #[inline]
+    pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
+        match (self.at.mechanism.steering_axis, &self.at.steering) {
+            (Some(SteeringAxis::Through { lower, upper }), _) => {
+                self.point(upper, by_direction);
+                self.point(lower, by_point - by_direction);
+            }
+            (Some(SteeringAxis::Instantaneous), Some(twist)) => {
+                let more = screw_axis_gradient(twist, by_point, by_direction);
+                self.by_twist = Some(match self.by_twist {
+                    None => more,
+                    Some(seed) => Twist {
+                        shift: seed.shift + more.shift,
+                        turn: seed.turn + more.turn,
+                    },
+                });
+                self.adjoint.wrench(by_point, by_point.zero());
+            }
+            _ => {}
+        }
+    }
+
     /// By the present position of a point.
     #[inline]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
@@ -152,6 +202,22 @@ impl<T: Real> Seeds<'_, '_, T> {
 }
 
 impl<T: Real> Posture<'_, T> {
+    /// A point of the steering axis, and a vector along it, upward but of any length. `None` where the
+    /// wheel is not steered, or nothing that reads the axis was asked for.
+    #[inline]
+    pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
+        match self.mechanism.steering_axis? {
+            SteeringAxis::Through { lower, upper } => {
+                let point = self.point(lower);
+                Some((point, self.point(upper) - point))
+            }
+            SteeringAxis::Instantaneous => {
+                let twist = self.steering.as_ref()?;
+                Some(screw_axis(self.pose.origin, twist))
+            }
+        }
+    }
+
     /// Unit vector along the spin axis, outboard, in the design position.
     #[inline]
     pub fn designed_spin_axis(&self) -> Vector3<T> {

@@ -1,26 +1,7 @@
 //! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
 
-use super::{
-    Arm, ArmId, Body, ClosedForm, Constraint, Hardpoint, Mechanism, Point, PointId, SpinAxis,
-    Spring, SteeringAxis, Topology,
-};
-use crate::number::Vector3;
-
-const fn required(name: &'static str, about: &'static str) -> Hardpoint {
-    Hardpoint {
-        name,
-        about,
-        required: true,
-    }
-}
-
-const fn optional(name: &'static str, about: &'static str) -> Hardpoint {
-    Hardpoint {
-        name,
-        about,
-        required: false,
-    }
-}
+use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, optional, required};
+use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
 /// The MacPherson strut.
 pub static MACPHERSON: Topology = Topology {
@@ -41,11 +22,8 @@ pub static MACPHERSON: Topology = Topology {
         ),
         required("tie_rod_inner", "joint of tie rod and rack"),
         required("tie_rod_outer", "joint of tie rod and knuckle"),
-        required("wheel_centre", "centre of the wheel on its spin axis"),
-        optional(
-            "spindle_inner",
-            "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
-        ),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
     ],
     distinct: &[
         (
@@ -80,33 +58,19 @@ pub static MACPHERSON: Topology = Topology {
             "lower_ball_joint",
             "the tie rod could not steer the wheel",
         ),
-        (
-            "wheel_centre",
-            "spindle_inner",
-            "they define the spin axis of the wheel",
-        ),
+        SPINDLE,
     ],
     build,
     template: include_str!("../../studies/macpherson_solve.toml"),
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let points: Vec<Point> = topology
-        .hardpoints
-        .iter()
-        .filter(|h| given.contains(&h.name))
-        .map(|h| Point {
-            name: h.name.to_owned(),
-            body: match h.name {
-                "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
-                "tie_rod_inner" => Body::Rack,
-                _ => Body::Knuckle,
-            },
-        })
-        .collect();
-    let find = |name: &str| points.iter().position(|p| p.name == name).map(PointId);
-    let id = |name: &str| find(name).expect("a required hardpoint is given");
-
+    let given = Given::of(topology, given, |name| match name {
+        "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
+        "tie_rod_inner" => Body::Rack,
+        _ => Body::Knuckle,
+    });
+    let id = |name: &str| given.id(name);
     let arm = Arm {
         front: id("lower_arm_front"),
         rear: id("lower_arm_rear"),
@@ -115,36 +79,35 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let link = |inner, outer| Constraint::Link { inner, outer };
     Mechanism {
         topology,
-        constraints: vec![
-            link(arm.front, arm.outer),
-            link(arm.rear, arm.outer),
-            Constraint::StrutLine {
-                top: id("strut_top"),
-                lower: id("strut_lower"),
-                upper: find("strut_upper"),
-            },
-            link(id("tie_rod_inner"), id("tie_rod_outer")),
-        ],
-        arms: vec![arm],
-        origin: arm.outer,
-        wheel_centre: id("wheel_centre"),
-        spin_axis: find("spindle_inner")
-            .map_or(SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0)), SpinAxis::From),
-        steering_axis: SteeringAxis {
-            lower: arm.outer,
-            upper: id("strut_top"),
-        },
-        spring: Some(Spring {
-            upper: id("strut_top"),
-            lower: id("strut_lower"),
-        }),
-        closed_form: Some(ClosedForm::Strut),
         bodies: vec![
             ("chassis", Body::Chassis),
             ("knuckle", Body::Knuckle),
             ("lower_arm", Body::Arm(ArmId(0))),
             ("strut_rod", Body::StrutRod(id("strut_top"))),
         ],
-        points,
+        constraints: vec![
+            link(arm.front, arm.outer),
+            link(arm.rear, arm.outer),
+            Constraint::StrutLine {
+                top: id("strut_top"),
+                lower: id("strut_lower"),
+                upper: given.find("strut_upper"),
+            },
+            link(id("tie_rod_inner"), id("tie_rod_outer")),
+        ],
+        arms: vec![arm],
+        origin: arm.outer,
+        wheel_centre: id("wheel_centre"),
+        spin_axis: given.spin_axis(),
+        steering_axis: Some(SteeringAxis::Through {
+            lower: arm.outer,
+            upper: id("strut_top"),
+        }),
+        spring: Some(Spring {
+            upper: id("strut_top"),
+            lower: id("strut_lower"),
+        }),
+        closed_form: Some(ClosedForm::Strut),
+        points: given.0,
     }
 }

@@ -4,8 +4,11 @@
 //! module knows nothing of solving; adding a topology means adding one file here and naming it in
 //! [`Topology::ALL`].
 
+mod double_wishbone;
+mod five_link;
 mod frame;
 mod macpherson;
+mod semi_trailing_arm;
 mod topology;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
@@ -78,15 +81,30 @@ pub enum Constraint {
         /// A second knuckle point, where the line is not given by `lower` and `top`.
         upper: Option<PointId>,
     },
+    /// A hinge: the knuckle turns about the line through two chassis points. Takes five freedoms; the
+    /// knuckle then is the arm itself.
+    Revolute {
+        /// A chassis point of the axis.
+        first: PointId,
+        /// Another one.
+        second: PointId,
+    },
 }
 
 /// The axis the knuckle turns about when it is steered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SteeringAxis {
-    /// The lower joint.
-    pub lower: PointId,
-    /// The upper joint or mount.
-    pub upper: PointId,
+pub enum SteeringAxis {
+    /// Through two joints of the knuckle.
+    Through {
+        /// The lower joint.
+        lower: PointId,
+        /// The upper joint or mount.
+        upper: PointId,
+    },
+    /// The instantaneous screw axis of the motion that a displacement of the rack gives the knuckle
+    /// while the drive is held: with wheel travel as the drive, at constant height of the wheel
+    /// centre. For linkages without an upper and a lower joint.
+    Instantaneous,
 }
 
 /// The axis the wheel spins about, through the wheel centre.
@@ -113,6 +131,8 @@ pub struct Spring {
 pub enum ClosedForm {
     /// Lower arm, strut and tie rod.
     Strut,
+    /// Lower arm, upper arm and tie rod.
+    DoubleWishbone,
 }
 
 /// What drives the mechanism.
@@ -120,8 +140,7 @@ pub enum ClosedForm {
 pub enum Drive {
     /// The height of the wheel centre above its design position.
     Travel,
-    /// The angle of the first control arm from its design position, about its axis taken pointing
-    /// forward: positive raises the outer end of a transverse arm.
+    /// The angle of the first control arm from its design position: positive raises its outer joint.
     ArmAngle,
 }
 
@@ -144,8 +163,8 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// The wheel's spin axis.
     pub spin_axis: SpinAxis,
-    /// The steering axis.
-    pub steering_axis: SteeringAxis,
+    /// The steering axis; none for a wheel that cannot be steered.
+    pub steering_axis: Option<SteeringAxis>,
     /// The spring, where the topology has one.
     pub spring: Option<Spring>,
     /// The closed form that applies, if any.

@@ -1,6 +1,10 @@
 //! The catalogue of topologies.
 
-use super::{Mechanism, macpherson};
+use super::{
+    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
+    semi_trailing_arm,
+};
+use crate::number::Vector3;
 
 /// A hardpoint that a topology has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +15,99 @@ pub struct Hardpoint {
     pub about: &'static str,
     /// Whether a study must give it.
     pub required: bool,
+}
+
+/// A hardpoint that every study gives.
+pub(super) const fn required(name: &'static str, about: &'static str) -> Hardpoint {
+    Hardpoint {
+        name,
+        about,
+        required: true,
+    }
+}
+
+/// A hardpoint that a study may leave out.
+pub(super) const fn optional(name: &'static str, about: &'static str) -> Hardpoint {
+    Hardpoint {
+        name,
+        about,
+        required: false,
+    }
+}
+
+/// The centre of the wheel, in the words of every topology.
+pub(super) const WHEEL_CENTRE: Hardpoint =
+    required("wheel_centre", "centre of the wheel on its spin axis");
+
+/// The second point of the spin axis, in the words of every topology.
+pub(super) const SPINDLE_INNER: Hardpoint = optional(
+    "spindle_inner",
+    "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
+);
+
+/// The upper end of spring and damper, where the topology does not have it anyway.
+pub(super) const SPRING_UPPER: Hardpoint = optional(
+    "spring_upper",
+    "upper end of spring and damper, on the body",
+);
+
+/// The ends of the spring, which must be distinct.
+pub(super) const SPRING: (&str, &str, &str) = (
+    "spring_upper",
+    "spring_lower",
+    "the spring would have no length",
+);
+
+/// The pair of them that must be distinct.
+pub(super) const SPINDLE: (&str, &str, &str) = (
+    "wheel_centre",
+    "spindle_inner",
+    "they define the spin axis of the wheel",
+);
+
+/// The hardpoints a study gives, each on its body, while a mechanism is built of them.
+pub(super) struct Given(pub Vec<Point>);
+
+impl Given {
+    /// The given hardpoints of a topology, in its order.
+    pub fn of(topology: &Topology, given: &[&'static str], body: impl Fn(&str) -> Body) -> Self {
+        let named = topology
+            .hardpoints
+            .iter()
+            .filter(|h| given.contains(&h.name));
+        Given(
+            named
+                .map(|h| Point {
+                    name: h.name.to_owned(),
+                    body: body(h.name),
+                })
+                .collect(),
+        )
+    }
+
+    /// The point of this name, if it is given.
+    pub fn find(&self, name: &str) -> Option<PointId> {
+        self.0.iter().position(|p| p.name == name).map(PointId)
+    }
+
+    /// A required point.
+    pub fn id(&self, name: &str) -> PointId {
+        self.find(name).expect("a required hardpoint is given")
+    }
+
+    /// Spring and damper, where both ends are given.
+    pub fn spring(&self) -> Option<Spring> {
+        Some(Spring {
+            upper: self.find("spring_upper")?,
+            lower: self.find("spring_lower")?,
+        })
+    }
+
+    /// The spin axis; without `spindle_inner` straight outboard, until the study says how it is turned.
+    pub fn spin_axis(&self) -> SpinAxis {
+        self.find("spindle_inner")
+            .map_or(SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0)), SpinAxis::From)
+    }
 }
 
 /// A kind of suspension.
@@ -31,7 +128,12 @@ pub struct Topology {
 
 impl Topology {
     /// Every topology there is.
-    pub const ALL: &'static [&'static Topology] = &[&macpherson::MACPHERSON];
+    pub const ALL: &'static [&'static Topology] = &[
+        &macpherson::MACPHERSON,
+        &double_wishbone::DOUBLE_WISHBONE,
+        &five_link::FIVE_LINK,
+        &semi_trailing_arm::SEMI_TRAILING_ARM,
+    ];
 
     /// The topology of this name.
     pub fn named(name: &str) -> Option<&'static Topology> {

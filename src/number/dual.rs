@@ -89,6 +89,23 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
+        // As for long series: inlined everywhere they would make the crate take minutes to compile.
+        if size_of::<T>() > 8 {
+            self.times_out_of_line(other)
+        } else {
+            self.times(other)
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Dual<T, N> {
+    #[inline(never)]
+    fn times_out_of_line(self, other: Self) -> Self {
+        self.times(other)
+    }
+
+    #[inline]
+    fn times(self, other: Self) -> Self {
         let mut partials = self.partials;
         for (p, q) in partials.iter_mut().zip(other.partials) {
             *p = *p * other.value + self.value * q;
@@ -102,7 +119,6 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
 
 impl<T: Real, const N: usize> Div for Dual<T, N> {
     type Output = Self;
-    #[inline]
     fn div(self, other: Self) -> Self {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
@@ -119,17 +135,14 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     fn lit(self, value: f64) -> Self {
         Dual::constant(self.value.lit(value))
     }
-    #[inline]
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, root.lit(0.5) / root)
     }
-    #[inline]
     fn asin(self) -> Self {
         let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
         self.chain(self.value.asin(), slope)
     }
-    #[inline]
     fn atan2(self, x: Self) -> Self {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);

@@ -124,6 +124,26 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
+        if Self::LARGE {
+            self.times_out_of_line(other)
+        } else {
+            self.times(other)
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Jet<T, N> {
+    /// Products of long series are calls: inlined everywhere they would make the crate take minutes to
+    /// compile.
+    const LARGE: bool = size_of::<Self>() > 16;
+
+    #[inline(never)]
+    fn times_out_of_line(self, other: Self) -> Self {
+        self.times(other)
+    }
+
+    #[inline]
+    fn times(self, other: Self) -> Self {
         let mut product = self.0;
         for (k, p) in product.iter_mut().enumerate() {
             *p = self.0[0] * other.0[k];
@@ -137,7 +157,6 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
 
 impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
-    #[inline]
     fn div(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
@@ -157,7 +176,6 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::constant(self.0[0].lit(value))
     }
 
-    #[inline]
     fn sqrt(self) -> Self {
         let mut root = self.0;
         root[0] = self.0[0].sqrt();
@@ -172,7 +190,6 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet(root)
     }
 
-    #[inline]
     fn asin(self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
@@ -181,7 +198,6 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].asin(), rate)
     }
 
-    #[inline]
     fn atan2(self, x: Self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));

@@ -7,10 +7,12 @@
 //! first and second derivative by the drive.
 
 mod dual;
+mod interval;
 mod jet;
 mod vector;
 
 pub use dual::Dual;
+pub use interval::Interval;
 pub use jet::Jet;
 pub use vector::{Matrix3, Vector3};
 

@@ -8,7 +8,8 @@ use super::{Order, Outputs};
 use crate::characteristics::{Characteristic, Need};
 use crate::model::{PointId, Suspension};
 
-/// What a study without `[outputs]` gets: the angles of wheel and steering axis.
+/// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
+/// one.
 const DEFAULT: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -20,7 +21,13 @@ const DEFAULT: [Characteristic; 4] = [
 pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
         return Some(Outputs {
-            characteristics: DEFAULT.to_vec(),
+            characteristics: DEFAULT
+                .into_iter()
+                .filter(|c| {
+                    let steered = suspension.mechanism.steering_axis.is_some();
+                    steered || !c.info().reads_steering_axis()
+                })
+                .collect(),
             points: Vec::new(),
             knuckle: false,
             order: Order::Position,
@@ -148,6 +155,17 @@ pub fn characteristic(
         .map(|c| (c.info().name, *c))
         .collect();
     let characteristic = choose(text, "characteristic", &all, problems)?;
+    let mechanism = &suspension.mechanism;
+    let needs_axis = characteristic.info().needs.contains(&Need::SteeringAxis);
+    if needs_axis && mechanism.steering_axis.is_none() {
+        let message = format!(
+            "{} needs a steering axis, which {} does not have",
+            text.get_ref(),
+            mechanism.topology.name
+        );
+        problems.add(text.span(), message);
+        return None;
+    }
     let vehicle = &suspension.vehicle;
     let missing = |need: &Need| match need {
         Need::WheelRadius => suspension
@@ -175,6 +193,8 @@ pub fn characteristic(
             let absent = suspension.mechanism.strut_upper().is_none();
             absent.then_some("strut_upper in [suspension.hardpoints]")
         }
+        // No study can mend that; see below.
+        Need::SteeringAxis => None,
     };
     let missing: Vec<&str> = characteristic
         .info()

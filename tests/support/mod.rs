@@ -1,6 +1,10 @@
 //! Reading the reference answers, and the mechanisms they are about.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod double_double;
+pub mod quadratics;
+pub mod random;
+
 use hardpoint::kinematics::{March, Solver};
 use hardpoint::model::{
     Axis, Body, Drive, Frame, FrameConvention, Mechanism, Point, PointId, Side, Topology,

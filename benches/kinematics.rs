@@ -1,0 +1,97 @@
+//! What the main jobs cost: poses, rates, sensitivities, a whole tuning.
+//!
+//! `cargo bench`. Machines are noisy: read the fastest and compare within one run.
+
+use divan::{Bencher, black_box, counter::ItemsCount};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
+use hardpoint::kinematics::{Lifted, March, MotionPoint, Solver};
+use hardpoint::model::Drive;
+use hardpoint::number::{Jet, Vector3};
+use hardpoint::optimise::{Control, tune};
+use hardpoint::study::Study;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn main() {
+    divan::main();
+}
+
+fn front() -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+    Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+const STATIONS: usize = 41;
+
+/// 41 poses of one design, its preparation included.
+#[divan::bench]
+fn poses(bencher: Bencher) {
+    let study = front();
+    let suspension = &study.suspension;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
+    let march = March::through(&study.motion.values);
+    bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
+        solver.prepare(black_box(&suspension.design)).unwrap();
+        let mut sum = 0.0;
+        solver
+            .march(Drive::Travel, &march, 0.0, |_, _, pose| {
+                sum += pose.unwrap().origin.z;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        sum
+    });
+}
+
+/// Camber and kingpin inclination at 41 poses, with gradients by every hardpoint coordinate (`N` = 1),
+/// and with those of their first and second derivatives by travel too (`N` = 3).
+#[divan::bench(consts = [1, 3])]
+fn gradients<const N: usize>(bencher: Bencher) {
+    let study = front();
+    let suspension = &study.suspension;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
+    let mut lifted = Lifted::<N>::new(&suspension.mechanism, &suspension.design);
+    let march = March::through(&study.motion.values);
+    let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); suspension.design.len()];
+    bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
+        solver.prepare(black_box(&suspension.design)).unwrap();
+        lifted.prepare(&suspension.mechanism, &suspension.design);
+        let mut sum = Vector3::default();
+        solver
+            .march(Drive::Travel, &march, 0.0, |solver, station, pose| {
+                let motion = MotionPoint {
+                    drive: Drive::Travel,
+                    value: march.values()[station],
+                    rack: 0.0,
+                }
+                .along_drive();
+                let linearised = solver.linearised(&lifted, pose.unwrap(), &motion).unwrap();
+                let view = View::of(&linearised.at, Constants::default());
+                for c in [Characteristic::Camber, Characteristic::KingpinInclination] {
+                    let quantity = Quantity::Characteristic(c);
+                    view.gradients(&linearised, quantity, N - 1, &mut buffer, |_, _, g| {
+                        sum = sum + g
+                    });
+                }
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        sum
+    });
+}
+
+/// The whole tuning of `studies/macpherson_front.toml`: six variables, 41 stations, two curves.
+#[divan::bench]
+fn tuning(bencher: Bencher) {
+    let study = front();
+    let optimise = study.optimise.clone().unwrap();
+    bencher.bench_local(|| {
+        tune(
+            &study.suspension,
+            &study.motion,
+            black_box(&optimise),
+            Control::default(),
+        )
+        .unwrap()
+    });
+}

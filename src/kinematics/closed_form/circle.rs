@@ -1,0 +1,54 @@
+//! The circle on which an arm's outer joint moves.
+
+use crate::kinematics::constraint::axis_ends;
+use crate::model::Arm;
+use crate::number::{Real, Vector3};
+
+/// Centre, radius vector in the design position, and that turned forward by a right angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Circle<T> {
+    pub centre: Vector3<T>,
+    pub radius: Vector3<T>,
+    pub turned: Vector3<T>,
+}
+
+impl<T: Real> Circle<T> {
+    pub(super) fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
+        let (tail, head) = axis_ends(arm, design);
+        let (tail, outer) = (design[tail.0], design[arm.outer.0]);
+        let axis = (design[head.0] - tail).normalised();
+        let centre = tail + axis * (outer - tail).dot(axis);
+        let radius = outer - centre;
+        Circle {
+            centre,
+            radius,
+            turned: axis.cross(radius),
+        }
+    }
+
+    #[inline]
+    pub(super) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
+        Circle {
+            centre: self.centre.map(&mut f),
+            radius: self.radius.map(&mut f),
+            turned: self.turned.map(&mut f),
+        }
+    }
+
+    /// The joint at an angle.
+    #[inline]
+    pub(super) fn at(&self, cosine: T, sine: T) -> Vector3<T> {
+        self.centre + self.radius * cosine + self.turned * sine
+    }
+}
+
+impl Circle<f64> {
+    /// Tangent of half the angle of a point on the circle.
+    pub(super) fn half_tangent(&self, point: Vector3<f64>) -> f64 {
+        let from_centre = point - self.centre;
+        let squared = self.radius.norm_squared();
+        let cosine = from_centre.dot(self.radius) / squared;
+        let sine = from_centre.dot(self.turned) / squared;
+        sine / (1.0 + cosine)
+    }
+}

@@ -1,0 +1,315 @@
+//! Strut and double wishbone in closed form: pose of the knuckle from the angle of the lower arm.
+//!
+//! All vectors start at the lower ball joint; subscript 0 is the design position.
+//!
+//! ```text
+//! r(th)  = c + rv cos th + rw sin th     the ball joint on its circle about the arm's axis
+//! d, g, n = d x g                        to the upper end of the steering axis, to the tie rod's inner end
+//! ```
+//!
+//! *Upper end.* [`Upper`] gives d and the knuckle vector v that is carried onto it. What is left is a
+//! turn about d, the steering axis.
+//!
+//! *Tie rod.* Its outer end t obeys t.d = t0.v, t.t = t0.t0 and |t - g| = L, so that
+//! t = al d + be g + ga n with al, be from the 2x2 Gram system and
+//! ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga says on which side of the plane through steering
+//! axis and rack joint the rod's end lies; it cannot change but where ga = 0 (toggle).
+//!
+//! *Any knuckle vector* x0: with v carried onto d and t0 onto t,
+//! x = a d + b t + k (d x t), a, b from x0.v, x0.t0 and k from x0.(v x t0).
+//!
+//! What can vanish is G = |n|^2 (tie rod does not steer), E = |d x t|^2 (outer end on the steering axis),
+//! ga (toggle) and the margin of the upper end.
+
+mod circle;
+mod roles;
+mod upper;
+
+use circle::Circle;
+pub(super) use roles::Roles;
+use upper::Upper;
+
+use super::path::DesignFault;
+use super::pose::Pose;
+use crate::model::{Mechanism, PointId};
+use crate::number::{Matrix3, Real, Vector3};
+use std::array::from_fn;
+
+/// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
+/// u x t0.
+#[derive(Clone, Copy, Debug)]
+struct Carried<T> {
+    by_m: T,
+    by_u: T,
+    by_t: T,
+    by_mt: T,
+    by_ut: T,
+}
+
+/// The constants of one design.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ClosedForm<T> {
+    ball_joint: Circle<T>,
+    upper: Upper<T>,
+    tie_rod_inner: Vector3<T>,
+    tie_squared: T,
+    tie_by_m: T,
+    tie_by_u: T,
+    /// (t0.t0 - L^2)/2
+    tie_difference: T,
+    /// +1 or -1: the assembly the design is in.
+    side: T,
+    wheel_centre: Carried<T>,
+    basis: [Carried<T>; 3],
+    /// Design height of the wheel centre.
+    wheel_height: T,
+}
+
+/// The mechanism at one arm angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State<T> {
+    ball_joint: Vector3<T>,
+    d: Vector3<T>,
+    g: Vector3<T>,
+    n: Vector3<T>,
+    dd: T,
+    dg: T,
+    /// s of v = m + s u
+    slide: T,
+    tau: T,
+    al: T,
+    be: T,
+    ga: T,
+    tie_squared: T,
+    inverse_e: T,
+    /// ga^2 G / t.t: squared sine of the angle between the steering arm and the plane through steering
+    /// axis and rack joint, up to the cosine of t against d.
+    toggle_margin: T,
+    upper_margin: T,
+}
+
+impl ClosedForm<f64> {
+    /// The constants of a design, if its mechanism has a closed form and the design is not degenerate.
+    pub(super) fn of(
+        mechanism: &Mechanism,
+        design: &[Vector3<f64>],
+    ) -> Result<Option<Self>, DesignFault> {
+        let Some(roles) = Roles::of(mechanism) else {
+            return Ok(None);
+        };
+        let form = ClosedForm::new(&roles, design);
+        form.check(&roles, design)?;
+        Ok(Some(form))
+    }
+
+    /// Tangent of half the arm angle of a pose.
+    pub(super) fn half_tangent(&self, pose: &Pose<f64>) -> f64 {
+        self.ball_joint.half_tangent(pose.origin)
+    }
+}
+
+impl<T: Real> ClosedForm<T> {
+    /// The constants of a design.
+    pub(super) fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
+        let at = |id: PointId| design[id.0];
+        let ball_joint = at(roles.lower_arm.outer);
+        let (upper, to_upper) = Upper::new(roles, design);
+        let (m, u) = upper.knuckle_vector(to_upper);
+        let inner = at(roles.tie_rod_inner);
+        let tie = at(roles.tie_rod_outer) - ball_joint;
+        let rod = at(roles.tie_rod_outer) - inner;
+        let (foot_tie, slide_tie) = (m.cross(tie), u.cross(tie));
+        let carried = |x: Vector3<T>| Carried {
+            by_m: x.dot(m),
+            by_u: x.dot(u),
+            by_t: x.dot(tie),
+            by_mt: x.dot(foot_tie),
+            by_ut: x.dot(slide_tie),
+        };
+        let orientation = tie.dot(to_upper.cross(inner - ball_joint)).value();
+        let like = tie.x;
+        ClosedForm {
+            ball_joint: Circle::of(roles.lower_arm, design),
+            upper,
+            tie_rod_inner: inner,
+            tie_squared: tie.norm_squared(),
+            tie_by_m: tie.dot(m),
+            tie_by_u: tie.dot(u),
+            tie_difference: (tie.norm_squared() - rod.norm_squared()).scaled(0.5),
+            side: like.lit(if orientation < 0.0 { -1.0 } else { 1.0 }),
+            wheel_centre: carried(at(roles.wheel_centre) - ball_joint),
+            basis: Matrix3::identity(like).columns.map(carried),
+            wheel_height: at(roles.wheel_centre).z,
+        }
+    }
+
+    /// The constants over another kind of number.
+    #[inline]
+    pub(super) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> ClosedForm<U> {
+        ClosedForm {
+            ball_joint: self.ball_joint.map(&mut f),
+            upper: self.upper.map(&mut f),
+            tie_rod_inner: self.tie_rod_inner.map(&mut f),
+            tie_squared: f(self.tie_squared),
+            tie_by_m: f(self.tie_by_m),
+            tie_by_u: f(self.tie_by_u),
+            tie_difference: f(self.tie_difference),
+            side: f(self.side),
+            wheel_centre: self.wheel_centre.map(&mut f),
+            basis: self.basis.map(|b| b.map(&mut f)),
+            wheel_height: f(self.wheel_height),
+        }
+    }
+
+    /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
+    /// mechanism cannot be assembled the state holds NaN.
+    #[inline]
+    pub(super) fn at(&self, cosine: T, sine: T, rack: T) -> State<T> {
+        let ball_joint = self.ball_joint.at(cosine, sine);
+        let (d, slide, upper_margin) = self.upper.at(ball_joint);
+        let mut g = self.tie_rod_inner - ball_joint;
+        g.y = g.y + rack;
+        let n = d.cross(g);
+        let (dd, gg, dg) = (d.norm_squared(), g.norm_squared(), d.dot(g));
+        let tau = self.tie_by_m + self.tie_by_u * slide;
+        let kappa = self.tie_difference + gg.scaled(0.5);
+        let gram = dd * gg - dg * dg;
+        let e = dd * self.tie_squared - tau * tau;
+        let inverse = dd.one() / (gram * e);
+        let (inverse_gram, inverse_e) = (inverse * e, inverse * gram);
+        let al = (gg * tau - dg * kappa) * inverse_gram;
+        let be = (dd * kappa - dg * tau) * inverse_gram;
+        let rest = self.tie_squared - al * tau - be * kappa;
+        State {
+            ball_joint,
+            d,
+            g,
+            n,
+            dd,
+            dg,
+            slide,
+            tau,
+            al,
+            be,
+            ga: self.side * (rest * inverse_gram).sqrt(),
+            tie_squared: self.tie_squared,
+            inverse_e,
+            toggle_margin: rest / self.tie_squared,
+            upper_margin,
+        }
+    }
+
+    /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
+    #[inline]
+    pub(super) fn at_half_tangent(&self, tangent: T, rack: T) -> State<T> {
+        let inverse = tangent.one() / (tangent.one() + tangent.squared());
+        let cosine = inverse + inverse - tangent.one();
+        self.at(cosine, (tangent + tangent) * inverse, rack)
+    }
+
+    /// Height of the wheel centre above its design position.
+    #[inline]
+    pub(super) fn travel(&self, state: &State<T>) -> T {
+        let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
+        let rise = by_d * state.d.z + by_g * state.g.z + by_n * state.n.z;
+        state.ball_joint.z - self.wheel_height + rise
+    }
+
+    /// The pose of the knuckle.
+    #[inline]
+    pub(super) fn pose(&self, state: &State<T>) -> Pose<T> {
+        Pose {
+            origin: state.ball_joint,
+            rotation: Matrix3 {
+                columns: from_fn(|k| {
+                    let (by_d, by_g, by_n) = state.image(&self.basis[k]);
+                    state.d * by_d + state.g * by_g + state.n * by_n
+                }),
+            },
+        }
+    }
+}
+
+impl<T: Real> ClosedForm<T> {
+    /// The same design of a strut with the strut mounted the other way up (the mount below the foot), the
+    /// tie rod's end on the other side of its plane, or both: the other assemblies of the same lengths.
+    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+        let mut form = *self;
+        if strut_inverted {
+            form.tie_by_u = -form.tie_by_u;
+            for vector in form.basis.iter_mut().chain([&mut form.wheel_centre]) {
+                vector.by_u = -vector.by_u;
+                vector.by_ut = -vector.by_ut;
+            }
+        }
+        if tie_rod_across {
+            form.side = -form.side;
+        }
+        form
+    }
+
+    /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
+    /// and of the tie-rod end's distance from its plane.
+    pub(super) fn squares(&self, state: &State<T>) -> [T; 2] {
+        [self.upper.square(state.ball_joint), state.toggle_margin]
+    }
+}
+
+impl State<f64> {
+    /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
+    /// for rounding.
+    pub(super) fn at_toggle_if_beyond(&mut self) {
+        if self.ga.is_nan() {
+            self.ga = 0.0;
+        }
+    }
+
+    /// Whether the closed form loses no more than four digits here: the squared sines between steering
+    /// arm and steering plane, and between steering axis and rack joint, and the margin of the upper end,
+    /// are what it divides by.
+    #[inline]
+    pub(super) fn is_ordinary(&self) -> bool {
+        let gram = self.n.norm_squared();
+        self.toggle_margin > 1e-4
+            && self.upper_margin > 1e-3
+            && gram > 1e-4 * self.dd * self.g.norm_squared()
+    }
+}
+
+impl<T: Real> State<T> {
+    /// What may not vanish on a path: distance from the tie rod's toggle, and of the upper end from where
+    /// it can no longer be reached (the length of a strut from the foot of the ball joint's perpendicular
+    /// to the mount, or a lever of the upper arm).
+    #[inline]
+    pub(super) fn margins(&self) -> [T; 2] {
+        [self.toggle_margin, self.upper_margin]
+    }
+
+    /// The image of a knuckle vector, in d, g and n.
+    #[inline]
+    fn image(&self, x: &Carried<T>) -> (T, T, T) {
+        let by_v = x.by_m + self.slide * x.by_u;
+        let a = (self.tie_squared * by_v - self.tau * x.by_t) * self.inverse_e;
+        let b = (self.dd * x.by_t - self.tau * by_v) * self.inverse_e;
+        let k = (x.by_mt + self.slide * x.by_ut) * self.inverse_e;
+        // d x t = be n + ga d x n, and d x n = (d.g) d - (d.d) g.
+        (
+            a + b * self.al + k * self.ga * self.dg,
+            b * self.be - k * self.ga * self.dd,
+            b * self.ga + k * self.be,
+        )
+    }
+}
+
+impl<T: Real> Carried<T> {
+    #[inline]
+    fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Carried<U> {
+        Carried {
+            by_m: f(self.by_m),
+            by_u: f(self.by_u),
+            by_t: f(self.by_t),
+            by_mt: f(self.by_mt),
+            by_ut: f(self.by_ut),
+        }
+    }
+}

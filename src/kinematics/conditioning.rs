@@ -1,0 +1,80 @@
+//! How much of double precision is left in a pose.
+//!
+//! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries
+//! of about one and k = |J| |J^-1| (maximum norm) is its condition number. Residuals are computed to a
+//! few rounding units e, hence
+//!
+//! ```text
+//! |error of the pose|                ~ k e
+//! |relative error of J^-1|           ~ k |dJ| ~ k (k e)
+//! ```
+//!
+//! since J moves with the pose. Rates and sensitivities are J^-1 applied to something, so their relative
+//! error is of the order of k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from
+//! the nearest singular matrix; times the size it is a length: the mechanism is singular no closer than
+//! that.
+
+use super::motion::MotionPoint;
+use super::path::Solver;
+use super::pose::Pose;
+
+/// The condition of one pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Condition number of the closure equations, in sizes; infinite at a singular pose.
+    pub number: f64,
+    /// Distance to singularity, as a length.
+    pub distance: f64,
+}
+
+impl Conditioning {
+    /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
+    pub fn digits(&self) -> f64 {
+        (-(self.number * self.number * f64::EPSILON).log10()).clamp(0.0, 15.0)
+    }
+
+    /// Whether fewer than six digits are left in rates and sensitivities.
+    pub fn is_poor(&self) -> bool {
+        self.digits() < 6.0
+    }
+}
+
+impl Solver<'_> {
+    /// The condition of a pose found by this solver.
+    pub fn conditioning(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Conditioning {
+        let singular = Conditioning {
+            number: f64::INFINITY,
+            distance: 0.0,
+        };
+        let size = self.size();
+        let Some((matrix, lu)) = self.factorised(pose, point) else {
+            return singular;
+        };
+        // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
+        let norm = matrix
+            .iter()
+            .map(|row| {
+                let force: f64 = row[..3].iter().map(|c| c.abs()).sum();
+                let moment: f64 = row[3..].iter().map(|c| c.abs()).sum();
+                force + moment / size
+            })
+            .fold(0.0, f64::max);
+        let mut inverse = [0.0; 6];
+        for k in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[k] = size;
+            for (i, c) in lu.solve(unit).into_iter().enumerate() {
+                inverse[i] += c.abs() * if i < 3 { 1.0 / size } else { 1.0 };
+            }
+        }
+        let inverse_norm = inverse.into_iter().fold(0.0, f64::max);
+        let number = norm * inverse_norm;
+        if !number.is_finite() {
+            return singular;
+        }
+        Conditioning {
+            number,
+            distance: size / inverse_norm,
+        }
+    }
+}

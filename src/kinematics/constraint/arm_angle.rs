@@ -1,0 +1,115 @@
+//! An arm held at an angle.
+//!
+//! With a0 and a from the axis to the outer joint, in the design position and now, and e the unit axis,
+//!
+//! ```text
+//! r^2 sin = e.(a0 x a),   r^2 cos = a.a0 - (a.e)(a0.e)
+//! F = (cos(wanted) r^2 sin - sin(wanted) r^2 cos)/r = r sin(angle - wanted)
+//! ```
+//!
+//! The axis is taken so that a positive angle raises the outer joint, whichever way round its two
+//! points are named.
+
+use crate::kinematics::pose::{Posture, Sink};
+use crate::model::{Arm, PointId};
+use crate::number::{Real, Vector3};
+
+/// The wanted angle of the mechanism's first arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::kinematics) struct ArmAngle<T> {
+    pub sine: T,
+    pub cosine: T,
+}
+
+/// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
+#[inline]
+pub(in crate::kinematics) fn axis_ends<T: Real>(
+    arm: Arm,
+    design: &[Vector3<T>],
+) -> (PointId, PointId) {
+    let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+    let lift = (front - rear).cross(outer - rear).z;
+    if lift.value() >= 0.0 {
+        (arm.rear, arm.front)
+    } else {
+        (arm.front, arm.rear)
+    }
+}
+
+impl<T: Real> ArmAngle<T> {
+    #[inline]
+    pub(in crate::kinematics) fn residual(&self, at: &Posture<T>) -> T {
+        let arm = Turned::of(at);
+        (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
+    }
+
+    #[inline]
+    pub(in crate::kinematics) fn differential(
+        &self,
+        at: &Posture<T>,
+        weight: T,
+        sink: &mut impl Sink<T>,
+    ) {
+        let arm = Turned::of(at);
+        let (e, from, to) = (arm.axis, arm.designed, arm.now);
+        let weight = weight * arm.inverse_radius;
+        let (c, s) = (self.cosine * weight, self.sine * weight);
+        let along = (e.dot(from), e.dot(to));
+        let by_now = e.cross(from) * c - (from - e * along.0) * s;
+        let by_designed = to.cross(e) * c - (to - e * along.1) * s;
+        let by_axis = from.cross(to) * c + (to * along.0 + from * along.1) * s;
+        let by_base = (by_axis - e * e.dot(by_axis)) * arm.inverse_base;
+        let (tail, head) = arm.tail_and_head;
+        let outer = at.mechanism.arms[0].outer;
+        at.push_point(outer, by_now, sink);
+        sink.hardpoint(outer, by_designed);
+        sink.hardpoint(tail, -(by_now + by_designed + by_base));
+        sink.hardpoint(head, by_base);
+    }
+}
+
+/// The first arm in the design and now, about its axis.
+struct Turned<T> {
+    /// e
+    axis: Vector3<T>,
+    /// a0, from the tail of the axis
+    designed: Vector3<T>,
+    /// a, from there as well
+    now: Vector3<T>,
+    /// The axis points from the first to the second.
+    tail_and_head: (PointId, PointId),
+    inverse_base: T,
+    /// 1/r, held fixed: it only scales the row.
+    inverse_radius: T,
+}
+
+impl<T: Real> Turned<T> {
+    #[inline]
+    fn of(at: &Posture<T>) -> Self {
+        let arm = at.mechanism.arms[0];
+        let (tail, head) = axis_ends(arm, at.design);
+        let base = at.designed(head) - at.designed(tail);
+        let inverse_base = base.x.one() / base.norm();
+        let axis = base * inverse_base;
+        let designed = at.designed(arm.outer) - at.designed(tail);
+        let radius = (designed - axis * axis.dot(designed)).norm();
+        Turned {
+            axis,
+            designed,
+            now: at.point(arm.outer) - at.designed(tail),
+            tail_and_head: (tail, head),
+            inverse_base,
+            inverse_radius: radius.one() / radius,
+        }
+    }
+
+    #[inline]
+    fn sine(&self) -> T {
+        self.axis.dot(self.designed.cross(self.now))
+    }
+
+    #[inline]
+    fn cosine(&self) -> T {
+        self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)
+    }
+}

@@ -1,0 +1,55 @@
+//! A rod between two ball joints.
+//!
+//! With d from the inner to the outer joint and d0 its design value,
+//!
+//! ```text
+//! F  = (d.d - d0.d0)/(2 |d0|)
+//! dF = d.(d outer - d inner)/|d0| - d0.(d outer0 - d inner0)/|d0|
+//! ```
+//!
+//! Without a root F is quadratic in the pose and has no singular point; the factor 1/|d0| makes it a
+//! length and is held fixed (where F = 0 it does not matter).
+
+use crate::kinematics::pose::{Posture, Sink};
+use crate::model::PointId;
+use crate::number::{Real, Vector3};
+
+/// The equation of one rod.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::kinematics) struct Link<T> {
+    pub inner: PointId,
+    pub outer: PointId,
+    half_squared_length: T,
+    /// 1/|d0|
+    scale: T,
+}
+
+impl<T: Real> Link<T> {
+    pub(super) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
+        let squared = (design[outer.0] - design[inner.0]).norm_squared();
+        Link {
+            inner,
+            outer,
+            half_squared_length: squared.scaled(0.5),
+            scale: squared.one() / squared.sqrt(),
+        }
+    }
+
+    #[inline]
+    pub(super) fn residual(&self, at: &Posture<T>) -> T {
+        let d = at.point(self.outer) - at.point(self.inner);
+        (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
+    }
+
+    #[inline]
+    pub(super) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+        let (inner, outer) = (self.inner, self.outer);
+        let weight = weight * self.scale;
+        let now = (at.point(outer) - at.point(inner)) * weight;
+        let designed = (at.designed(outer) - at.designed(inner)) * weight;
+        at.push_point(outer, now, sink);
+        at.push_point(inner, -now, sink);
+        sink.hardpoint(outer, -designed);
+        sink.hardpoint(inner, designed);
+    }
+}

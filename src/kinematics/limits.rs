@@ -1,0 +1,252 @@
+//! How far a mechanism goes: the exact values at which it folds, why, and how they move with the design.
+//!
+//! At a fold the pose can still move while the drive stands still: F_x t = 0. With w the multipliers for
+//! which w F_x = 0 and w F_q = 1, the limit q obeys
+//!
+//! ```text
+//! F(x, q, p) = 0   =>   dq/dp = - w . F_p
+//! ```
+//!
+//! (the pose drops out, whatever it does), so the gradient costs one back-substitution.
+//!
+//! *Why it folds* is read off that motion. Per unit speed of the arm's outer joint, the wheel centre
+//! rises by three terms: with the outer joint, by the knuckle's swing about it as the joint above guides
+//! it, and by steering about the steering axis, which the tie rod imposes. At a fold of the travel they
+//! cancel; the cause is the term whose change along the path brings that about. Where the drive is the
+//! arm or the rack, it is the part of the motion that is left when the drive stands still.
+
+use super::continuation::{Curve, CurvePoint, Moving, PathEnd};
+use super::motion::MotionPoint;
+use super::path::{DesignFault, Solver};
+use super::pose::Pose;
+use super::rates::angular_velocity;
+use super::sensitivity::HardpointGradient;
+use crate::model::{Drive, SteeringAxis};
+use crate::number::{Jet, Vector3};
+use std::fmt;
+
+/// Why a mechanism goes no further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitCause {
+    /// The arm stands so steep that its outer joint no longer raises (or lowers) the wheel centre.
+    ArmVertical,
+    /// The strut, or the upper arm, is in line with the steering axis and lets the knuckle swing.
+    StrutStraight,
+    /// The tie rod has come into the plane of the steering axis and its own inner joint: it no longer
+    /// holds the wheel's heading.
+    TieRodToggle,
+    /// The links have come to a dead centre; which of them is not told apart for this topology.
+    DeadCentre,
+    /// The path could not be followed: it meets another assembly, or comes closer to one than rounding
+    /// can tell apart. The limit is the last value that was reached.
+    Unresolved,
+}
+
+impl fmt::Display for LimitCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LimitCause::ArmVertical => "the arm is too steep to move the wheel centre any further",
+            LimitCause::StrutStraight => "the strut or upper arm is in line with the steering axis",
+            LimitCause::TieRodToggle => "the tie rod is at toggle",
+            LimitCause::DeadCentre => "the links are at a dead centre",
+            LimitCause::Unresolved => "the path meets another assembly there",
+        })
+    }
+}
+
+/// A value at which the mechanism folds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// The value, in the mechanism's length unit or in radians.
+    pub value: f64,
+    /// Why it goes no further.
+    pub cause: LimitCause,
+    /// The pose at the fold.
+    pub pose: Pose<f64>,
+    /// Derivative of the value by every point of the design.
+    pub gradient: Vec<Vector3<f64>>,
+}
+
+/// One end of a range.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RangeEnd {
+    /// The mechanism folds.
+    Fold(Limit),
+    /// The arm can be turned right round: there is no limit before +-pi.
+    FullTurn,
+    /// The path could not be followed beyond this value.
+    Unresolved(f64),
+}
+
+impl RangeEnd {
+    /// The value at the end.
+    pub fn value(&self) -> f64 {
+        match self {
+            RangeEnd::Fold(limit) => limit.value,
+            RangeEnd::FullTurn => std::f64::consts::PI,
+            RangeEnd::Unresolved(value) => *value,
+        }
+    }
+}
+
+/// How far one quantity goes from the design position, the others held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// The end at negative values.
+    pub lower: RangeEnd,
+    /// The end at positive values.
+    pub upper: RangeEnd,
+}
+
+impl Range {
+    /// What is left from `value` to the nearer end; negative beyond it.
+    pub fn margin(&self, value: f64) -> f64 {
+        let lower = match &self.lower {
+            RangeEnd::FullTurn => -std::f64::consts::PI,
+            end => end.value(),
+        };
+        (self.upper.value() - value).min(value - lower)
+    }
+}
+
+/// How far a suspension goes from its design position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// Wheel travel, the rack in the middle.
+    pub travel: Range,
+    /// Rack displacement towards the kernel's +y, at zero travel; `None` where nothing is on the rack.
+    pub rack: Option<Range>,
+    /// Angle of the first arm (radians), the rack in the middle; `None` where there is no arm.
+    pub arm_angle: Option<Range>,
+}
+
+impl Solver<'_> {
+    /// The ranges of travel, rack and arm angle.
+    ///
+    /// # Errors
+    /// If the design position itself is singular.
+    pub fn limits(&mut self) -> Result<Limits, DesignFault> {
+        let mechanism = self.mechanism();
+        let has_rack = mechanism
+            .points
+            .iter()
+            .any(|p| p.body == crate::model::Body::Rack);
+        Ok(Limits {
+            travel: self.drive_range(Drive::Travel, 0.0)?,
+            rack: match has_rack {
+                true => Some(self.range(Drive::Travel, Moving::Rack, 0.0)?),
+                false => None,
+            },
+            arm_angle: match mechanism.arms.is_empty() {
+                true => None,
+                false => Some(self.drive_range(Drive::ArmAngle, 0.0)?),
+            },
+        })
+    }
+
+    /// The range of a drive with the rack displaced by `rack` (towards the kernel's +y).
+    ///
+    /// # Errors
+    /// If the design position itself is singular. Where the rack cannot be displaced so far the range is
+    /// empty, with both ends at zero and unresolved.
+    pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
+        self.range(drive, Moving::Drive, rack)
+    }
+
+    fn range(&mut self, drive: Drive, moving: Moving, rack: f64) -> Result<Range, DesignFault> {
+        let start = match self.placed(drive, rack)? {
+            Ok(start) => start,
+            Err(_) => {
+                return Ok(Range {
+                    lower: RangeEnd::Unresolved(0.0),
+                    upper: RangeEnd::Unresolved(0.0),
+                });
+            }
+        };
+        let farthest = match (moving, drive) {
+            (Moving::Drive, Drive::ArmAngle) => std::f64::consts::PI,
+            _ => f64::INFINITY,
+        };
+        let curve = self.curve(moving, start.1);
+        let value = match moving {
+            Moving::Drive => start.1.value,
+            Moving::Rack => start.1.rack,
+        };
+        let end = |target: f64| match curve.to(&start.0, value, target) {
+            Ok(_) => RangeEnd::FullTurn,
+            Err(PathEnd::Unresolved(value)) => RangeEnd::Unresolved(value),
+            Err(PathEnd::Fold(fold)) => RangeEnd::Fold(Limit {
+                value: fold.value(),
+                cause: curve.cause(&fold),
+                pose: fold.pose(),
+                gradient: curve.fold_gradient(&fold),
+            }),
+        };
+        Ok(Range {
+            lower: end(-farthest),
+            upper: end(farthest),
+        })
+    }
+}
+
+impl Curve<'_> {
+    /// Derivative of the value at a fold by every point of the design.
+    fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
+        let motion: MotionPoint<f64> = self.motion(fold.value());
+        let at = super::pose::Posture {
+            mechanism: self.mechanism,
+            design: self.design,
+            pose: fold.pose(),
+            rack: motion.rack,
+            steering: None,
+        };
+        let mut gradient = vec![Vector3::new(0.0, 0.0, 0.0); self.design.len()];
+        self.closure.differential(
+            &at,
+            motion.driver(),
+            &self.fold_multipliers(fold).map(|m| -m),
+            &mut HardpointGradient(&mut gradient),
+        );
+        gradient
+    }
+
+    /// Why the path turns back at a fold.
+    pub(super) fn cause(&self, fold: &CurvePoint) -> LimitCause {
+        let mechanism = self.mechanism;
+        let pose = fold.series;
+        let at = self.lifted.at(mechanism, pose, Jet::constant(0.0));
+        let joint = pose.origin.map(Jet::differentiated);
+        let turning = angular_velocity(&pose);
+        let Some(SteeringAxis::Through { lower, upper }) = mechanism.steering_axis else {
+            return LimitCause::DeadCentre;
+        };
+        let axis = (at.point(upper) - at.point(lower)).normalised();
+        let steer = axis * axis.dot(turning);
+        let swing = turning - steer;
+        let lever = pose
+            .rotation
+            .apply(at.designed_lever(mechanism.wheel_centre));
+        let by_steer = steer.cross(lever).z;
+        let by_swing = swing.cross(lever).z;
+        let speed = joint.norm();
+        let travels = self.moving == Moving::Drive && self.held.drive == Drive::Travel;
+        let [arm, swing, steer] = if travels && speed[0] > 0.0 {
+            [joint.z, by_swing, by_steer].map(|term| (term / speed)[1].abs())
+        } else {
+            // A drive that stands still leaves the arm no part in it, unless it is the rack.
+            [
+                speed[0],
+                swing.norm_squared()[0].sqrt() * self.size,
+                steer.norm_squared()[0].sqrt() * self.size,
+            ]
+        };
+        // Written so that terms that grow beyond all bounds, as at toggle itself, win.
+        if steer.is_nan() || steer >= arm.max(swing) {
+            LimitCause::TieRodToggle
+        } else if swing > arm {
+            LimitCause::StrutStraight
+        } else {
+            LimitCause::ArmVertical
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! What the constraints carry under a load on the wheel.
+//!
+//! By virtual work: a wrench w on the knuckle is balanced by multipliers l of the closure equations,
+//!
+//! ```text
+//! J^T l + w = 0
+//! ```
+//!
+//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod
+//! pushes the knuckle; the row of a strut line is a unit force on the knuckle across the strut; those of
+//! a hinge are unit forces at its points. The sixth row is what keeps the suspension from moving: the
+//! spring, or, where a study has none, a vertical force at the wheel centre.
+
+use super::closure::{Closure, Wrench};
+use super::constraint::Row;
+use super::lu::Lu6;
+use super::pose::{Posture, Sink};
+use crate::model::{PointId, Spring};
+use crate::number::Vector3;
+
+/// A load on the knuckle, in the kernel's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Where the force acts.
+    pub point: Vector3<f64>,
+    /// Force.
+    pub force: Vector3<f64>,
+    /// Moment, in units of force times length.
+    pub moment: Vector3<f64>,
+}
+
+/// What keeps the suspension from moving under a load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Support {
+    /// A spring between two points.
+    Spring(Spring),
+    /// A vertical force at the wheel centre.
+    WheelCentre,
+}
+
+/// The part of the load that one equation carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reaction {
+    /// A rod, or a leg of an arm.
+    Rod {
+        /// Its inner joint.
+        inner: PointId,
+        /// Its outer joint.
+        outer: PointId,
+        /// Force in it; negative in compression.
+        tension: f64,
+    },
+    /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
+    /// components, or the force in a hinge at one of its points, one of three or two.
+    Force {
+        /// Where.
+        point: PointId,
+        /// The component.
+        force: Vector3<f64>,
+    },
+}
+
+/// How a load is carried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reactions {
+    /// By the constraints, in the order of the mechanism's.
+    pub constraints: [Reaction; 5],
+    /// By the support: the force of the spring, positive in compression, or the upward force at the
+    /// wheel centre.
+    pub support: f64,
+    /// The force of the support on the knuckle. Where the spring stands on an arm it is what the arm
+    /// passes on at its outer joint: with the legs of that arm, which then are loaded in bending as
+    /// well, it adds up to the force in the joint.
+    pub support_force: Vector3<f64>,
+}
+
+impl Closure<f64> {
+    /// Balances a load; `None` where the support cannot, because the pose is singular.
+    pub(super) fn reactions(
+        &self,
+        at: &Posture<f64>,
+        support: Support,
+        load: &Load,
+    ) -> Option<Reactions> {
+        let mut rows = [Wrench::zero(0.0); 6];
+        for (wrench, row) in rows.iter_mut().zip(self.rows()) {
+            row.differential(at, 1.0, wrench);
+        }
+        match support {
+            Support::Spring(spring) => {
+                let along = (at.point(spring.lower) - at.point(spring.upper)).normalised();
+                at.push_point(spring.lower, along, &mut rows[5]);
+                at.push_point(spring.upper, -along, &mut rows[5]);
+            }
+            Support::WheelCentre => {
+                let up = Vector3::new(0.0, 0.0, 1.0);
+                at.push_point(at.mechanism.wheel_centre, up, &mut rows[5]);
+            }
+        }
+        let mut wrench = Wrench::zero(0.0);
+        let lever = load.point - at.pose.origin;
+        wrench.wrench(load.force, lever.cross(load.force) + load.moment);
+        let lu = Lu6::new(rows.map(Wrench::to_row), 1.0)?;
+        let multipliers = lu.solve_transposed(wrench.to_row().map(|c| -c));
+        let mut constraints = [Reaction::Force {
+            point: at.mechanism.origin,
+            force: Vector3::default(),
+        }; 5];
+        for ((reaction, row), multiplier) in
+            constraints.iter_mut().zip(self.rows()).zip(multipliers)
+        {
+            *reaction = row.reaction(at, multiplier);
+        }
+        Some(Reactions {
+            constraints,
+            support: multipliers[5],
+            support_force: rows[5].force * multipliers[5],
+        })
+    }
+}
+
+impl Row<f64> {
+    /// What the multiplier of this equation means.
+    fn reaction(&self, at: &Posture<f64>, multiplier: f64) -> Reaction {
+        match self {
+            Row::Link(row) => Reaction::Rod {
+                inner: row.inner,
+                outer: row.outer,
+                tension: -multiplier,
+            },
+            Row::StrutLine(row) => Reaction::Force {
+                point: row.top,
+                force: at.pose.rotation.apply(row.normal) * -multiplier,
+            },
+            Row::Pinned(row) => Reaction::Force {
+                point: row.point,
+                force: row.direction * multiplier,
+            },
+        }
+    }
+}

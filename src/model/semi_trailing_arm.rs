@@ -1,0 +1,58 @@
+//! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a
+//! trailing arm, with the axis along x a swing axle.
+
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
+use super::{Arm, Body, Constraint, Mechanism, Topology};
+
+/// The semi-trailing arm.
+pub static SEMI_TRAILING_ARM: Topology = Topology {
+    name: "semi_trailing_arm",
+    summary: "Semi-trailing arm: wheel carrier on one hinge; a trailing arm where its axis is transverse",
+    hardpoints: &[
+        required("arm_pivot_inner", "inboard pivot of the arm on the body"),
+        required("arm_pivot_outer", "outboard pivot of the arm on the body"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional("spring_lower", "lower end of spring and damper, on the arm"),
+    ],
+    distinct: &[
+        (
+            "arm_pivot_inner",
+            "arm_pivot_outer",
+            "they define the axis of the arm",
+        ),
+        SPINDLE,
+        SPRING,
+    ],
+    build,
+    template: include_str!("../../studies/semi_trailing_arm_solve.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(topology, given, |name| match name {
+        "arm_pivot_inner" | "arm_pivot_outer" | "spring_upper" => Body::Chassis,
+        _ => Body::Knuckle,
+    });
+    let (first, second) = (given.id("arm_pivot_inner"), given.id("arm_pivot_outer"));
+    let wheel_centre = given.id("wheel_centre");
+    Mechanism {
+        topology,
+        bodies: vec![("chassis", Body::Chassis), ("arm", Body::Knuckle)],
+        constraints: vec![Constraint::Revolute { first, second }],
+        arms: vec![Arm {
+            front: second,
+            rear: first,
+            outer: wheel_centre,
+        }],
+        origin: wheel_centre,
+        wheel_centre,
+        spin_axis: given.spin_axis(),
+        steering_axis: None,
+        spring: given.spring(),
+        closed_form: None,
+        points: given.0,
+    }
+}

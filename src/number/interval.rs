@@ -1,0 +1,285 @@
+//! Intervals that contain the exact result: arithmetic rounded outward.
+//!
+//! IEEE 754 rounds to the nearest number, so the exact result of +, -, x, / and the square root lies
+//! between the neighbours of the computed one; a sum is not widened where its rounding error, which is
+//! itself a double (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2), is zero. Sine, cosine and
+//! the inverse functions are taken from the platform and trusted to two units in the last place.
+//!
+//! What is not a number, or not bounded, becomes the whole line: nothing is ever proved from it.
+
+use super::Real;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// All numbers from `low` to `high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The lower bound.
+    pub low: f64,
+    /// The upper bound.
+    pub high: f64,
+}
+
+impl Interval {
+    /// The whole line.
+    pub const WHOLE: Interval = Interval {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
+
+    /// One number.
+    #[inline]
+    pub fn point(value: f64) -> Self {
+        Interval::bounds(value, value)
+    }
+
+    /// Between two numbers, or the whole line if one of them is not a number.
+    #[inline]
+    pub fn bounds(low: f64, high: f64) -> Self {
+        if low <= high {
+            Interval { low, high }
+        } else {
+            Interval::WHOLE
+        }
+    }
+
+    /// From the least to the greatest number of both.
+    #[inline]
+    pub fn hull(self, other: Self) -> Self {
+        Interval::bounds(self.low.min(other.low), self.high.max(other.high))
+    }
+
+    /// What both contain; they must have something in common, as two enclosures of one number have.
+    #[inline]
+    pub fn meet(self, other: Self) -> Self {
+        Interval::bounds(self.low.max(other.low), self.high.min(other.high))
+    }
+
+    /// The largest absolute value.
+    #[inline]
+    pub fn magnitude(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// A number in the middle.
+    #[inline]
+    pub fn middle(self) -> f64 {
+        0.5 * self.low + 0.5 * self.high
+    }
+
+    /// Sine and cosine: those of the middle, widened by the half width (both have slopes within +-1).
+    pub fn sin_cos(self) -> (Self, Self) {
+        let middle = self.middle();
+        let reach = (Interval::point(self.high) - Interval::point(middle))
+            .hull(Interval::point(middle) - Interval::point(self.low))
+            .magnitude();
+        let around = Interval::bounds(-reach, reach);
+        let (sine, cosine) = middle.sin_cos();
+        (trusted(sine) + around, trusted(cosine) + around)
+    }
+}
+
+/// A result of the platform's mathematics library.
+#[inline]
+fn trusted(value: f64) -> Interval {
+    Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
+}
+
+/// The rounding error of a sum, exactly, where nothing overflows.
+#[inline]
+fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
+    let part = sum - a;
+    (a - (sum - part)) + (b - part)
+}
+
+#[inline]
+fn sum_down(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    if sum_error(a, b, sum) >= 0.0 {
+        sum
+    } else {
+        sum.next_down()
+    }
+}
+
+#[inline]
+fn sum_up(a: f64, b: f64) -> f64 {
+    -sum_down(-a, -b)
+}
+
+impl Add for Interval {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Interval::bounds(sum_down(self.low, other.low), sum_up(self.high, other.high))
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Interval {
+            low: -self.high,
+            high: -self.low,
+        }
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let is_zero = |i: Interval| i.low == 0.0 && i.high == 0.0;
+        let is_one = |i: Interval| i.low == 1.0 && i.high == 1.0;
+        let bounded = |i: Interval| i.low.is_finite() && i.high.is_finite();
+        if is_one(self) {
+            return other;
+        }
+        if is_one(other) {
+            return self;
+        }
+        if (is_zero(self) && bounded(other)) || (is_zero(other) && bounded(self)) {
+            return Interval {
+                low: 0.0,
+                high: 0.0,
+            };
+        }
+        let products = [
+            self.low * other.low,
+            self.low * other.high,
+            self.high * other.low,
+            self.high * other.high,
+        ];
+        if products.iter().any(|p| p.is_nan()) {
+            return Interval::WHOLE;
+        }
+        let low = products.into_iter().fold(f64::INFINITY, f64::min);
+        let high = products.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Interval::bounds(low.next_down(), high.next_up())
+    }
+}
+
+impl Div for Interval {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        // Written so that NaN is refused.
+        if !(other.low > 0.0 || other.high < 0.0) {
+            return Interval::WHOLE;
+        }
+        let quotients = [
+            self.low / other.low,
+            self.low / other.high,
+            self.high / other.low,
+            self.high / other.high,
+        ];
+        if quotients.iter().any(|p| p.is_nan()) {
+            return Interval::WHOLE;
+        }
+        let low = quotients.into_iter().fold(f64::INFINITY, f64::min);
+        let high = quotients.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Interval::bounds(low.next_down(), high.next_up())
+    }
+}
+
+impl Real for Interval {
+    #[inline]
+    fn lit(self, value: f64) -> Self {
+        Interval::point(value)
+    }
+    /// Of the part that is not negative.
+    #[inline]
+    fn sqrt(self) -> Self {
+        if self.high < 0.0 {
+            return Interval::WHOLE;
+        }
+        let low = self.low.max(0.0).sqrt();
+        Interval::bounds(
+            if low > 0.0 { low.next_down() } else { 0.0 },
+            self.high.sqrt().next_up(),
+        )
+    }
+    fn asin(self) -> Self {
+        if !(self.low >= -1.0 && self.high <= 1.0) {
+            return Interval::WHOLE;
+        }
+        trusted(self.low.asin()).hull(trusted(self.high.asin()))
+    }
+    /// From the corners: on a rectangle without the origin and the negative x-axis the angle is
+    /// monotonic along every side.
+    fn atan2(self, x: Self) -> Self {
+        if !(x.low > 0.0 || self.low > 0.0 || self.high < 0.0) {
+            return Interval::WHOLE;
+        }
+        let corner = |y: f64, x: f64| trusted(y.atan2(x));
+        corner(self.low, x.low)
+            .hull(corner(self.low, x.high))
+            .hull(corner(self.high, x.low))
+            .hull(corner(self.high, x.high))
+    }
+    #[inline]
+    fn value(self) -> f64 {
+        self.middle()
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        // Halves and doubles are exact short of underflow, where the product is widened.
+        if factor == 0.5 && self.low.abs().min(self.high.abs()) > f64::MIN_POSITIVE * 2.0 {
+            return Interval {
+                low: 0.5 * self.low,
+                high: 0.5 * self.high,
+            };
+        }
+        self * Interval::point(factor)
+    }
+    #[inline]
+    fn squared(self) -> Self {
+        let product = self * self;
+        Interval::bounds(product.low.max(0.0), product.high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1/3, 0.1 + 0.2 and sqrt(2) are no doubles: their intervals are two doubles wide at most and
+    /// contain them (checked with integers: 0.1 and 0.2 here are the doubles next to them).
+    #[test]
+    fn inexact_results_lie_inside() {
+        let one = Interval::point(1.0);
+        let third = one / one.lit(3.0);
+        assert!((third * one.lit(3.0)).low < 1.0 && (third * one.lit(3.0)).high > 1.0);
+        let sum = one.lit(0.1) + one.lit(0.2);
+        assert_eq!(sum.high.to_bits() - sum.low.to_bits(), 1);
+        let root = one.lit(2.0).sqrt();
+        let square = root * root;
+        assert!(square.low < 2.0 && square.high > 2.0);
+    }
+
+    #[test]
+    fn exact_results_are_not_widened() {
+        let one = Interval::point(1.0);
+        assert_eq!(one + one.lit(0.5), Interval::point(1.5));
+        assert_eq!(one * one.lit(0.3), Interval::point(0.3));
+        assert_eq!(one.zero() * one.lit(0.3), Interval::point(0.0));
+    }
+
+    #[test]
+    fn what_is_undefined_is_the_whole_line() {
+        let zero = Interval::bounds(-1.0, 1.0);
+        assert_eq!(zero / zero, Interval::WHOLE);
+        assert_eq!(Interval::point(f64::NAN), Interval::WHOLE);
+        assert_eq!(Interval::WHOLE * Interval::point(0.0), Interval::WHOLE);
+        let large = Interval::point(f64::MAX);
+        assert_eq!((large * large).high, f64::INFINITY);
+    }
+}

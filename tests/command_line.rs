@@ -1,0 +1,371 @@
+//! The program as a user meets it: sample studies, results, exit codes, messages.
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn studies() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
+    Command::cargo_bin("hardpoint")
+        .unwrap()
+        .args(arguments)
+        .assert()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Runs a command on a sample study into a fresh directory.
+fn run(command: &str, study: &str, more: &[&str]) -> (tempfile::TempDir, String) {
+    let directory = tempfile::tempdir().unwrap();
+    let study = studies().join(study);
+    let out = directory.path().join("run");
+    let mut arguments = vec![
+        command,
+        study.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    arguments.extend(more);
+    let assert = hardpoint(&arguments).success();
+    let said = text(&assert.get_output().stdout);
+    (directory, said)
+}
+
+fn json(directory: &tempfile::TempDir, name: &str) -> serde_json::Value {
+    let path = directory.path().join("run").join(name);
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn csv(directory: &tempfile::TempDir, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let path = directory.path().join("run").join(name);
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let rows = reader
+        .records()
+        .map(|r| r.unwrap().iter().map(str::to_owned).collect());
+    (header, rows.collect())
+}
+
+fn column(table: &(Vec<String>, Vec<Vec<String>>), name: &str) -> Vec<f64> {
+    let index = table.0.iter().position(|n| n == name).unwrap();
+    table
+        .1
+        .iter()
+        .map(|row| row[index].parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn the_template_runs_as_it_is() {
+    let template = hardpoint(&["new", "macpherson"]).success();
+    let directory = tempfile::tempdir().unwrap();
+    let study = directory.path().join("mine.toml");
+    fs::write(&study, &template.get_output().stdout).unwrap();
+    let study = study.to_str().unwrap();
+    hardpoint(&["check", study]).success();
+    let assert = Command::cargo_bin("hardpoint")
+        .unwrap()
+        .args(["solve", study])
+        .current_dir(directory.path())
+        .assert()
+        .success();
+    assert!(text(&assert.get_output().stdout).contains("41 of 41 stations"));
+    assert!(directory.path().join("out/mine/curves.csv").is_file());
+}
+
+#[test]
+fn solving_the_sample_gives_a_row_for_each_station() {
+    let (directory, _) = run("solve", "macpherson_solve.toml", &[]);
+    let curves = csv(&directory, "curves.csv");
+    let travel = column(&curves, "travel_mm");
+    assert_eq!(
+        (travel.len(), travel[0], travel[20], travel[40]),
+        (41, -80.0, 0.0, 80.0)
+    );
+    // Static camber from the hardpoints alone: the spin axis runs from spindle_inner to wheel_centre.
+    let (dx, dy, dz) = (0.2_f64, 100.0, 0.9);
+    let camber = -(dz / (dx * dx + dy * dy + dz * dz).sqrt())
+        .asin()
+        .to_degrees();
+    assert!((column(&curves, "camber_deg")[20] - camber).abs() < 1e-12);
+    assert_eq!(
+        json(&directory, "summary.json")["failed"]
+            .as_array()
+            .unwrap()
+            .len(),
+        0
+    );
+}
+
+#[test]
+fn the_front_sample_meets_its_camber_and_kingpin_curves() {
+    let (directory, said) = run("optimise", "macpherson_front.toml", &[]);
+    let summary = json(&directory, "summary.json");
+    assert!(summary["misfit_before"].as_f64().unwrap() > 10.0);
+    assert!(summary["misfit_after"].as_f64().unwrap() < 1.0);
+    for target in summary["targets"].as_array().unwrap() {
+        assert!(target["after"]["rms"].as_f64().unwrap() < 1.0, "{target}");
+    }
+    // The targets' own points, in the written curves: within two tolerances everywhere.
+    let curves = csv(&directory, "curves.csv");
+    let travel = column(&curves, "travel_mm");
+    let camber = column(&curves, "camber_deg");
+    for (at, wanted) in [(-80.0, 1.16), (0.0, -0.52), (80.0, -0.94)] {
+        let station = travel.iter().position(|t| *t == at).unwrap();
+        assert!(
+            (camber[station] - wanted).abs() < 2.0 * 0.02,
+            "at {at}: {}",
+            camber[station]
+        );
+    }
+    assert!(said.contains("at upper bound"), "{said}");
+}
+
+#[test]
+fn the_bump_steer_sample_holds_its_toe() {
+    let (directory, _) = run("optimise", "macpherson_bump_steer.toml", &[]);
+    let spread = |name: &str| {
+        let toe = column(&csv(&directory, name), "toe_deg");
+        toe.iter().copied().fold(f64::MIN, f64::max) - toe.iter().copied().fold(f64::MAX, f64::min)
+    };
+    // The target is a constant toe to 0.01 deg; three coordinates hold it to three tolerances.
+    assert!(spread("curves_before.csv") > 1.0);
+    assert!(spread("curves.csv") < 0.03);
+}
+
+#[test]
+fn the_tuned_study_runs_and_gives_the_tuned_curves() {
+    let (directory, _) = run("optimise", "macpherson_front.toml", &[]);
+    let run_directory = directory.path().join("run");
+    let tuned = run_directory.join("optimised.toml");
+    let again = directory.path().join("again");
+    hardpoint(&[
+        "solve",
+        tuned.to_str().unwrap(),
+        "--out",
+        again.to_str().unwrap(),
+    ])
+    .success();
+    let read = |path: PathBuf| fs::read_to_string(path).unwrap();
+    assert_eq!(
+        read(again.join("curves.csv")),
+        read(run_directory.join("curves.csv"))
+    );
+    assert!(read(tuned).contains("# Offsets from the design."));
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let runs = ["1", "2", "3"].map(|threads| {
+        let set = ["--threads", threads, "--set", "optimise.starts=6"];
+        run("optimise", "macpherson_front.toml", &set).0
+    });
+    let mut names: Vec<_> = fs::read_dir(runs[0].path().join("run"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    names.sort();
+    assert!(names.len() >= 5, "{names:?}");
+    for name in names {
+        let contents =
+            |run: &tempfile::TempDir| fs::read(run.path().join("run").join(&name)).unwrap();
+        assert_eq!(contents(&runs[0]), contents(&runs[1]), "{name:?}");
+        assert_eq!(contents(&runs[0]), contents(&runs[2]), "{name:?}");
+    }
+}
+
+#[test]
+fn the_main_csv_goes_to_standard_output_alone() {
+    let study = studies().join("macpherson_solve.toml");
+    let assert = hardpoint(&["solve", study.to_str().unwrap(), "--out", "-"]).success();
+    let out = assert.get_output();
+    assert!(text(&out.stdout).starts_with("travel_mm,camber_deg"));
+    assert_eq!(text(&out.stdout).lines().count(), 42);
+    assert!(text(&out.stderr).contains("41 of 41 stations"));
+}
+
+#[test]
+fn tables_come_as_csv_and_json_too() {
+    let study = studies().join("macpherson_solve.toml");
+    let study = study.to_str().unwrap();
+    let assert = hardpoint(&["check", study, "--format", "json"]).success();
+    let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(table[0]["output"], "camber_deg");
+    let assert = hardpoint(&["check", study, "--format", "csv"]).success();
+    assert!(text(&assert.get_output().stdout).starts_with("output,at design\ncamber_deg,-0.5"));
+}
+
+/// A travel beyond the mechanism's reach: the rest is written, the reason is given, and no cell of
+/// what could not be computed holds a number.
+#[test]
+fn what_cannot_be_reached_is_reported_and_left_empty() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let study = studies().join("macpherson_solve.toml");
+    let assert = hardpoint(&[
+        "solve",
+        study.to_str().unwrap(),
+        "--set",
+        "motion.travel={from=-400.0,to=400.0,steps=9}",
+        "--out",
+        out.to_str().unwrap(),
+    ])
+    .code(1);
+    let said = text(&assert.get_output().stdout);
+    assert!(said.contains("7 of 9 stations"), "{said}");
+    assert!(said.contains("the wheel travel ends at"), "{said}");
+    let (header, rows) = csv(&directory, "curves.csv");
+    assert_eq!(header.last().unwrap(), "status");
+    for row in [&rows[0], &rows[8]] {
+        assert_eq!(row.last().unwrap(), "unreachable");
+        assert!(
+            row[1..row.len() - 1].iter().all(String::is_empty),
+            "{row:?}"
+        );
+    }
+    assert_eq!(rows[4].last().unwrap(), "ok");
+}
+
+/// Each mistake: exit code 2, one message that says where and what, nothing written.
+#[test]
+fn mistakes_are_named_and_nothing_is_written() {
+    let good = fs::read_to_string(studies().join("macpherson_front.toml")).unwrap();
+    let changed = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        good.replacen(from, to, 1)
+    };
+    let cases = [
+        (
+            changed("[motion]\ntravel", "[motion]\ntravle"),
+            vec!["travle", "travel"],
+        ),
+        (
+            changed("strut_top        = [ -35.0, 575.0, 850.0]\n", ""),
+            vec!["strut_top"],
+        ),
+        (changed("575.0", "\"high\""), vec!["number", "high"]),
+        (changed("575.0", "nan"), vec!["nan"]),
+        (
+            changed("[ 120.0, 360.0, 195.0]", "[-260.0, 350.0, 205.0]"),
+            vec!["lower_arm_front", "lower_arm_rear", "axis of the lower arm"],
+        ),
+        (
+            changed("from = -80.0, to = 80.0", "from = 80.0, to = -80.0"),
+            vec!["from", "80"],
+        ),
+        (
+            changed("\"camber\", \"toe\"", "\"cambr\", \"toe\""),
+            vec!["cambr", "camber"],
+        ),
+        (
+            changed("\"macpherson\"", "\"mcpherson\""),
+            vec!["mcpherson", "macpherson"],
+        ),
+        (String::new(), vec!["empty"]),
+        ("[suspension".to_owned(), vec!["not valid TOML"]),
+    ];
+    for (number, (study, phrases)) in cases.into_iter().enumerate() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("bad.toml");
+        fs::write(&path, study).unwrap();
+        let assert = Command::cargo_bin("hardpoint")
+            .unwrap()
+            .args(["optimise", "bad.toml"])
+            .current_dir(directory.path())
+            .assert()
+            .code(2);
+        let said = text(&assert.get_output().stderr);
+        assert!(said.contains("bad.toml"), "case {number}: {said}");
+        for phrase in phrases {
+            assert!(
+                said.contains(phrase),
+                "case {number} lacks {phrase:?}: {said}"
+            );
+        }
+        assert_eq!(
+            fs::read_dir(directory.path()).unwrap().count(),
+            1,
+            "case {number}"
+        );
+    }
+}
+
+#[test]
+fn wrong_calls_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path().to_str().unwrap();
+    for (arguments, phrase) in [
+        (vec!["solve", "absent.toml"], "no such file"),
+        (vec!["solve", here], "directory"),
+        (vec!["new", "unicycle"], "macpherson"),
+        (vec!["sovle"], "solve"),
+        (vec!["solve"], "STUDY"),
+    ] {
+        let assert = hardpoint(&arguments).code(2);
+        let said = text(&assert.get_output().stderr);
+        assert!(said.contains(phrase), "{arguments:?}: {said}");
+    }
+    let study = studies().join("macpherson_solve.toml");
+    let assert = hardpoint(&["optimise", study.to_str().unwrap()]).code(2);
+    assert!(text(&assert.get_output().stderr).contains("[optimise]"));
+}
+
+/// A place that cannot be written is known before anything is computed.
+#[test]
+fn a_place_that_cannot_be_written_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("taken");
+    fs::write(&file, "a file, not a directory").unwrap();
+    let out = file.join("run");
+    let study = studies().join("macpherson_solve.toml");
+    let assert = hardpoint(&[
+        "solve",
+        study.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let assert = assert.code(2);
+    let said = text(&assert.get_output().stderr);
+    assert!(
+        said.contains("cannot write") && said.contains("taken"),
+        "{said}"
+    );
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+}
+
+/// A target that the design reaches only beyond its travel: the search says so and ends.
+#[test]
+fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = fs::read_to_string(studies().join("macpherson_front.toml")).unwrap();
+    let study = study
+        .replace(
+            "from = -80.0, to = 80.0, steps = 41",
+            "from = -80.0, to = 400.0, steps = 25",
+        )
+        .replace("[80.0, -0.94]]", "[80.0, -0.94], [400.0, -2.0]]");
+    let path = directory.path().join("far.toml");
+    fs::write(&path, study).unwrap();
+    let assert = Command::cargo_bin("hardpoint")
+        .unwrap()
+        .args(["optimise", "far.toml", "--set", "optimise.starts=3"])
+        .current_dir(directory.path())
+        .assert()
+        .code(1);
+    let said = text(&assert.get_output().stdout);
+    assert!(said.contains("the wheel travel ends at"), "{said}");
+    let summary = directory.path().join("out/far/summary.json");
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(summary).unwrap()).unwrap();
+    assert!(summary["misfit_after"].is_null());
+}

@@ -1,0 +1,257 @@
+//! The hard cases of the reference: states next to folds and toggles to a bound derived from their
+//! condition number, the folds themselves, and requests that have no solution.
+
+mod support;
+
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
+use hardpoint::kinematics::{Failure, Lifted, LimitCause, MotionPoint, RangeEnd};
+use hardpoint::model::Drive;
+use hardpoint::number::Vector3;
+use serde_json::Value;
+use std::ops::ControlFlow;
+use support::{AXES, Case, march_to, motion, number, vector};
+
+/// Whether a state lies on the path from the design position with this drive: the reference lists the
+/// other assemblies of the same drive value as well.
+fn is_connected(case: &Case, state: &Value) -> bool {
+    let label = state["label"].as_str().unwrap_or("");
+    let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
+    // The toggle itself (w = 0, w the distance of the tie rod's end from its plane) comes before the
+    // fold of travel only where w has changed sign at the fold. It has downward, not upward.
+    let toggle_beyond = label.contains("w=0") && {
+        let end = if motion(state).1 > 0.0 { "up" } else { "down" };
+        let designed = number(&case.json["design"]["p8_distance_from_plane_5_4_3"]);
+        designed * number(&case.json["travel_folds"][end]["w"]) > 0.0
+    };
+    !label.starts_with("beyond") && !other_mode && !toggle_beyond
+}
+
+/// The failure of a march to one station, or nothing if it has a pose.
+fn failure(case: &Case, state: &Value) -> Option<Failure> {
+    let (drive, value, rack, _) = motion(state);
+    let mut failure = None;
+    case.solver()
+        .march(drive, &march_to(value), rack, |_, _, pose| {
+            failure = pose.err();
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    failure
+}
+
+/// Every state that exists, against a bound from its condition number k: positions and angles to
+/// max(1e-14, 8 e k), derivatives, relative to the largest of their kind, to max(1e-13, 8 e k^2)
+/// (module `conditioning`; the factor is for the rounding of the residuals themselves, which sum up to
+/// eight products).
+fn check(name: &str) -> usize {
+    let case = Case::read(name);
+    let lifted = Lifted::<3>::new(&case.mechanism, &case.design);
+    let mut solver = case.solver();
+    let size = solver.size();
+    let mut checked = 0;
+    for state in case.states().iter().filter(|s| s["exists"] == true) {
+        if !is_connected(&case, state) {
+            continue;
+        }
+        let (drive, value, rack, sign) = motion(state);
+        solver
+            .march(drive, &march_to(value), rack, |solver, _, pose| {
+                let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
+                let point = MotionPoint { drive, value, rack };
+                let k = solver.conditioning(pose, &point).number;
+                let bound = [
+                    (8.0 * f64::EPSILON * k).max(1e-14),
+                    (8.0 * f64::EPSILON * k * k).max(1e-13),
+                    (8.0 * f64::EPSILON * k * k).max(1e-13),
+                ];
+                let at = solver
+                    .posture_series(&lifted, pose, &point.along_drive())
+                    .unwrap();
+                let view = View::of(&at, Constants::default());
+                let mut worst = [0.0_f64; 3];
+                let mut largest = [size, 0.0, 0.0];
+                let mut found = Vec::new();
+                for p in ["p5", "p6", "p7", "p8", "p9", "p10", "p11"] {
+                    for (order, key) in ["positions", "d1", "d2"].into_iter().enumerate() {
+                        let wanted = case.frame.vector(vector(&state[key][p])).to_array();
+                        for axis in AXES {
+                            let wanted = wanted[axis as usize] * sign.powi(order as i32);
+                            let series =
+                                view.value(&at, Quantity::Coordinate(case.point(p), axis));
+                            if order > 0 {
+                                largest[order] = largest[order].max(wanted.abs());
+                            }
+                            found.push((order, series.derivative(order) - wanted));
+                        }
+                    }
+                }
+                for (order, error) in found {
+                    assert!(error.is_finite());
+                    worst[order] = worst[order].max((error / largest[order]).abs());
+                }
+                for (name, c) in [
+                    ("camber", Characteristic::Camber),
+                    ("toe", Characteristic::Toe),
+                    ("kpi", Characteristic::KingpinInclination),
+                    ("caster", Characteristic::Caster),
+                ] {
+                    let series = view.value(&at, Quantity::Characteristic(c));
+                    let error = series[0] - number(&state["angles"][name]["d0"]);
+                    assert!(error.abs() <= 2.0 * bound[0], "{name} {error:e}");
+                }
+                println!(
+                    "{name} {drive:?} {value:<22} k {k:.1e}  errors {:.1e} {:.1e} {:.1e}  of bounds {:.1e} {:.1e}",
+                    worst[0], worst[1], worst[2], bound[0], bound[1]
+                );
+                for order in 0..3 {
+                    assert!(worst[order] <= bound[order], "{name} {drive:?} {value} order {order}");
+                }
+                checked += 1;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+    }
+    checked
+}
+
+#[test]
+fn states_beside_the_folds_of_travel() {
+    assert_eq!(check("travel-limit"), 10);
+}
+
+#[test]
+fn states_beside_the_toggle_of_the_tie_rod() {
+    assert_eq!(check("tie-rod-toggle"), 17);
+}
+
+#[test]
+fn strut_points_a_millimetre_apart() {
+    assert_eq!(check("strut-points-1mm"), 3);
+}
+
+#[test]
+fn angular_velocity_in_the_plane_of_three_points() {
+    assert_eq!(check("angular-velocity-in-plane"), 8);
+}
+
+#[test]
+fn what_has_no_solution_is_refused_with_the_limit() {
+    let case = Case::read("no-assembly");
+    let racks = &case.json["rack_limits_at_zero_travel_float"];
+    for state in case.states() {
+        assert_eq!(state["exists"], false);
+        let found = failure(&case, state);
+        println!("{found:?}");
+        match found.expect("a refusal") {
+            Failure::Unreachable { drive, limit, .. } => {
+                assert_eq!(drive, Drive::Travel);
+                let known = if motion(state).1 > 0.0 {
+                    0.34966781
+                } else {
+                    -0.36579594
+                };
+                assert!((limit - known).abs() < 1e-8, "{limit}");
+            }
+            Failure::RackUnreachable { limit, .. } => {
+                let known = number(&racks[if limit > 0.0 { "rack+1" } else { "rack-1" }]);
+                // Stored to nine decimals.
+                assert!((limit - known).abs() <= 0.5e-9, "{limit} {known}");
+            }
+            other => panic!("{:?}: {other}", state["drive"]),
+        }
+    }
+}
+
+/// The folds to 45 digits, and how they move with every hardpoint.
+#[test]
+fn limits_of_travel_are_exact() {
+    let case = Case::read("travel-limit");
+    let mut solver = case.solver();
+    let size = solver.size();
+    let limits = solver.limits().unwrap();
+    for (end, key) in [(&limits.travel.upper, "up"), (&limits.travel.lower, "down")] {
+        let known = &case.json["limits"][key];
+        let RangeEnd::Fold(limit) = end else {
+            panic!("{end:?}")
+        };
+        let error = limit.value - number(&known["travel"]);
+        println!("{key} {} error {error:.1e} {:?}", limit.value, limit.cause);
+        assert!(error.abs() <= 4.0 * f64::EPSILON * size, "{error:e}");
+        assert_eq!(limit.cause, LimitCause::ArmVertical);
+        let mut worst = 0.0_f64;
+        let mut count = 0;
+        for (param, value) in known["limit_sensitivity"].as_object().unwrap() {
+            let (point, axis) = param.split_once('.').unwrap();
+            let axis = AXES.into_iter().find(|a| a.name() == axis).unwrap();
+            let found: Vector3<f64> = case.frame.vector(limit.gradient[case.point(point).0]);
+            worst = worst.max((found.to_array()[axis as usize] - number(value)).abs());
+            count += 1;
+        }
+        println!("{count} sensitivities to {worst:.1e}");
+        assert!(count >= 27 && worst < 1e-12, "{worst:e}");
+    }
+    // The arm can be turned right round.
+    let arm = limits.arm_angle.unwrap();
+    assert_eq!(
+        (arm.lower, arm.upper),
+        (RangeEnd::FullTurn, RangeEnd::FullTurn)
+    );
+}
+
+#[test]
+fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
+    let case = Case::read("tie-rod-toggle");
+    let mut solver = case.solver();
+    let size = solver.size();
+    let limits = solver.limits().unwrap();
+    let json = &case.json;
+    let arm = limits.arm_angle.unwrap();
+    // The reference turns the arm the other way.
+    let wanted = [
+        (
+            &limits.travel.upper,
+            number(&json["travel_folds"]["up"]["travel"]),
+            size,
+        ),
+        (
+            &limits.travel.lower,
+            number(&json["travel_folds"]["down"]["travel"]),
+            size,
+        ),
+        (&arm.upper, -number(&json["limit_arm_delta"][0]), 1.0),
+        (&arm.lower, -number(&json["limit_arm_delta"][1]), 1.0),
+    ];
+    for (end, known, unit) in wanted {
+        let RangeEnd::Fold(limit) = end else {
+            panic!("{end:?}")
+        };
+        let error = (limit.value - known) / unit;
+        println!("{} error {error:.1e} {:?}", limit.value, limit.cause);
+        assert!(error.abs() < 1e-13, "{error:e}");
+        assert_eq!(limit.cause, LimitCause::TieRodToggle);
+    }
+}
+
+/// What lies a nanometre (or nanoradian) beyond a fold is refused, and the limit is the fold.
+#[test]
+fn a_nanometre_beyond_a_fold_is_refused() {
+    for name in ["travel-limit", "tie-rod-toggle"] {
+        let case = Case::read(name);
+        for state in case.states().iter().filter(|s| s["exists"] == false) {
+            let (_, value, _, _) = motion(state);
+            match failure(&case, state) {
+                Some(Failure::Unreachable { limit, cause, .. }) => {
+                    let short = (value - limit).abs();
+                    println!(
+                        "{name} {:?}: short by {short:.2e}, {cause:?}",
+                        state["drive"]["value"]
+                    );
+                    assert!((0.9e-9..1.1e-9).contains(&short), "{short:e}");
+                    let tie_rod = name == "tie-rod-toggle";
+                    assert_eq!(cause == LimitCause::TieRodToggle, tie_rod);
+                }
+                other => panic!("{name} {:?}: {other:?}", state["drive"]),
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! A knuckle on five rods as twelve quadratic equations: position of its origin, nine entries of its
+//! rotation. Written down anew, with none of the library's constraint rows, and solved by Newton's
+//! method in doubles (to track) and in double-doubles (to have the answer to 30 digits).
+
+use super::double_double::DoubleDouble as Dd;
+use hardpoint::kinematics::Pose;
+use hardpoint::model::{Body, Constraint, Mechanism};
+use hardpoint::number::{Matrix3, Real, Vector3};
+use nalgebra::{LU, SMatrix, SVector};
+
+type Factors = LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
+
+/// The equations of one design.
+#[derive(Clone)]
+pub struct Quadratics<T> {
+    /// Chassis end, whether the rack moves it, lever on the knuckle, squared length.
+    rods: Vec<(Vector3<T>, bool, Vector3<T>, T)>,
+    wheel: Vector3<T>,
+    wheel_height: T,
+}
+
+pub fn design_pose(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Pose<f64> {
+    Pose {
+        origin: design[mechanism.origin.0],
+        rotation: Matrix3::identity(0.0),
+    }
+}
+
+impl<T: Real> Quadratics<T> {
+    pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        let origin = design[mechanism.origin.0];
+        let rods = mechanism.constraints.iter().map(|constraint| {
+            let Constraint::Link { inner, outer } = *constraint else {
+                panic!("rods only")
+            };
+            let (c, o) = (design[inner.0], design[outer.0]);
+            let length = o - c;
+            let on_rack = mechanism.body(inner) == Body::Rack;
+            (c, on_rack, o - origin, length.dot(length))
+        });
+        let centre = design[mechanism.wheel_centre.0];
+        Quadratics {
+            rods: rods.collect(),
+            wheel: centre - origin,
+            wheel_height: centre.z,
+        }
+    }
+
+    fn rod(&self, i: usize, pose: &Pose<T>, rack: T) -> Vector3<T> {
+        let (mut inner, on_rack, lever, _) = self.rods[i];
+        if on_rack {
+            inner.y = inner.y + rack;
+        }
+        pose.origin + pose.rotation.apply(lever) - inner
+    }
+
+    fn residuals(&self, pose: &Pose<T>, travel: T, rack: T) -> [T; 12] {
+        let mut all = [travel.zero(); 12];
+        for (i, (.., squared)) in self.rods.iter().enumerate() {
+            let d = self.rod(i, pose, rack);
+            all[i] = d.dot(d) - *squared;
+        }
+        let wheel = pose.origin + pose.rotation.apply(self.wheel);
+        all[5] = wheel.z - self.wheel_height - travel;
+        let c = pose.rotation.columns;
+        for (k, (i, j)) in PAIRS.into_iter().enumerate() {
+            let one = if i == j { travel.one() } else { travel.zero() };
+            all[6 + k] = c[i].dot(c[j]) - one;
+        }
+        all
+    }
+}
+
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+
+impl Quadratics<f64> {
+    pub fn factorise(&self, pose: &Pose<f64>, rack: f64) -> Factors {
+        let mut jacobian = SMatrix::<f64, 12, 12>::zeros();
+        for i in 0..5 {
+            let d = self.rod(i, pose, rack).to_array();
+            let lever = self.rods[i].2.to_array();
+            for a in 0..3 {
+                jacobian[(i, a)] = 2.0 * d[a];
+                for k in 0..3 {
+                    jacobian[(i, 3 + 3 * k + a)] = 2.0 * d[a] * lever[k];
+                }
+            }
+        }
+        let wheel = self.wheel.to_array();
+        jacobian[(5, 2)] = 1.0;
+        for k in 0..3 {
+            jacobian[(5, 3 + 3 * k + 2)] = wheel[k];
+        }
+        let c = pose.rotation.columns.map(|c| c.to_array());
+        for (row, (i, j)) in PAIRS.into_iter().enumerate() {
+            for a in 0..3 {
+                jacobian[(6 + row, 3 + 3 * i + a)] += c[j][a];
+                jacobian[(6 + row, 3 + 3 * j + a)] += c[i][a];
+            }
+        }
+        jacobian.lu()
+    }
+
+    /// The pose reached from the design position by moving first the rack, then the wheel, in `steps`
+    /// small steps each; `None` where Newton's method needs a jump.
+    pub fn track(
+        &self,
+        start: Pose<f64>,
+        travel: f64,
+        rack: f64,
+        steps: usize,
+    ) -> Option<Pose<f64>> {
+        let mut pose = start;
+        let rack_steps = if rack == 0.0 { 0 } else { steps };
+        let racks = (1..=rack_steps).map(|i| (0.0, rack * i as f64 / steps as f64));
+        let travels = (1..=steps).map(|i| (travel * i as f64 / steps as f64, rack));
+        for (z, r) in racks.chain(travels) {
+            let mut last = f64::INFINITY;
+            for _ in 0..6 {
+                let lu = self.factorise(&pose, r);
+                let step = lu.solve(&SVector::from(self.residuals(&pose, z, r)))?;
+                pose = apply(&pose, &step, |a, b| a - b);
+                let size = step.rows(3, 9).amax();
+                if size > 0.2 || size > 2.0 * last {
+                    return None;
+                }
+                last = size;
+                if size < 1e-13 {
+                    break;
+                }
+            }
+        }
+        Some(pose)
+    }
+}
+
+fn apply<T: Real>(pose: &Pose<T>, step: &SVector<f64, 12>, less: impl Fn(T, f64) -> T) -> Pose<T> {
+    let part = |v: Vector3<T>, first: usize| {
+        Vector3::new(
+            less(v.x, step[first]),
+            less(v.y, step[first + 1]),
+            less(v.z, step[first + 2]),
+        )
+    };
+    let [a, b, c] = pose.rotation.columns;
+    Pose {
+        origin: part(pose.origin, 0),
+        rotation: Matrix3 {
+            columns: [part(a, 3), part(b, 6), part(c, 9)],
+        },
+    }
+}
+
+impl Quadratics<Dd> {
+    /// The solution next to a pose, to the last digits of a double-double; `factors` may be those of a
+    /// neighbouring design or station.
+    pub fn refine(&self, start: &Pose<Dd>, factors: &Factors, travel: Dd, rack: Dd) -> Pose<Dd> {
+        let mut pose = *start;
+        for _ in 0..12 {
+            let residuals = self.residuals(&pose, travel, rack).map(|r| r.value());
+            let step = factors.solve(&SVector::from(residuals)).unwrap();
+            pose = apply(&pose, &step, |a, b| a - Dd::from(b));
+            if step.amax() < 1e-27 {
+                return pose;
+            }
+        }
+        panic!("the refinement does not settle");
+    }
+}

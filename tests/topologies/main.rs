@@ -1,0 +1,79 @@
+//! Every topology against independent solutions and against what its hardpoints alone say.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod double_wishbone;
+mod five_link;
+mod general_closure;
+mod invariances;
+mod loads;
+mod semi_trailing_arm;
+mod truth;
+
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
+use hardpoint::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver};
+use hardpoint::model::{Drive, Mechanism, Suspension, Topology};
+use hardpoint::number::{Jet, Vector3};
+use hardpoint::study::Study;
+use std::ops::ControlFlow;
+use std::path::Path;
+use support::march_to;
+
+/// The suspension of a topology's own template.
+fn template(topology: &str) -> Suspension {
+    let topology = Topology::named(topology).unwrap();
+    Study::from_text(topology.name, topology.template, Path::new("."))
+        .unwrap_or_else(|e| panic!("{e:?}"))
+        .suspension
+}
+
+/// Solves one station and reads it.
+fn at<R>(
+    mechanism: &Mechanism,
+    design: &[Vector3<f64>],
+    point: MotionPoint<f64>,
+    read: impl FnOnce(&Solver, &Pose<f64>) -> R,
+) -> Result<Result<R, Failure>, DesignFault> {
+    let mut solver = Solver::new(mechanism, design)?;
+    let mut found = None;
+    let mut read = Some(read);
+    solver.march(
+        point.drive,
+        &march_to(point.value),
+        point.rack,
+        |solver, _, pose| {
+            found = Some(pose.map(|pose| (read.take().unwrap())(solver, pose)));
+            ControlFlow::Continue(())
+        },
+    )?;
+    Ok(found.unwrap())
+}
+
+fn travel(value: f64, rack: f64) -> MotionPoint<f64> {
+    MotionPoint {
+        drive: Drive::Travel,
+        value,
+        rack,
+    }
+}
+
+/// Values of characteristics with their first derivative by travel.
+fn characteristics(
+    suspension: &Suspension,
+    design: &[Vector3<f64>],
+    point: MotionPoint<f64>,
+    wanted: &[Characteristic],
+) -> Result<Vec<Jet<f64, 3>>, Failure> {
+    let mechanism = &suspension.mechanism;
+    let lifted = Lifted::<3>::new(mechanism, design);
+    at(mechanism, design, point, |solver, pose| {
+        let posture = solver
+            .posture_series(&lifted, pose, &point.along_drive())
+            .unwrap();
+        let view = View::of(&posture, Constants::of(suspension));
+        let value = |c: &Characteristic| view.value(&posture, Quantity::Characteristic(*c));
+        wanted.iter().map(value).collect()
+    })
+    .unwrap()
+}

@@ -66,7 +66,14 @@ fn the_templates_optional_keys_are_good() {
             })
             || body.starts_with("  {")
             || body.starts_with(']');
-        let exclusive = ["drive", "arm_angle", "angle_unit", "time", "static_"];
+        let exclusive = [
+            "drive",
+            "arm_angle",
+            "theta",
+            "angle_unit",
+            "time",
+            "static_",
+        ];
         if line.starts_with("# ") && commented && !exclusive.iter().any(|key| body.starts_with(key))
         {
             body.to_owned()

@@ -19,7 +19,7 @@ impl Formula for AttiaKingpin {
         formula: "atan((y7 - y5)/(z7 - z5)), 5 lower_ball_joint, 7 strut_upper",
         source: "Attia 2003, equation (16); a strut steers about 5-4, so it is no kingpin inclination",
         reads: &[Slot::SteeringPoint, Slot::StrutUpper],
-        needs: &[Need::StrutUpper],
+        needs: &[Need::SteeringAxis, Need::StrutUpper],
     };
     #[inline]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {

@@ -27,6 +27,7 @@
 //! belongs to one of theta, and where 1 is not beside 5, so that d51 > rho, there is no position at
 //! all about it.
 
+use super::constraint::axis_ends;
 use super::path::DesignFault;
 use crate::model::Mechanism;
 use crate::number::{Jet, Real, Vector3};
@@ -50,15 +51,9 @@ impl PaperTheta {
     /// The drive of a design, which must not be at the dead centre of its first arm.
     pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
         let arm = mechanism.arms[0];
-        let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
-        // Positive raises the outer joint, as the drive by arm angle has it.
-        let axis = (front - rear).normalised();
-        let axis = if axis.cross(outer - rear).z >= 0.0 {
-            axis
-        } else {
-            -axis
-        };
-        let leg = outer - front;
+        let (tail, head) = axis_ends(arm, design);
+        let axis = (design[head.0] - design[tail.0]).normalised();
+        let leg = design[arm.outer.0] - design[arm.front.0];
         let along = axis.dot(leg);
         let radius = leg - axis * along;
         let (up, ahead) = (radius.z, axis.cross(radius).z);

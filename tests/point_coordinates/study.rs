@@ -300,6 +300,11 @@ fn what_cannot_be_given_is_refused_by_line() {
             "the drive \"paper_theta\"",
         ),
         (
+            "double_wishbone_solve",
+            &[paper],
+            "those of a MacPherson strut, not of a double_wishbone",
+        ),
+        (
             "attia",
             &["solver.formulation=closed"],
             "unknown formulation \"closed\"; expected \"knuckle_pose\" or \"point_coordinates\"",

@@ -82,7 +82,7 @@ impl Strut {
     pub fn raising_turn(&self) -> f64 {
         let axis = self.lower_arm_rear - self.lower_arm_front;
         let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;
-        if rise > 0.0 { 1.0 } else { -1.0 }
+        if rise <= 0.0 { -1.0 } else { 1.0 }
     }
 
     /// Whether every coordinate is a number.

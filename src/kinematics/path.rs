@@ -212,6 +212,9 @@ pub struct Solver<'m> {
     reach: f64,
 }
 
+/// A pose with the motion point it was found at.
+pub(super) type Station = (Pose<f64>, MotionPoint<f64>);
+
 /// A place on the path.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -383,7 +386,7 @@ impl<'m> Solver<'m> {
         &mut self,
         drive: Drive,
         rack: f64,
-    ) -> Result<Result<(Pose<f64>, MotionPoint<f64>), Failure>, DesignFault> {
+    ) -> Result<Result<Station, Failure>, DesignFault> {
         let place = self.rack_placed(drive, rack)?;
         Ok(place.map(|place| (place.pose, place.point)))
     }

@@ -4,6 +4,7 @@ mod support;
 
 use hardpoint::kinematics::{Certifier, Failure, March, MotionPoint, Posture, Solver};
 use hardpoint::model::Drive;
+use hardpoint::number::Vector3;
 use std::ops::ControlFlow;
 use support::{Case, march_to, motion, vector};
 
@@ -166,4 +167,104 @@ fn a_wrong_pose_is_not_proved() {
     // Off by a decimetre: nothing.
     pose.origin.z += 0.1;
     assert!(certifier.pose(&pose, &point(0.05)).is_err());
+}
+
+/// Cases beyond the reference, each proved to be right to the bound given (in metres), whatever the
+/// solver did to find them: a proof on intervals needs no second solver.
+#[test]
+fn degenerate_geometries_are_proved() {
+    let nominal = Case::read("nominal");
+    let place = |p: &str| nominal.point(p).0;
+    let solved = |name: &str, design: &[Vector3<f64>], drive, values: &[f64], bound: f64| {
+        let mut solver =
+            Solver::new(&nominal.mechanism, design).unwrap_or_else(|f| panic!("{name}: {f:?}"));
+        let certifier = Certifier::new(&nominal.mechanism, design);
+        for (value, proof) in
+            values
+                .iter()
+                .zip(certified(&mut solver, &certifier, drive, values, 0.0))
+        {
+            println!("{name} {drive:?} {value}: {proof:?}");
+            let error = proof.unwrap_or_else(|f| panic!("{name} {value}: {f}"));
+            assert!(error <= bound, "{name} {value}: {error:e}");
+        }
+    };
+    let travel = [-0.08, 0.05, 0.08];
+    let with = |changes: &[(&str, Vector3<f64>)]| {
+        let mut design = nominal.design.clone();
+        for (p, at) in changes {
+            design[place(p)] = *at;
+        }
+        design
+    };
+    let at = |p: &str| nominal.design[place(p)];
+
+    // The arm turned to within a nanoradian of half a turn, where the half angle's tangent is infinite.
+    let half_turn = std::f64::consts::PI - 1e-9;
+    solved(
+        "half turn",
+        &nominal.design,
+        Drive::ArmAngle,
+        &[-half_turn, half_turn],
+        1e-13,
+    );
+
+    // Far from the origin: coordinates are rounded at 1e4 m times the epsilon.
+    let away = Vector3::new(1e4, -1e4, 1e4);
+    let far: Vec<_> = nominal.design.iter().map(|p| *p + away).collect();
+    solved("1e4 m away", &far, Drive::Travel, &travel, 1e-10);
+
+    // Strut points a micrometre apart: their direction is what the given doubles say, exactly.
+    let close = at("p6") + (at("p4") - at("p6")) * (1e-6 / (at("p4") - at("p6")).norm());
+    solved(
+        "strut points",
+        &with(&[("p7", close)]),
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+
+    // Ball joint on the strut axis (p4, p6, p7 in line with it).
+    let on_axis = |t: f64| at("p5") + (at("p4") - at("p5")) * t;
+    let design = with(&[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
+    solved(
+        "ball joint on the strut axis",
+        &design,
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+
+    // All points of the knuckle in one plane.
+    let mut design = nominal.design.clone();
+    for p in ["p5", "p6", "p7", "p8", "p10", "p11", "p4"] {
+        design[place(p)].y = 0.7;
+    }
+    solved(
+        "coplanar knuckle",
+        &design,
+        Drive::Travel,
+        &[-0.03, 0.03],
+        1e-13,
+    );
+
+    // Wheel centre on the ball joint; strut horizontal, along x.
+    solved(
+        "wheel centre on the ball joint",
+        &with(&[("p10", at("p5"))]),
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+    let design = with(&[
+        ("p4", at("p6") + Vector3::new(0.6, 0.0, 0.0)),
+        ("p7", at("p6") + Vector3::new(0.1, 0.0, 0.0)),
+    ]);
+    solved(
+        "strut along x",
+        &design,
+        Drive::ArmAngle,
+        &[-0.02, 0.02],
+        1e-13,
+    );
 }

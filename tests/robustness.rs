@@ -10,6 +10,7 @@ use hardpoint::kinematics::{
 use hardpoint::model::{Constraint, Drive, Mechanism, Topology};
 use hardpoint::number::Vector3;
 use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::ops::ControlFlow;
 
 /// A small generator (S. Vigna, splitmix64), so that a design is known by its number alone.
@@ -178,6 +179,7 @@ struct Tally {
     ordinary_unresolved: usize,
     proved: usize,
     unproved: usize,
+    parted: usize,
     ordinary_unproved: usize,
 }
 
@@ -256,7 +258,15 @@ fn examine(number: u64, tally: &mut Tally) {
                     Ok(certificate) => {
                         tally.proved += 1;
                         assert!(certificate.error <= certificate.uniqueness);
-                        follow_slowly(number, &trial, pose, &point, certificate.uniqueness);
+                        if let Err(apart) =
+                            follow_slowly(&trial, pose, &point, certificate.uniqueness)
+                        {
+                            // Degenerate designs may have another assembly within a millionth of the
+                            // size; then the proof of the path, where asked for, must say so.
+                            assert!(!trial.ordinary, "{number}: {apart}");
+                            tally.parted += 1;
+                            path_is_refused(number, &trial, &certifier, &point);
+                        }
                     }
                     Err(_) => {
                         tally.unproved += 1;
@@ -291,15 +301,14 @@ fn examine(number: u64, tally: &mut Tally) {
     }
 }
 
-/// The same pose reached in many small steps lies within the uniqueness radius of the one found in few:
-/// no branch was jumped.
+/// The same pose reached in many small steps lies within the uniqueness radius of the one found in few,
+/// or by how much it does not.
 fn follow_slowly(
-    number: u64,
     trial: &Trial,
     pose: &Pose<f64>,
     point: &MotionPoint<f64>,
     uniqueness: f64,
-) {
+) -> Result<(), String> {
     let mut solver = Solver::new(&trial.mechanism, &trial.design).unwrap();
     let values: Vec<f64> = (1..=64).map(|k| point.value * k as f64 / 64.0).collect();
     let march = March::through(&values);
@@ -312,11 +321,8 @@ fn follow_slowly(
             ControlFlow::Continue(())
         })
         .unwrap();
-    let slow = last
-        .expect("visited")
-        .unwrap_or_else(|f| panic!("{number}: {f}"));
+    let slow = last.expect("visited").map_err(|f| f.to_string())?;
     let apart = (slow.origin - pose.origin).norm();
-    let size = solver.size();
     let turned = pose
         .rotation
         .columns
@@ -324,25 +330,47 @@ fn follow_slowly(
         .zip(slow.rotation.columns)
         .map(|(a, b)| (*a - b).norm())
         .fold(0.0, f64::max);
-    assert!(
-        apart.max(turned * size) <= 2.0 * uniqueness,
-        "{number}: {apart:e} {turned:e} {uniqueness:e}"
-    );
+    if apart.max(turned * solver.size()) <= 2.0 * uniqueness {
+        Ok(())
+    } else {
+        Err(format!("{apart:e} {turned:e} {uniqueness:e}"))
+    }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
-    #[test]
-    fn any_design_is_solved_or_refused_with_a_reason(number in any::<u64>()) {
-        examine(number, &mut Tally::default());
-    }
+/// What is reached differently in long and in short steps is not proved to be connected with the design.
+fn path_is_refused(number: u64, trial: &Trial, certifier: &Certifier, point: &MotionPoint<f64>) {
+    let mut solver = Solver::new(&trial.mechanism, &trial.design).unwrap();
+    let march = March::through(&[point.value]);
+    solver
+        .march_certified(certifier, trial.drive, &march, trial.rack, |_, _, found| {
+            assert!(found.is_err(), "{number}");
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+}
+
+#[test]
+fn any_design_is_solved_or_refused_with_a_reason() {
+    let config = ProptestConfig {
+        cases: 2000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    // The same designs every time.
+    let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    TestRunner::new_with_rng(config, random)
+        .run(&any::<u64>(), |number| {
+            examine(number, &mut Tally::default());
+            Ok(())
+        })
+        .unwrap();
 }
 
 /// Designs that failed once.
 #[test]
 fn designs_that_failed_once() {
     for number in [
-        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343,
+        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343, 82214, 84055, 104498,
     ] {
         examine(number, &mut Tally::default());
     }

@@ -259,6 +259,9 @@ pub struct Solver<'m> {
     reach: f64,
 }
 
+/// A pose with the motion point it was found at.
+pub(super) type Station = (Pose<f64>, MotionPoint<f64>);
+
 /// A place on the path.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -430,7 +433,7 @@ impl<'m> Solver<'m> {
         &mut self,
         drive: Drive,
         rack: f64,
-    ) -> Result<Result<(Pose<f64>, MotionPoint<f64>), Failure>, DesignFault> {
+    ) -> Result<Result<Station, Failure>, DesignFault> {
         let place = self.rack_placed(drive, rack)?;
         Ok(place.map(|place| (place.pose, place.point)))
     }
@@ -632,7 +635,7 @@ impl<'m> Solver<'m> {
         if !(step.abs() <= 0.5 * LONGEST_TURN
             && tangent.abs() < 1.0
             && state.is_ordinary()
-            && keep_clear(&quick.margins, &margins, step))
+            && stays_clear(&lifted, rack, &quick, (tangent, &margins)))
         {
             return None;
         }
@@ -857,6 +860,9 @@ pub(super) const GOOD_PREDICTION: f64 = 0.01;
 /// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
 /// shorter the path turns sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
+/// Length of the pieces in which a step of the closed form is looked at, as a tangent of half the angle:
+/// longer than the steps of an ordinary study.
+const PIECE: f64 = 0.01;
 /// How many sizes from the origin the closed form keeps its accuracy.
 const FAR: f64 = 1e3;
 /// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
@@ -864,6 +870,30 @@ const FAR: f64 = 1e3;
 const SAME: f64 = 1e-9;
 /// Corrections this small relative to the size are rounding.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Whether what may not vanish stays positive on the way from one place to a tangent with its margins:
+/// piece by piece, where the way is long.
+fn stays_clear(
+    form: &StrutForm<Jet<f64, 2>>,
+    rack: Jet<f64, 2>,
+    from: &Quick,
+    (tangent, margins): (f64, &[Jet<f64, 2>; 2]),
+) -> bool {
+    let step = tangent - from.tangent;
+    let pieces = (step.abs() / PIECE).ceil().max(1.0);
+    let mut before = from.margins;
+    let mut piece = 1.0;
+    while piece < pieces {
+        let between = from.tangent + step * (piece / pieces);
+        let here = form.at_half_tangent(Jet::variable(between), rack).margins();
+        if !keep_clear(&before, &here, step / pieces) {
+            return false;
+        }
+        before = here;
+        piece += 1.0;
+    }
+    keep_clear(&before, margins, step / pieces)
+}
 
 /// Whether margins stay positive over a step, by their values and slopes at both ends. One that is
 /// convex lies above both tangents, one that is concave above its ends.

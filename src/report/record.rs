@@ -173,7 +173,10 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
         .map(|target| {
             let unit = target.characteristic.info().unit;
             let printed = |(drive, value): (f64, f64)| {
-                [study.motion.drive.printed(drive), value * unit.printed_factor()]
+                [
+                    study.motion.drive.printed(drive),
+                    value * unit.printed_factor(),
+                ]
             };
             let mut points: Vec<[f64; 2]> = target
                 .wanted

@@ -55,6 +55,9 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
+/// A posture along the motion with, where there was a need for them, the factors of its Jacobian.
+pub(super) type Factorised<'a, const N: usize> = (Posture<'a, Jet<f64, N>>, Option<Lu6<f64>>);
+
 /// A design over power series with `N` coefficients, and its closure equations.
 #[derive(Clone, Debug)]
 pub struct Lifted<const N: usize> {
@@ -109,7 +112,7 @@ impl<const N: usize> Lifted<N> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
         linearise: bool,
-    ) -> Option<(Posture<'a, Jet<f64, N>>, Option<Lu6<f64>>)> {
+    ) -> Option<Factorised<'a, N>> {
         let mut series = pose.map(Jet::constant);
         let mut factors = None;
         if N > 1 || linearise || self.steered.is_some() {

@@ -5,6 +5,11 @@
 //! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
 //! the compiler ten times as much.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "recurrences read as in the book, by index"
+)]
+
 use super::Real;
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 

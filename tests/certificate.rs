@@ -44,6 +44,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
                     design: &case.design,
                     pose: *pose,
                     rack,
+                    steering: None,
                 };
                 for p in ["p5", "p8", "p10", "p11"] {
                     let id = case.point(p);

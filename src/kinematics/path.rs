@@ -827,7 +827,7 @@ pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Whether what may not vanish stays positive on the way from one place to a tangent with its margins:
 /// piece by piece, where the way is long.
 fn stays_clear(
-    form: &StrutForm<Jet<f64, 2>>,
+    form: &ClosedForm<Jet<f64, 2>>,
     rack: Jet<f64, 2>,
     from: &Quick,
     (tangent, margins): (f64, &[Jet<f64, 2>; 2]),

@@ -352,7 +352,7 @@ fn path_is_refused(number: u64, trial: &Trial, certifier: &Certifier, point: &Mo
 #[test]
 fn any_design_is_solved_or_refused_with_a_reason() {
     let config = ProptestConfig {
-        cases: 2000,
+        cases: 1000,
         failure_persistence: None,
         ..ProptestConfig::default()
     };

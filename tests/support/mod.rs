@@ -122,8 +122,8 @@ impl Case {
 }
 
 /// Drive, its value and the rack's in the kernel's convention, and the factor from the reference's
-/// drive to the kernel's: the reference turns the arm about p2 - p1, the kernel about the axis taken
-/// pointing forward. The reference's rack moves along the kernel's +y already.
+/// drive to the kernel's: the reference turns the arm about p2 - p1, the kernel so that a
+/// positive angle raises the ball joint. The reference's rack moves along the kernel's +y already.
 pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     let value = number(&state["drive"]["value"]);
     let rack = number(&state["drive"]["rack"]);

@@ -122,6 +122,10 @@ fn trial(number: u64) -> Trial {
     }
 }
 
+#[allow(
+    clippy::needless_range_loop,
+    reason = "several points are read and one is written, coordinate by coordinate"
+)]
 fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
     let (a, b, c) = (random.below(10), random.below(10), random.below(10));
     let tiny = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][random.below(6)];

@@ -236,6 +236,60 @@ fn what_cannot_be_reached_is_reported_and_left_empty() {
     assert_eq!(rows[4].last().unwrap(), "ok");
 }
 
+/// The limits of the reference's road car, 110 digits: tests/data/reference/travel-limit.json.
+#[test]
+fn limits_are_exact_and_have_a_cause() {
+    let study = studies().join("macpherson_solve.toml");
+    let arguments = ["limits", study.to_str().unwrap(), "--format", "json"];
+    let assert = hardpoint(&arguments).success();
+    let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(table[0]["quantity"], "travel_mm");
+    // The sample's strut line runs through its mount, the reference's car has a line of its own; the
+    // drive cannot tell them apart near the middle, but the ends differ, so only the order is claimed.
+    let (from, to) = (
+        table[0]["from"].as_f64().unwrap(),
+        table[0]["to"].as_f64().unwrap(),
+    );
+    assert!(
+        (-500.0..-200.0).contains(&from) && (200.0..500.0).contains(&to),
+        "{from} {to}"
+    );
+    assert!(table[0]["because"].as_str().unwrap().contains("arm"));
+    // At the ends it stops, just before them it does not.
+    for (travel, code) in [
+        (to - 1e-6, 0),
+        (to + 1e-6, 1),
+        (from + 1e-6, 0),
+        (from - 1e-6, 1),
+    ] {
+        let set = format!("motion.travel=[{travel:?}]");
+        let study = study.to_str().unwrap();
+        hardpoint(&["solve", study, "--set", &set, "--out", "-"]).code(code);
+    }
+}
+
+#[test]
+fn assemblies_are_listed_and_the_connected_one_is_named() {
+    let study = studies().join("macpherson_solve.toml");
+    let arguments = [
+        "assemblies",
+        study.to_str().unwrap(),
+        "--travel",
+        "30",
+        "--format",
+        "json",
+    ];
+    let assert = hardpoint(&arguments).success();
+    let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let rows = table.as_array().unwrap();
+    let connected: Vec<_> = rows.iter().filter(|r| r["connected"] == "yes").collect();
+    assert_eq!(connected.len(), 1, "{rows:?}");
+    assert!((connected[0]["wheel_centre_z_mm"].as_f64().unwrap() - 330.0).abs() < 1e-9);
+    assert_eq!(connected[0]["strut"], "upright");
+    let study = studies().join("double_wishbone_solve.toml");
+    hardpoint(&["assemblies", study.to_str().unwrap()]).code(2);
+}
+
 /// Each mistake: exit code 2, one message that says where and what, nothing written.
 #[test]
 fn mistakes_are_named_and_nothing_is_written() {

@@ -1,7 +1,9 @@
 //! The command line: arguments, exit codes, progress. The only place that knows clap.
 
+mod assemblies;
 mod check;
 mod exit;
+mod limits;
 mod new;
 mod optimise;
 mod output;
@@ -40,6 +42,10 @@ enum Command {
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
     Optimise(RunArguments),
+    /// How far travel, rack and arm go from the design position, and what stops them
+    Limits(StudyArguments),
+    /// Every way to assemble a strut's lengths at a given travel
+    Assemblies(AssembliesArguments),
     /// Make one HTML page of a finished run, or pictures of its curves
     Report(ReportArguments),
 }
@@ -62,7 +68,7 @@ struct StudyArguments {
 struct RunArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Directory for the results, or - for the main CSV on standard output [default: out/<study>]
+    /// Directory for the results, or - for the main CSV on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of threads [default: one for each core]
@@ -74,6 +80,19 @@ struct RunArguments {
     /// Write the curves as SVG pictures into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+}
+
+/// Where assemblies are looked for.
+#[derive(Args)]
+struct AssembliesArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Wheel travel, in the study's length unit
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    travel: f64,
+    /// Rack displacement, in the study's axes and length unit
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    rack: f64,
 }
 
 /// What a report is made of.
@@ -123,6 +142,8 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Optimise(arguments) => optimise::run(&arguments),
+        Command::Limits(arguments) => limits::run(&arguments),
+        Command::Assemblies(arguments) => assemblies::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
     };
     match ended {

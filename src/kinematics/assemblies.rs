@@ -1,6 +1,6 @@
 //! All assemblies of a strut: every pose its lengths allow at a given travel, on whatever branch.
 //!
-//! At an arm angle th there are at most four (module [`super::strut`]): strut upright or inverted, the
+//! At an arm angle th there are at most four (module `closed_form`): strut upright or inverted, the
 //! outer end of the tie rod on either side of its plane. On each of the four the travel is an explicit
 //! function f(th), so the assemblies are the roots of f(th) = travel over one turn of the arm. (The four
 //! together are one trigonometric polynomial of degree ten, so there are at most twenty.)

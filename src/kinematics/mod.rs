@@ -4,7 +4,7 @@
 //! design --Solver--> pose --pose_series--> rates, curvature --Linearised--> sensitivities
 //! ```
 //!
-//! [`path`](Solver) finds poses connected to the design position: by the closed form of [`closed_form`] where
+//! [`path`](Solver) finds poses connected to the design position: by the closed form (`closed_form`) where
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 

@@ -47,7 +47,7 @@ pub(super) fn pose_series<const N: usize>(
     series
 }
 
-/// Angular velocity of the knuckle along the series: w with R' R^T = [w], that is half the sum of
+/// Angular velocity of the knuckle along the series: w with R' R^T = (w x), that is half the sum of
 /// R e_i x R' e_i. Its highest coefficient is unknown and not to be used.
 pub(super) fn angular_velocity<const N: usize>(pose: &Pose<Jet<f64, N>>) -> Vector3<Jet<f64, N>> {
     let [a, b, c] = pose

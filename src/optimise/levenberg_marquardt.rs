@@ -7,7 +7,7 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly ([`BoundedLeastSquares`]). Damping in proportion to |r|^2 makes the method
+//! (1) is solved exactly (`BoundedLeastSquares`). Damping in proportion to |r|^2 makes the method
 //! converge quadratically to a zero of r even where zeros are not isolated, so that J has no full
 //! rank (Ch. Kanzow, N. Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local
 //! convergence properties for solving nonlinear equations with convex constraints, J. Comput. Appl.

@@ -1,9 +1,9 @@
 //! Tuning hardpoints: targets as nonlinear least squares with box bounds, from one start or several.
 //!
-//! [`tune`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of
+//! [`tune()`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of
 //! suspensions: a [`LeastSquares`] problem yields residuals (in units of their
-//! tolerances) and their exact Jacobian in one pass, [`fit`] finds a minimum from one start,
-//! [`multistart`] from several in parallel, and [`Identifiability`] says what the residuals at the
+//! tolerances) and their exact Jacobian in one pass, [`fit()`] finds a minimum from one start,
+//! [`multistart()`] from several in parallel, and [`Identifiability`] says what the residuals at the
 //! solution cannot tell apart. This is the only place that knows argmin.
 //!
 //! Steps are measured in fractions of the variables' ranges throughout. The ranges are the

@@ -21,7 +21,7 @@ const MOST_FRAMES: usize = 400;
 /// What the report needs beyond the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// [`FORM`].
+    /// `FORM`.
     pub form: u32,
     /// `solve` or `optimise`.
     pub command: String,

@@ -100,7 +100,8 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
         "{compared} poses, {worst:.1e} apart at most, {unfit} unfit, condition up to {worst_condition:.1e}"
     );
     assert!(worst < 1e-11, "{worst:e}");
-    assert!(unfit < 400, "{unfit}");
+    // The paper's equations serve for all but a few poses of sensible struts.
+    assert!(unfit * 50 < compared, "{unfit} of {compared}");
 }
 
 /// Where the paper's equations are singular though the suspension is sound, it refuses by name and the
@@ -112,6 +113,8 @@ fn production_solves_what_the_paper_s_equations_cannot_describe() {
         // A level strut is on its way out of reach: its length stays, the travel is short.
         let travels = match what {
             Singular::HorizontalStrut => [-0.01, 0.01],
+            // The flat knuckle is 2.2 mm of travel from its tie rod's toggle.
+            Singular::CoplanarKnuckle => [-0.002, 0.08],
             _ => [-0.08, 0.08],
         };
         let (mechanism, design) = mechanism_of(&strut);

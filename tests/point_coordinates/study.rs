@@ -165,8 +165,8 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     }
 }
 
-/// Fig. 4 and the whole motion: the wheel falls until the arm turns back at theta = pi, t = 1.2985 s,
-/// and the formulations agree all the way to what the paper's conditioning leaves.
+/// Fig. 4 and the whole motion: the wheel falls until the arm turns back at theta = pi, t = 1.2985 s (its
+/// centre is lowest 0.02 s before and after that), and the formulations agree all the way to what the paper's conditioning leaves.
 #[test]
 fn the_formulations_agree_through_the_bounce() {
     let strut = strut(&reference("attia-example"));
@@ -174,7 +174,8 @@ fn the_formulations_agree_through_the_bounce() {
     let [paper, production] = FORMULATIONS.map(solve_example);
     let height = |row: &usize| paper.number(*row, "wheel_centre_z_m");
     let lowest = (0..201).min_by(|a, b| height(a).total_cmp(&height(b)));
-    assert_eq!(lowest, Some(row(1.3)));
+    let turn = paper.number(lowest.unwrap(), "theta_deg");
+    assert!((turn - 180.0).abs() < 3.0, "{turn} deg");
     let mut pose = equations.design();
     for row in 0..201 {
         pose = equations

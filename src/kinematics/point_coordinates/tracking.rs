@@ -148,6 +148,14 @@ impl PointCoordinates {
         if !(to.value.is_finite() && to.rack.is_finite()) {
             return Err(Refusal::NotFinite);
         }
+        // At theta = k pi itself the cosine is at its end and Newton's method finds the double root to
+        // half of the digits: a pose, but one whose rates mean nothing.
+        if self.driving.leverage(to.value) * WORST_CONDITION < 1.0 {
+            return Err(Refusal::Unreachable {
+                value: to.value,
+                limit: Singular::DeadCentre,
+            });
+        }
         let parameter = |station: Station| self.driving.parameter(station.value);
         let (start, end) = (parameter(from.station), parameter(to));
         let between = |share: f64| {

@@ -236,16 +236,15 @@ fn what_cannot_be_reached_is_reported_and_left_empty() {
     assert_eq!(rows[4].last().unwrap(), "ok");
 }
 
-/// The limits of the reference's road car, 110 digits: tests/data/reference/travel-limit.json.
+/// Just inside its limits the mechanism is solved, just outside it is refused. (That the limits are
+/// exact is claimed against the reference in `tests/hard_cases.rs`.)
 #[test]
-fn limits_are_exact_and_have_a_cause() {
+fn limits_are_sharp_and_have_a_cause() {
     let study = studies().join("macpherson_solve.toml");
     let arguments = ["limits", study.to_str().unwrap(), "--format", "json"];
     let assert = hardpoint(&arguments).success();
     let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert_eq!(table[0]["quantity"], "travel_mm");
-    // The sample's strut line runs through its mount, the reference's car has a line of its own; the
-    // drive cannot tell them apart near the middle, but the ends differ, so only the order is claimed.
     let (from, to) = (
         table[0]["from"].as_f64().unwrap(),
         table[0]["to"].as_f64().unwrap(),

@@ -4,7 +4,7 @@ use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::characteristics::{Characteristic, Constants, Quantity, View};
-use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Solver};
+use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Pose, Solver};
 use crate::model::Drive;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
@@ -37,14 +37,12 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let mut connected = None;
     let march = March::through(&[arguments.travel]);
     let visited = solver.march(Drive::Travel, &march, rack, |_, _, pose| {
-        connected = pose.ok().map(|pose| pose.origin);
+        connected = pose.ok().copied();
         ControlFlow::Continue(())
     });
     visited.map_err(fault)?;
     let is_connected = |assembly: &Assembly| {
-        let same = |c: &Assembly| c.certificate.map_or(1e-7 * solver.size(), |c| c.uniqueness);
-        connected.is_some_and(|origin| (assembly.pose.origin - origin).norm() < same(assembly))
-            && !assembly.strut_inverted
+        connected.is_some_and(|pose| same(&pose, &assembly.pose, solver.size()))
     };
 
     let unit = suspension.length_unit.symbol();
@@ -121,4 +119,11 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         true => Exit::Done,
         false => Exit::Incomplete,
     })
+}
+
+/// Whether two poses are one: assemblies differ by far more than this, and rounding by far less.
+fn same(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> bool {
+    let columns = a.rotation.columns.iter().zip(b.rotation.columns);
+    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
+    (a.origin - b.origin).norm() / size + turned < 1e-7
 }

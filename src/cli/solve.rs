@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         summary.headline()
     ))?;
     output.table(&summary.table())?;
-    for failure in Stretch::all(&curves) {
+    for failure in Stretch::all(&curves, plan.drive) {
         output.say(&format!("\nnot solved: {failure}\n"))?;
     }
     output.farewell(&files)?;

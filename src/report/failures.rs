@@ -2,6 +2,7 @@
 
 use super::shortest;
 use crate::curves::{Curves, Station, Status};
+use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -22,7 +23,7 @@ pub struct Stretch {
 
 impl Stretch {
     /// The failed stretches of some curves, in the order of their stations.
-    pub fn all(curves: &Curves) -> Vec<Stretch> {
+    pub fn all(curves: &Curves, drive: Drive) -> Vec<Stretch> {
         let stations = &curves.stations;
         let mut stretches: Vec<Stretch> = Vec::new();
         for (index, station) in stations.iter().enumerate() {
@@ -47,7 +48,7 @@ impl Stretch {
             }
         }
         for stretch in &mut stretches {
-            stretch.place = place(&stations[stretch.first..=stretch.last]);
+            stretch.place = place(&stations[stretch.first..=stretch.last], drive);
         }
         stretches
     }
@@ -65,12 +66,10 @@ impl fmt::Display for Stretch {
 }
 
 /// Neighbouring stations at one displacement of the rack, in words.
-fn place(stations: &[Station]) -> String {
+fn place(stations: &[Station], drive: Drive) -> String {
     let [first, last] = [&stations[0], &stations[stations.len() - 1]];
-    let (drive, unit) = match first.angle {
-        Some(_) => ("angle", " deg"),
-        None => ("travel", ""),
-    };
+    let unit = if drive.is_angle() { " deg" } else { "" };
+    let drive = drive.key().replace('_', " ");
     let value = |s: &Station| s.angle.or(s.travel).map_or_else(String::new, whole);
     let mut text = match stations.len() {
         1 => format!("{drive} {}{unit}", value(first)),

@@ -116,7 +116,7 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
-                failures: Stretch::all(curves),
+                failures: Stretch::all(curves, plan.drive),
                 frames: frames(suspension, &few)?,
             })
         };

@@ -96,8 +96,9 @@ const TOO_FAR: [&str; 4] = [
 /// A name that is markup, a script, a template, a sentence that turns round, and a car.
 const HOSTILE_NAME: &str = "<img src=x onerror=alert(1)>\"'&amp;{data} \u{202e}abc 🏎";
 
-/// A tuning whose study and one of whose points are named so.
+/// A tuning whose study is named so.
 fn hostile() -> Run {
-    let text = study("macpherson_front.toml");
+    let outputs = "[outputs]\npoints = [\"wheel_centre\"]";
+    let text = study("macpherson_front.toml").replace("[outputs]", outputs);
     Run::of("optimise", HOSTILE_NAME, &text, &[])
 }

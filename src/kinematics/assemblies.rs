@@ -19,7 +19,7 @@ use super::motion::MotionPoint;
 use super::path::Solver;
 use super::pose::Pose;
 use crate::model::Drive;
-use crate::number::{Interval, Jet, Real, Vector3};
+use crate::number::{Interval, Jet, Real, Scalar, Vector3};
 use std::f64::consts::PI;
 
 /// One way to assemble a design.

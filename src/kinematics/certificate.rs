@@ -33,7 +33,7 @@ use super::motion::MotionPoint;
 use super::path::{DesignFault, Failure, March, Solver};
 use super::pose::{Pose, Posture};
 use crate::model::{Drive, Mechanism};
-use crate::number::{Dual, Interval, Jet, Matrix3, Real, Vector3};
+use crate::number::{Dual, Interval, Jet, Matrix3, Real, Scalar, Vector3};
 use std::array::from_fn;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -102,7 +102,7 @@ struct Lifted<T> {
     closure: Closure<T>,
 }
 
-impl<T: Real> Lifted<T> {
+impl<T: Scalar> Lifted<T> {
     fn new(mechanism: &Mechanism, design: &[Vector3<f64>], lift: impl Fn(f64) -> T) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(&lift)).collect();
         let closure = Closure::new(mechanism, &design);
@@ -394,7 +394,7 @@ impl<'m> Certifier<'m> {
     }
 }
 
-fn driver<T: Real>(
+fn driver<T: Scalar>(
     drive: Drive,
     value: T,
     sin_cos: impl FnOnce(T) -> (T, T),

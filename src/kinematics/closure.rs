@@ -8,7 +8,7 @@ use super::constraint::{ArmAngle, Row};
 use super::lu::{Lu6, Matrix6, Vector6};
 use super::pose::{Pose, Posture, Sink};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Real, Vector3};
+use crate::number::{Real, Scalar, Vector3};
 
 /// The sixth equation: what drives the mechanism, with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ pub struct Closure<T> {
     rows: Vec<Row<T>>,
 }
 
-impl<T: Real> Closure<T> {
+impl<T: Scalar> Closure<T> {
     /// The equations of a design.
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let mut closure = Closure {
@@ -155,7 +155,7 @@ impl Closure<f64> {
     }
 }
 
-impl<T: Real> Driver<T> {
+impl<T: Scalar> Driver<T> {
     /// The drive over another kind of number.
     #[inline]
     pub(super) fn map<U>(self, mut f: impl FnMut(T) -> U) -> Driver<U> {

@@ -1,6 +1,6 @@
 //! LU factorisation of the 6x6 Jacobian, with partial pivoting.
 
-use crate::number::{Jet, Real};
+use crate::number::{Jet, Scalar};
 use std::array::from_fn;
 
 /// Six numbers: residuals, multipliers or a twist (shift, turn).
@@ -18,7 +18,7 @@ pub(super) struct Lu6<T> {
     determinant: f64,
 }
 
-impl<T: Real> Lu6<T> {
+impl<T: Scalar> Lu6<T> {
     /// Factorises; `None` where a pivot is zero or not a number. The last three columns (moments) are
     /// lengths; `size` is the one they are compared with.
     pub(super) fn new(mut a: Matrix6<T>, size: f64) -> Option<Self> {
@@ -154,6 +154,7 @@ impl<T: Real> Lu6<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::number::Real;
 
     const A: Matrix6<f64> = [
         [0.0, 2.0, 1.0, -1.0, 0.5, 3.0],

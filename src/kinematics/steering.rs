@@ -127,7 +127,7 @@ pub(super) fn screw_axis<T: Real>(
 ) -> (Vector3<T>, Vector3<T>) {
     let Twist { shift, turn } = *twist;
     let point = origin + turn.cross(shift) * (turn.x.one() / turn.norm_squared());
-    let upward = if turn.z.value() < 0.0 { -turn } else { turn };
+    let upward = turn * turn.z.sign();
     (point, upward)
 }
 

@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::Real;
+use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -156,8 +156,8 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
         }
     }
     #[inline]
-    fn value(self) -> f64 {
-        self.value.value()
+    fn sign(self) -> Self {
+        Dual::constant(self.value.sign())
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
@@ -169,6 +169,13 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
             value: self.value.scaled(factor),
             partials,
         }
+    }
+}
+
+impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
+    #[inline]
+    fn value(self) -> f64 {
+        self.value.value()
     }
 }
 

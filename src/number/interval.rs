@@ -7,7 +7,7 @@
 //!
 //! What is not a number, or not bounded, becomes the whole line: nothing is ever proved from it.
 
-use super::Real;
+use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// All numbers from `low` to `high`.
@@ -226,8 +226,8 @@ impl Real for Interval {
             .hull(corner(self.high, x.high))
     }
     #[inline]
-    fn value(self) -> f64 {
-        self.middle()
+    fn sign(self) -> Self {
+        Interval::point(self.middle().sign())
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
@@ -244,6 +244,13 @@ impl Real for Interval {
     fn squared(self) -> Self {
         let product = self * self;
         Interval::bounds(product.low.max(0.0), product.high)
+    }
+}
+
+impl Scalar for Interval {
+    #[inline]
+    fn value(self) -> f64 {
+        self.middle()
     }
 }
 

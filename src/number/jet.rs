@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::Real;
+use super::{Real, Scalar};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -213,8 +213,8 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     }
 
     #[inline]
-    fn value(self) -> f64 {
-        self.0[0].value()
+    fn sign(self) -> Self {
+        Jet::constant(self.0[0].sign())
     }
 
     #[inline]
@@ -224,6 +224,13 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
             *c = c.scaled(factor);
         }
         Jet(scaled)
+    }
+}
+
+impl<T: Scalar, const N: usize> Scalar for Jet<T, N> {
+    #[inline]
+    fn value(self) -> f64 {
+        self.0[0].value()
     }
 }
 

@@ -1,19 +1,25 @@
-//! Numbers the formulas are written over: plain `f64`, Taylor series in the drive ([`Jet`]) and
-//! first derivatives by a handful of inputs ([`Dual`]).
+//! Numbers the formulas are written over: plain `f64`, Taylor series in the drive ([`Jet`]), first
+//! derivatives by a handful of inputs ([`Dual`]), SIMD registers ([`Lanes`]).
 //!
 //! Every formula of the crate is written once, generic over [`Real`]; what it yields (a value, its
-//! derivatives by wheel travel, its gradient) is decided by the number it is run on. The numbers
+//! derivatives by wheel travel, its gradient, the same for many designs) is decided by the number it is
+//! run on. The numbers
 //! nest: a `Dual<Jet<f64, 3>, 4>` carries the gradient of a value together with the gradient's own
 //! first and second derivative by the drive.
 
+mod arc;
+mod bundle;
 mod dual;
 mod interval;
 mod jet;
+mod lanes;
 mod vector;
 
+pub use bundle::Bundle;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
+pub use lanes::{InLanes, LaneMask, Lanes, Width};
 pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -37,33 +43,39 @@ pub trait Real:
     fn asin(self) -> Self;
     /// The angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
     fn atan2(self, x: Self) -> Self;
-    /// The value without its derivatives.
-    fn value(self) -> f64;
+    /// The constant 1 or -1, whichever has the sign of the value.
+    fn sign(self) -> Self;
 
     /// Zero, in the shape of `self`.
-    #[inline]
+    #[inline(always)]
     fn zero(self) -> Self {
         self.lit(0.0)
     }
     /// One, in the shape of `self`.
-    #[inline]
+    #[inline(always)]
     fn one(self) -> Self {
         self.lit(1.0)
     }
     /// `self` times itself.
-    #[inline]
+    #[inline(always)]
     fn squared(self) -> Self {
         self * self
     }
     /// `self` times a plain constant.
-    #[inline]
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         self * self.lit(factor)
     }
 }
 
+/// One real number, perhaps with derivatives: where it lies can be asked.
+pub trait Scalar: Real {
+    /// The value without its derivatives.
+    fn value(self) -> f64;
+}
+
 impl Real for f64 {
-    #[inline]
+    #[inline(always)]
     fn lit(self, value: f64) -> Self {
         value
     }
@@ -73,12 +85,19 @@ impl Real for f64 {
     }
     #[inline]
     fn asin(self) -> Self {
-        f64::asin(self)
+        arc::asin(self)
     }
     #[inline]
     fn atan2(self, x: Self) -> Self {
-        f64::atan2(self, x)
+        arc::atan2(self, x)
     }
+    #[inline]
+    fn sign(self) -> Self {
+        1.0_f64.copysign(self)
+    }
+}
+
+impl Scalar for f64 {
     #[inline]
     fn value(self) -> f64 {
         self

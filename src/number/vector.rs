@@ -19,13 +19,13 @@ pub struct Vector3<T> {
 
 impl<T> Vector3<T> {
     /// The vector (x, y, z).
-    #[inline]
+    #[inline(always)]
     pub const fn new(x: T, y: T, z: T) -> Self {
         Vector3 { x, y, z }
     }
 
     /// The vector with `f` applied to each component.
-    #[inline]
+    #[inline(always)]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vector3<U> {
         Vector3::new(f(self.x), f(self.y), f(self.z))
     }
@@ -33,14 +33,14 @@ impl<T> Vector3<T> {
 
 impl<T: Copy> Vector3<T> {
     /// The components as an array.
-    #[inline]
+    #[inline(always)]
     pub fn to_array(self) -> [T; 3] {
         [self.x, self.y, self.z]
     }
 }
 
 impl<T> From<[T; 3]> for Vector3<T> {
-    #[inline]
+    #[inline(always)]
     fn from([x, y, z]: [T; 3]) -> Self {
         Vector3 { x, y, z }
     }
@@ -48,13 +48,13 @@ impl<T> From<[T; 3]> for Vector3<T> {
 
 impl<T: Real> Vector3<T> {
     /// Scalar product.
-    #[inline]
+    #[inline(always)]
     pub fn dot(self, other: Self) -> T {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Vector product.
-    #[inline]
+    #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Vector3::new(
             self.y * other.z - self.z * other.y,
@@ -64,31 +64,35 @@ impl<T: Real> Vector3<T> {
     }
 
     /// Squared length.
-    #[inline]
+    #[inline(always)]
     pub fn norm_squared(self) -> T {
         self.dot(self)
     }
 
     /// Length.
-    #[inline]
+    #[inline(always)]
     pub fn norm(self) -> T {
         self.norm_squared().sqrt()
     }
 
     /// The vector of length one in this direction.
-    #[inline]
+    #[inline(always)]
     pub fn normalised(self) -> Self {
         self * (self.x.one() / self.norm())
     }
 
     /// A constant vector, in the shape of this one's components.
-    #[inline]
+    #[inline(always)]
     pub fn lit(self, value: Vector3<f64>) -> Self {
-        value.map(|v| self.x.lit(v))
+        Vector3::new(
+            self.x.lit(value.x),
+            self.x.lit(value.y),
+            self.x.lit(value.z),
+        )
     }
 
     /// The null vector.
-    #[inline]
+    #[inline(always)]
     pub fn zero(self) -> Self {
         let zero = self.x.zero();
         Vector3::new(zero, zero, zero)
@@ -97,7 +101,7 @@ impl<T: Real> Vector3<T> {
 
 impl<T: Real> Add for Vector3<T> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Vector3::new(self.x + other.x, self.y + other.y, self.z + other.z)
     }
@@ -105,7 +109,7 @@ impl<T: Real> Add for Vector3<T> {
 
 impl<T: Real> Sub for Vector3<T> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Vector3::new(self.x - other.x, self.y - other.y, self.z - other.z)
     }
@@ -113,17 +117,17 @@ impl<T: Real> Sub for Vector3<T> {
 
 impl<T: Real> Neg for Vector3<T> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|c| -c)
+        Vector3::new(-self.x, -self.y, -self.z)
     }
 }
 
 impl<T: Real> Mul<T> for Vector3<T> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, factor: T) -> Self {
-        self.map(|c| c * factor)
+        Vector3::new(self.x * factor, self.y * factor, self.z * factor)
     }
 }
 
@@ -136,7 +140,7 @@ pub struct Matrix3<T> {
 
 impl<T: Real> Matrix3<T> {
     /// The identity, in the shape of `like`.
-    #[inline]
+    #[inline(always)]
     pub fn identity(like: T) -> Self {
         let (zero, one) = (like.zero(), like.one());
         Matrix3 {
@@ -149,13 +153,13 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// The matrix times a column.
-    #[inline]
+    #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
         self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
     }
 
     /// The transposed matrix (the inverse rotation) times a column.
-    #[inline]
+    #[inline(always)]
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
         let [a, b, c] = self.columns;
         Vector3::new(a.dot(v), b.dot(v), c.dot(v))
@@ -194,7 +198,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// The matrix with `f` applied to each entry.
-    #[inline]
+    #[inline(always)]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Matrix3<U> {
         Matrix3 {
             columns: self.columns.map(|column| column.map(&mut f)),

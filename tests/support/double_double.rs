@@ -3,7 +3,7 @@
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18,
 //! 1971; square root by one Newton step from the double's.
 
-use hardpoint::number::Real;
+use hardpoint::number::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -117,6 +117,12 @@ impl Real for DoubleDouble {
     fn atan2(self, _: Self) -> Self {
         unimplemented!("not needed")
     }
+    fn sign(self) -> Self {
+        self.lit(self.high.sign())
+    }
+}
+
+impl Scalar for DoubleDouble {
     fn value(self) -> f64 {
         self.high + self.low
     }

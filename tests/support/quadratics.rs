@@ -5,7 +5,7 @@
 use super::double_double::DoubleDouble as Dd;
 use hardpoint::kinematics::Pose;
 use hardpoint::model::{Body, Constraint, Mechanism};
-use hardpoint::number::{Matrix3, Real, Vector3};
+use hardpoint::number::{Matrix3, Real, Scalar, Vector3};
 use nalgebra::{LU, SMatrix, SVector};
 
 type Factors = LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;

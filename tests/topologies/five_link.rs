@@ -9,7 +9,7 @@ use super::{at, template, travel};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
 use hardpoint::kinematics::{Lifted, Pose};
 use hardpoint::model::{Constraint, Mechanism, PointId};
-use hardpoint::number::{Jet, Matrix3, Real, Vector3};
+use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
 use std::array::from_fn;
 
 /// Ten thousand designs around the template, each at one place of +-80 mm travel and +-20 mm rack.

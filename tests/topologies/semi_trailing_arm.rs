@@ -22,7 +22,7 @@ fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let h = a.z * a.z + b.z * b.z;
     // Rising from angle zero: the root that is a, not its mirror image.
     let root = (h - height * height).sqrt();
-    let root = if b.z.value() < 0.0 { -root } else { root };
+    let root = root * b.z.sign();
     let (cosine, sine) = (
         (a.z * height + b.z * root) / h,
         (b.z * height - a.z * root) / h,

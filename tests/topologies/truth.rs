@@ -10,7 +10,7 @@ use super::{at, travel};
 use hardpoint::characteristics::{Constants, Quantity, View};
 use hardpoint::kinematics::{Failure, Lifted, Pose};
 use hardpoint::model::{Axis, Mechanism, PointId};
-use hardpoint::number::{Jet, Real, Vector3};
+use hardpoint::number::{Jet, Scalar, Vector3};
 use std::array::from_fn;
 
 const H: f64 = 1e-4;

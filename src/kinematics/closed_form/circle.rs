@@ -1,6 +1,5 @@
 //! The circle on which an arm's outer joint moves.
 
-use crate::kinematics::constraint::axis_ends;
 use crate::model::Arm;
 use crate::number::{Real, Vector3};
 
@@ -13,11 +12,13 @@ pub(super) struct Circle<T> {
 }
 
 impl<T: Real> Circle<T> {
+    #[inline(always)]
     pub(super) fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
-        let (tail, head) = axis_ends(arm, design);
-        let (tail, outer) = (design[tail.0], design[arm.outer.0]);
-        let axis = (design[head.0] - tail).normalised();
-        let centre = tail + axis * (outer - tail).dot(axis);
+        let [front, rear, outer] = [design[arm.front.0], design[arm.rear.0], design[arm.outer.0]];
+        // About this axis a positive turn raises the joint (as `axis_ends` has it for one number).
+        let lift = (front - rear).cross(outer - rear).z;
+        let axis = (front - rear).normalised() * lift.sign();
+        let centre = rear + axis * (outer - rear).dot(axis);
         let radius = outer - centre;
         Circle {
             centre,
@@ -26,7 +27,7 @@ impl<T: Real> Circle<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
         Circle {
             centre: self.centre.map(&mut f),
@@ -36,7 +37,7 @@ impl<T: Real> Circle<T> {
     }
 
     /// The joint at an angle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, cosine: T, sine: T) -> Vector3<T> {
         self.centre + self.radius * cosine + self.turned * sine
     }

@@ -126,7 +126,7 @@ impl<T: Real> ClosedForm<T> {
             by_mt: x.dot(foot_tie),
             by_ut: x.dot(slide_tie),
         };
-        let orientation = tie.dot(to_upper.cross(inner - ball_joint)).value();
+        let orientation = tie.dot(to_upper.cross(inner - ball_joint));
         let like = tie.x;
         ClosedForm {
             ball_joint: Circle::of(roles.lower_arm, design),
@@ -136,7 +136,7 @@ impl<T: Real> ClosedForm<T> {
             tie_by_m: tie.dot(m),
             tie_by_u: tie.dot(u),
             tie_difference: (tie.norm_squared() - rod.norm_squared()).scaled(0.5),
-            side: like.lit(if orientation < 0.0 { -1.0 } else { 1.0 }),
+            side: orientation.sign(),
             wheel_centre: carried(at(roles.wheel_centre) - ball_joint),
             basis: Matrix3::identity(like).columns.map(carried),
             wheel_height: at(roles.wheel_centre).z,

@@ -58,11 +58,8 @@ impl<T: Real> Upper<T> {
                 let to_top = design[top.0] - ball_joint;
                 let line = (design[upper.unwrap_or(top).0] - design[lower.0]).normalised();
                 let along = line.dot(to_top);
-                let (line, along) = if along.value() < 0.0 {
-                    (-line, -along)
-                } else {
-                    (line, along)
-                };
+                let upward = along.sign();
+                let (line, along) = (line * upward, along * upward);
                 let foot = to_top - line * along;
                 let strut = Upper::Strut {
                     top: design[top.0],
@@ -81,7 +78,7 @@ impl<T: Real> Upper<T> {
                 let arm = Upper::Arm {
                     circle,
                     half_difference: (mm - aa).scaled(0.5),
-                    side: mm.lit(if lever.value() > 0.0 { -1.0 } else { 1.0 }),
+                    side: -lever.sign(),
                     scale: mm.one() / (mm * aa).sqrt(),
                 };
                 (arm, to_joint)

@@ -12,7 +12,7 @@
 
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::{Arm, PointId};
-use crate::number::{Real, Vector3};
+use crate::number::{Scalar, Vector3};
 
 /// The wanted angle of the mechanism's first arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub(in crate::kinematics) struct ArmAngle<T> {
 
 /// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
 #[inline]
-pub(in crate::kinematics) fn axis_ends<T: Real>(
+pub(in crate::kinematics) fn axis_ends<T: Scalar>(
     arm: Arm,
     design: &[Vector3<T>],
 ) -> (PointId, PointId) {
@@ -36,7 +36,7 @@ pub(in crate::kinematics) fn axis_ends<T: Real>(
     }
 }
 
-impl<T: Real> ArmAngle<T> {
+impl<T: Scalar> ArmAngle<T> {
     #[inline]
     pub(in crate::kinematics) fn residual(&self, at: &Posture<T>) -> T {
         let arm = Turned::of(at);
@@ -83,7 +83,7 @@ struct Turned<T> {
     inverse_radius: T,
 }
 
-impl<T: Real> Turned<T> {
+impl<T: Scalar> Turned<T> {
     #[inline]
     fn of(at: &Posture<T>) -> Self {
         let arm = at.mechanism.arms[0];

@@ -22,7 +22,7 @@ use strut_line::StrutLine;
 
 use super::pose::{Posture, Sink};
 use crate::model::Constraint;
-use crate::number::{Real, Vector3};
+use crate::number::{Scalar, Vector3};
 
 /// One scalar constraint, with what of it depends on the design alone.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub(super) enum Row<T> {
     Pinned(Pinned<T>),
 }
 
-impl<T: Real> Row<T> {
+impl<T: Scalar> Row<T> {
     /// Appends the rows of a constraint.
     pub(super) fn prepare(constraint: Constraint, design: &[Vector3<T>], rows: &mut Vec<Row<T>>) {
         match constraint {
@@ -70,7 +70,7 @@ impl<T: Real> Row<T> {
 }
 
 /// Two unit vectors that form a right-handed frame with the given one.
-fn normals<T: Real>(along: Vector3<T>) -> [Vector3<T>; 2] {
+fn normals<T: Scalar>(along: Vector3<T>) -> [Vector3<T>; 2] {
     let size = along.map(|c| c.value().abs());
     let helper = if size.x <= size.y && size.x <= size.z {
         Vector3::new(1.0, 0.0, 0.0)

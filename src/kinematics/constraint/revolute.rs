@@ -14,7 +14,7 @@
 use super::normals;
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::PointId;
-use crate::number::{Matrix3, Real, Vector3};
+use crate::number::{Matrix3, Scalar, Vector3};
 
 /// One of a hinge's five equations.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub(in crate::kinematics) struct Pinned<T> {
     pub direction: Vector3<T>,
 }
 
-impl<T: Real> Pinned<T> {
+impl<T: Scalar> Pinned<T> {
     pub(super) fn all(first: PointId, second: PointId, design: &[Vector3<T>]) -> [Self; 5] {
         let axis = (design[second.0] - design[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;

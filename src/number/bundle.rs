@@ -1,0 +1,84 @@
+//! Independent numbers side by side, as SIMD registers hold them.
+
+use super::Real;
+use std::ops::{BitAnd, BitOr, Not};
+
+/// One or more independent numbers that take the same steps at the same time.
+///
+/// Every operation is the IEEE one, lane by lane, so a lane's bits depend neither on its neighbours nor on
+/// how many there are. What depends on the values goes through [`Bundle::select`].
+pub trait Bundle: Real {
+    /// Numbers in the bundle.
+    const LANES: usize;
+    /// A truth value for each lane.
+    type Mask: Copy
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
+
+    /// The first [`Bundle::LANES`] numbers of a slice, in the shape of `self`.
+    fn load(self, from: &[f64]) -> Self;
+    /// Writes the lanes to the beginning of a slice.
+    fn store(self, to: &mut [f64]);
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The magnitude of `self` with the sign of `other`.
+    fn copysign(self, other: Self) -> Self;
+    /// Where `self` is less than `other`; false for NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Whether the mask is set in every lane.
+    fn all(mask: Self::Mask) -> bool;
+    /// Whether the mask is set in this lane.
+    fn lane(mask: Self::Mask, lane: usize) -> bool;
+
+    /// The larger of two numbers.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self::select(self.less(other), other, self)
+    }
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self::select(other.less(self), other, self)
+    }
+}
+
+impl Bundle for f64 {
+    const LANES: usize = 1;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn load(self, from: &[f64]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        f64::copysign(self, other)
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn all(mask: bool) -> bool {
+        mask
+    }
+    #[inline(always)]
+    fn lane(mask: bool, _: usize) -> bool {
+        mask
+    }
+}

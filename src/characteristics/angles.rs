@@ -15,7 +15,7 @@ impl Formula for Camber {
         reads: &[Slot::SpinAxis],
         needs: &[],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         -inputs.now.spin_axis.z.asin()
     }
@@ -33,7 +33,7 @@ impl Formula for Toe {
         reads: &[Slot::SpinAxis],
         needs: &[],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let a = inputs.now.spin_axis;
         a.x.atan2(a.y)
@@ -52,7 +52,7 @@ impl Formula for Caster {
         reads: &[Slot::SteeringDirection],
         needs: &[Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let k = inputs.now.steering_direction;
         (-k.x).atan2(k.z)
@@ -71,7 +71,7 @@ impl Formula for KingpinInclination {
         reads: &[Slot::SteeringDirection],
         needs: &[Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let k = inputs.now.steering_direction;
         (-k.y).atan2(k.z)

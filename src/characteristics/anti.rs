@@ -20,7 +20,7 @@ const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
 /// 100 share (L/h) C_x'/W_z'
-#[inline]
+#[inline(always)]
 fn braking<T: Real>(inputs: &Inputs<T>, share: f64) -> T {
     let c = &inputs.constants;
     let forward = inputs.contact_velocity().x / inputs.rate.centre.z;
@@ -39,7 +39,7 @@ impl Formula for AntiDive {
         reads: CONTACT_VELOCITY,
         needs: BRAKING,
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         braking(inputs, inputs.constants.brake_share_front)
     }
@@ -57,7 +57,7 @@ impl Formula for AntiLift {
         reads: CONTACT_VELOCITY,
         needs: BRAKING,
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         -braking(inputs, 1.0 - inputs.constants.brake_share_front)
     }
@@ -75,7 +75,7 @@ impl Formula for AntiSquat {
         reads: &[Slot::CentreRate],
         needs: &[Need::Wheelbase, Need::CgHeight],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let c = &inputs.constants;
         (inputs.rate.centre.x / inputs.rate.centre.z).scaled(-100.0 * c.wheelbase / c.cg_height)

@@ -21,7 +21,7 @@ impl Formula for AttiaKingpin {
         reads: &[Slot::SteeringPoint, Slot::StrutUpper],
         needs: &[Need::SteeringAxis, Need::StrutUpper],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let now = &inputs.now;
         point_coordinates::attia_kingpin(now.steering_point, now.strut_upper)
@@ -40,7 +40,7 @@ impl Formula for AttiaCamber {
         reads: &[Slot::StrutUpper, Slot::Centre],
         needs: &[Need::StrutUpper],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         point_coordinates::attia_camber(inputs.now.strut_upper, inputs.now.centre)
     }

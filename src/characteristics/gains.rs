@@ -7,9 +7,9 @@
 use super::{Formula, Info, Inputs, Slot, Unit, angles};
 use crate::number::{Jet, Real, Vector3};
 
-#[inline]
+#[inline(always)]
 fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
-    #[inline]
+    #[inline(always)]
     fn along<T: Real>(now: Vector3<T>, rate: Vector3<T>) -> Vector3<Jet<T, 2>> {
         Vector3::new(
             Jet([now.x, rate.x]),
@@ -40,7 +40,7 @@ macro_rules! gain {
                 reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                 needs: <angles::$angle as Formula>::INFO.needs,
             };
-            #[inline]
+            #[inline(always)]
             fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
                 by_travel::<angles::$angle, T>(inputs)
             }

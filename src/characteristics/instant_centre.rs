@@ -24,7 +24,7 @@ impl Formula for RollCentreHeight {
         reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let velocity = inputs.contact_velocity();
         inputs.contact_point().y * velocity.y / velocity.z
@@ -43,7 +43,7 @@ impl Formula for FrontViewSwingArm {
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         inputs.contact_velocity().z / inputs.turn.x
     }
@@ -61,7 +61,7 @@ impl Formula for SideViewSwingArm {
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         -(inputs.contact_velocity().z / inputs.turn.y)
     }

@@ -14,12 +14,14 @@ mod anti;
 mod attia;
 mod gains;
 mod instant_centre;
+mod lanes;
 mod steering;
 mod track;
 mod unit;
 mod view;
 mod wheel;
 
+pub use lanes::LaneReader;
 pub use unit::Unit;
 pub use view::{Quantity, View};
 pub use wheel::{Constants, Inputs, Slot, Wheel};
@@ -110,7 +112,7 @@ macro_rules! catalogue {
             }
 
             /// The value, from the wheel's position and rates.
-            #[inline]
+            #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
                     $(Characteristic::$variant => <$formula as Formula>::evaluate(inputs),)*

@@ -14,7 +14,7 @@ const GROUND: &[Slot] = &[
 ];
 
 /// G - C
-#[inline]
+#[inline(always)]
 fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     let contact = inputs.contact_point();
     inputs.now.steering_axis_at(contact.z) - contact
@@ -32,7 +32,7 @@ impl Formula for ScrubRadius {
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let (_, outboard) = inputs.now.heading_and_outboard();
         -contact_to_axis(inputs).dot(outboard)
@@ -51,7 +51,7 @@ impl Formula for CasterTrail {
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let (heading, _) = inputs.now.heading_and_outboard();
         contact_to_axis(inputs).dot(heading)
@@ -72,7 +72,7 @@ impl Formula for KingpinOffset {
         reads: AT_CENTRE,
         needs: &[Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let centre = inputs.now.centre;
         centre.y - inputs.now.steering_axis_at(centre.z).y
@@ -91,7 +91,7 @@ impl Formula for SpindleTrail {
         reads: AT_CENTRE,
         needs: &[Need::SteeringAxis],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let centre = inputs.now.centre;
         inputs.now.steering_axis_at(centre.z).x - centre.x

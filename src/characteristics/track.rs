@@ -10,7 +10,7 @@ const CONTACT: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-#[inline]
+#[inline(always)]
 fn contact_displacement<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     inputs.contact_point() - inputs.design.contact_point(inputs.constants.wheel_radius)
 }
@@ -27,7 +27,7 @@ impl Formula for HalfTrackChange {
         reads: CONTACT,
         needs: &[Need::WheelRadius],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         contact_displacement(inputs).y
     }
@@ -45,7 +45,7 @@ impl Formula for WheelbaseChange {
         reads: CONTACT,
         needs: &[Need::WheelRadius],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         contact_displacement(inputs).x
     }
@@ -63,7 +63,7 @@ impl Formula for MotionRatio {
         reads: &[Slot::SpringLengthRate, Slot::CentreRate],
         needs: &[Need::Spring],
     };
-    #[inline]
+    #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         -(inputs.rate.spring_length / inputs.rate.centre.z)
     }

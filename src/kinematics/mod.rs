@@ -9,6 +9,7 @@
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
 mod assemblies;
+mod batch;
 mod certificate;
 mod closed_form;
 mod closure;
@@ -28,6 +29,7 @@ mod sensitivity;
 mod steering;
 
 pub use assemblies::{Assemblies, Assembly};
+pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Visit};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::Conditioning;

@@ -17,7 +17,7 @@ use super::motion::{Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
-use crate::model::{Constraint, Drive, Mechanism, PointId, SpinAxis};
+use crate::model::{Drive, Mechanism, PointId};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -343,22 +343,8 @@ impl<'m> Solver<'m> {
                 Err(DesignFault::Coincident { first, second })
             }
         };
-        for arm in &self.mechanism.arms {
-            distinct(arm.front, arm.rear)?;
-        }
-        for constraint in &self.mechanism.constraints {
-            match *constraint {
-                Constraint::Link { inner, outer } => distinct(inner, outer)?,
-                Constraint::StrutLine { top, lower, upper } => {
-                    distinct(lower, upper.unwrap_or(top))?;
-                }
-                Constraint::Revolute { first, second } => distinct(first, second)?,
-            }
-        }
-        match self.mechanism.spin_axis {
-            SpinAxis::From(inner) => distinct(inner, self.mechanism.wheel_centre),
-            SpinAxis::Along(_) => Ok(()),
-        }
+        let mut pairs = self.mechanism.lengths();
+        pairs.try_for_each(|(first, second)| distinct(first, second))
     }
 
     /// The mechanism.

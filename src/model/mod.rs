@@ -191,6 +191,22 @@ impl Mechanism {
         })
     }
 
+    /// Pairs of points that something with a length or a direction runs between: arm axes, rods, strut and
+    /// spin axis.
+    pub fn lengths(&self) -> impl Iterator<Item = (PointId, PointId)> {
+        let arms = self.arms.iter().map(|arm| (arm.front, arm.rear));
+        let constraints = self.constraints.iter().map(|constraint| match *constraint {
+            Constraint::Link { inner, outer } => (inner, outer),
+            Constraint::StrutLine { top, lower, upper } => (lower, upper.unwrap_or(top)),
+            Constraint::Revolute { first, second } => (first, second),
+        });
+        let spin_axis = match self.spin_axis {
+            SpinAxis::From(inner) => Some((inner, self.wheel_centre)),
+            SpinAxis::Along(_) => None,
+        };
+        arms.chain(constraints).chain(spin_axis)
+    }
+
     /// The body a point sits on.
     #[inline(always)]
     pub fn body(&self, id: PointId) -> Body {

@@ -131,6 +131,8 @@ impl<T: Real, const N: usize> Div for Dual<T, N> {
 }
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
+    const IN_REGISTERS: bool = T::IN_REGISTERS;
+
     #[inline]
     fn lit(self, value: f64) -> Self {
         Dual::constant(self.value.lit(value))

@@ -140,7 +140,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
 impl<T: Real, const N: usize> Jet<T, N> {
     /// Products of long series are calls: inlined everywhere they would make the crate take minutes to
     /// compile.
-    const LARGE: bool = size_of::<Self>() > 16;
+    const LARGE: bool = size_of::<Self>() > 16 && !T::IN_REGISTERS;
 
     #[inline(never)]
     fn times_out_of_line(self, other: Self) -> Self {
@@ -176,6 +176,8 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
+    const IN_REGISTERS: bool = T::IN_REGISTERS;
+
     #[inline]
     fn lit(self, value: f64) -> Self {
         Jet::constant(self.0[0].lit(value))

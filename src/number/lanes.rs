@@ -73,6 +73,8 @@ impl<S: Simd, const K: usize> Neg for Lanes<S, K> {
 }
 
 impl<S: Simd, const K: usize> Real for Lanes<S, K> {
+    const IN_REGISTERS: bool = true;
+
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Lanes::splat(self.simd, value)

@@ -35,6 +35,10 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
+    /// function that is compiled for them.
+    const IN_REGISTERS: bool = false;
+
     /// The constant `value`, in the shape of `self` (all derivatives zero).
     fn lit(self, value: f64) -> Self;
     /// Square root; NaN for a negative number.

@@ -24,26 +24,51 @@
 mod circle;
 mod roles;
 mod upper;
+mod velocity;
 
 use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
+pub(in crate::kinematics) use velocity::Velocity;
 
 use super::path::DesignFault;
 use super::pose::Pose;
-use crate::model::{Mechanism, PointId};
+use crate::model::Mechanism;
 use crate::number::{Matrix3, Real, Vector3};
-use std::array::from_fn;
 
 /// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
 /// u x t0.
 #[derive(Clone, Copy, Debug)]
-struct Carried<T> {
+pub(super) struct Carried<T> {
     by_m: T,
     by_u: T,
     by_t: T,
     by_mt: T,
     by_ut: T,
+}
+
+/// Makes [`Carried`] vectors of one design.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carrier<T> {
+    m: Vector3<T>,
+    u: Vector3<T>,
+    tie: Vector3<T>,
+    foot_tie: Vector3<T>,
+    slide_tie: Vector3<T>,
+}
+
+impl<T: Real> Carrier<T> {
+    /// A vector of the knuckle in the design position.
+    #[inline(always)]
+    pub(super) fn carried(&self, x: Vector3<T>) -> Carried<T> {
+        Carried {
+            by_m: x.dot(self.m),
+            by_u: x.dot(self.u),
+            by_t: x.dot(self.tie),
+            by_mt: x.dot(self.foot_tie),
+            by_ut: x.dot(self.slide_tie),
+        }
+    }
 }
 
 /// The constants of one design.
@@ -60,6 +85,8 @@ pub(super) struct ClosedForm<T> {
     /// +1 or -1: the assembly the design is in.
     side: T,
     wheel_centre: Carried<T>,
+    /// u
+    line: Carried<T>,
     basis: [Carried<T>; 3],
     /// Design height of the wheel centre.
     wheel_height: T,
@@ -73,6 +100,7 @@ pub(super) struct State<T> {
     g: Vector3<T>,
     n: Vector3<T>,
     dd: T,
+    gg: T,
     dg: T,
     /// s of v = m + s u
     slide: T,
@@ -81,10 +109,13 @@ pub(super) struct State<T> {
     be: T,
     ga: T,
     tie_squared: T,
+    /// G
+    gram: T,
+    /// E
+    e: T,
     inverse_e: T,
-    /// ga^2 G / t.t: squared sine of the angle between the steering arm and the plane through steering
-    /// axis and rack joint, up to the cosine of t against d.
-    toggle_margin: T,
+    /// ga^2 G
+    toggle_square: T,
     upper_margin: T,
 }
 
@@ -110,25 +141,30 @@ impl ClosedForm<f64> {
 
 impl<T: Real> ClosedForm<T> {
     /// The constants of a design.
+    #[inline(always)]
     pub(super) fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
-        let at = |id: PointId| design[id.0];
-        let ball_joint = at(roles.lower_arm.outer);
+        ClosedForm::with_carrier(roles, design).0
+    }
+
+    /// The constants of a design, and what carries further vectors of its knuckle.
+    #[inline(always)]
+    pub(super) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
+        let ball_joint = design[roles.lower_arm.outer.0];
         let (upper, to_upper) = Upper::new(roles, design);
         let (m, u) = upper.knuckle_vector(to_upper);
-        let inner = at(roles.tie_rod_inner);
-        let tie = at(roles.tie_rod_outer) - ball_joint;
-        let rod = at(roles.tie_rod_outer) - inner;
-        let (foot_tie, slide_tie) = (m.cross(tie), u.cross(tie));
-        let carried = |x: Vector3<T>| Carried {
-            by_m: x.dot(m),
-            by_u: x.dot(u),
-            by_t: x.dot(tie),
-            by_mt: x.dot(foot_tie),
-            by_ut: x.dot(slide_tie),
+        let inner = design[roles.tie_rod_inner.0];
+        let tie = design[roles.tie_rod_outer.0] - ball_joint;
+        let rod = design[roles.tie_rod_outer.0] - inner;
+        let carrier = Carrier {
+            m,
+            u,
+            tie,
+            foot_tie: m.cross(tie),
+            slide_tie: u.cross(tie),
         };
+        let [x, y, z] = Matrix3::identity(tie.x).columns;
         let orientation = tie.dot(to_upper.cross(inner - ball_joint));
-        let like = tie.x;
-        ClosedForm {
+        let form = ClosedForm {
             ball_joint: Circle::of(roles.lower_arm, design),
             upper,
             tie_rod_inner: inner,
@@ -137,10 +173,12 @@ impl<T: Real> ClosedForm<T> {
             tie_by_u: tie.dot(u),
             tie_difference: (tie.norm_squared() - rod.norm_squared()).scaled(0.5),
             side: orientation.sign(),
-            wheel_centre: carried(at(roles.wheel_centre) - ball_joint),
-            basis: Matrix3::identity(like).columns.map(carried),
-            wheel_height: at(roles.wheel_centre).z,
-        }
+            wheel_centre: carrier.carried(design[roles.wheel_centre.0] - ball_joint),
+            line: carrier.carried(u),
+            basis: [carrier.carried(x), carrier.carried(y), carrier.carried(z)],
+            wheel_height: design[roles.wheel_centre.0].z,
+        };
+        (form, carrier)
     }
 
     /// The constants over another kind of number.
@@ -156,6 +194,7 @@ impl<T: Real> ClosedForm<T> {
             tie_difference: f(self.tie_difference),
             side: f(self.side),
             wheel_centre: self.wheel_centre.map(&mut f),
+            line: self.line.map(&mut f),
             basis: self.basis.map(|b| b.map(&mut f)),
             wheel_height: f(self.wheel_height),
         }
@@ -163,7 +202,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
     /// mechanism cannot be assembled the state holds NaN.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, cosine: T, sine: T, rack: T) -> State<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
         let (d, slide, upper_margin) = self.upper.at(ball_joint);
@@ -186,6 +225,7 @@ impl<T: Real> ClosedForm<T> {
             g,
             n,
             dd,
+            gg,
             dg,
             slide,
             tau,
@@ -193,14 +233,16 @@ impl<T: Real> ClosedForm<T> {
             be,
             ga: self.side * (rest * inverse_gram).sqrt(),
             tie_squared: self.tie_squared,
+            gram,
+            e,
             inverse_e,
-            toggle_margin: rest / self.tie_squared,
+            toggle_square: rest,
             upper_margin,
         }
     }
 
     /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at_half_tangent(&self, tangent: T, rack: T) -> State<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
         let cosine = inverse + inverse - tangent.one();
@@ -208,7 +250,7 @@ impl<T: Real> ClosedForm<T> {
     }
 
     /// Height of the wheel centre above its design position.
-    #[inline]
+    #[inline(always)]
     pub(super) fn travel(&self, state: &State<T>) -> T {
         let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
         let rise = by_d * state.d.z + by_g * state.g.z + by_n * state.n.z;
@@ -221,10 +263,11 @@ impl<T: Real> ClosedForm<T> {
         Pose {
             origin: state.ball_joint,
             rotation: Matrix3 {
-                columns: from_fn(|k| {
-                    let (by_d, by_g, by_n) = state.image(&self.basis[k]);
-                    state.d * by_d + state.g * by_g + state.n * by_n
-                }),
+                columns: [
+                    state.carry(&self.basis[0]),
+                    state.carry(&self.basis[1]),
+                    state.carry(&self.basis[2]),
+                ],
             },
         }
     }
@@ -237,7 +280,8 @@ impl<T: Real> ClosedForm<T> {
         let mut form = *self;
         if strut_inverted {
             form.tie_by_u = -form.tie_by_u;
-            for vector in form.basis.iter_mut().chain([&mut form.wheel_centre]) {
+            let vectors = [&mut form.wheel_centre, &mut form.line];
+            for vector in form.basis.iter_mut().chain(vectors) {
                 vector.by_u = -vector.by_u;
                 vector.by_ut = -vector.by_ut;
             }
@@ -251,7 +295,10 @@ impl<T: Real> ClosedForm<T> {
     /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
     /// and of the tie-rod end's distance from its plane.
     pub(super) fn squares(&self, state: &State<T>) -> [T; 2] {
-        [self.upper.square(state.ball_joint), state.toggle_margin]
+        [
+            self.upper.square(state.ball_joint),
+            state.toggle_square / state.tie_squared,
+        ]
     }
 }
 
@@ -270,23 +317,61 @@ impl State<f64> {
     #[inline]
     pub(super) fn is_ordinary(&self) -> bool {
         let gram = self.n.norm_squared();
-        self.toggle_margin > 1e-4
+        self.toggle_square > 1e-4 * self.tie_squared
             && self.upper_margin > 1e-3
             && gram > 1e-4 * self.dd * self.g.norm_squared()
     }
 }
 
 impl<T: Real> State<T> {
-    /// What may not vanish on a path: distance from the tie rod's toggle, and of the upper end from where
-    /// it can no longer be reached (the length of a strut from the foot of the ball joint's perpendicular
-    /// to the mount, or a lever of the upper arm).
+    /// What may not vanish on a path: distance from the tie rod's toggle (squared sine of the angle
+    /// between the steering arm and the plane through steering axis and rack joint, up to the cosine of
+    /// t against d), and of the upper end from where it can no longer be reached (the length of a strut
+    /// from the foot of the ball joint's perpendicular to the mount, or a lever of the upper arm).
     #[inline]
     pub(super) fn margins(&self) -> [T; 2] {
-        [self.toggle_margin, self.upper_margin]
+        [self.toggle_square / self.tie_squared, self.upper_margin]
+    }
+
+    /// The squares that the closed form divides by or takes the root of, each with what makes it the
+    /// squared sine of an angle: of the steering arm against the plane through steering axis and rack
+    /// joint, of the rack joint and of the steering arm against the steering axis.
+    #[inline(always)]
+    pub(super) fn squares(&self) -> [(T, T); 3] {
+        [
+            (self.toggle_square, self.tie_squared),
+            (self.gram, self.dd * self.gg),
+            (self.e, self.dd * self.tie_squared),
+        ]
+    }
+
+    /// The margin of the upper end (see [`State::margins`]).
+    #[inline(always)]
+    pub(super) fn upper_margin(&self) -> T {
+        self.upper_margin
+    }
+
+    /// The lower end of the steering axis.
+    #[inline(always)]
+    pub(super) fn ball_joint(&self) -> Vector3<T> {
+        self.ball_joint
+    }
+
+    /// From the lower end of the steering axis to the upper.
+    #[inline(always)]
+    pub(super) fn steering_axis(&self) -> Vector3<T> {
+        self.d
+    }
+
+    /// The image of a knuckle vector.
+    #[inline(always)]
+    pub(super) fn carry(&self, x: &Carried<T>) -> Vector3<T> {
+        let (by_d, by_g, by_n) = self.image(x);
+        self.d * by_d + self.g * by_g + self.n * by_n
     }
 
     /// The image of a knuckle vector, in d, g and n.
-    #[inline]
+    #[inline(always)]
     fn image(&self, x: &Carried<T>) -> (T, T, T) {
         let by_v = x.by_m + self.slide * x.by_u;
         let a = (self.tie_squared * by_v - self.tau * x.by_t) * self.inverse_e;

@@ -67,6 +67,16 @@ impl Roles {
 }
 
 impl Roles {
+    /// The lower end of the steering axis.
+    pub(in crate::kinematics) fn ball_joint(&self) -> PointId {
+        self.lower_arm.outer
+    }
+
+    /// The upper end of the steering axis.
+    pub(in crate::kinematics) fn upper_end(&self) -> PointId {
+        self.upper.end()
+    }
+
     /// Whether the upper end is a strut's mount.
     pub(in crate::kinematics) fn is_strut(&self) -> bool {
         matches!(self.upper, UpperRoles::Strut { .. })

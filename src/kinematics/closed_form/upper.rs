@@ -51,6 +51,7 @@ pub(super) enum Upper<T> {
 
 impl<T: Real> Upper<T> {
     /// The constants of a design, and d in the design position.
+    #[inline(always)]
     pub(super) fn new(roles: &Roles, design: &[Vector3<T>]) -> (Self, Vector3<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
         match roles.upper {
@@ -87,6 +88,7 @@ impl<T: Real> Upper<T> {
     }
 
     /// m and u of v = m + s u.
+    #[inline(always)]
     pub(super) fn knuckle_vector(&self, designed: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         match *self {
             Upper::Strut { foot, line, .. } => (foot, line),
@@ -95,7 +97,7 @@ impl<T: Real> Upper<T> {
     }
 
     /// d, s and a margin that vanishes where there is no d. NaN beyond.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, ball_joint: Vector3<T>) -> (Vector3<T>, T, T) {
         match self {
             Upper::Strut {

@@ -1,0 +1,258 @@
+//! Characteristics of many designs at a time, one in each lane.
+//!
+//! Only what the formulas asked for read is formed; which that is has been decided when the reader is
+//! made, by their [`Slot`]s.
+
+use super::{Characteristic, Constants, Inputs, Slot, Wheel};
+use crate::kinematics::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates};
+use crate::model::{Body, Mechanism, PointId, SpinAxis};
+use crate::number::{Bundle, Jet, Vector3};
+
+/// Reads characteristics off poses in lanes.
+#[derive(Clone, Debug)]
+pub struct LaneReader<'a> {
+    mechanism: &'a Mechanism,
+    characteristics: &'a [Characteristic],
+    constants: Constants,
+    reads: Reads,
+}
+
+/// What is read.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reads {
+    spin_axis: bool,
+    centre: bool,
+    steering_axis: bool,
+    strut_upper: bool,
+    spring: bool,
+    rates: bool,
+}
+
+/// The designs whose characteristics are read.
+pub struct LaneWheels<B: Bundle> {
+    spin_axis: KnuckleVector<B>,
+    centre: KnucklePoint<B>,
+    strut_upper: Option<KnucklePoint<B>>,
+    spring: Option<(SpringEnd<B>, SpringEnd<B>)>,
+    design: Wheel<B>,
+}
+
+/// An end of the spring.
+#[derive(Clone, Copy)]
+enum SpringEnd<B> {
+    Chassis(Vector3<B>),
+    Knuckle(KnucklePoint<B>),
+}
+
+impl<'a> LaneReader<'a> {
+    /// A reader of these characteristics; `None` if one of them cannot be read in lanes.
+    pub fn new(
+        mechanism: &'a Mechanism,
+        batch: &Batch,
+        constants: Constants,
+        characteristics: &'a [Characteristic],
+    ) -> Option<Self> {
+        let mut reads = Reads::default();
+        for slot in characteristics.iter().flat_map(|c| c.info().reads) {
+            match slot {
+                Slot::SpinAxis | Slot::DesignSpinAxis => reads.spin_axis = true,
+                Slot::Centre | Slot::DesignCentre => reads.centre = true,
+                Slot::SteeringPoint | Slot::SteeringDirection => reads.steering_axis = true,
+                Slot::StrutUpper => reads.strut_upper = true,
+                Slot::SpringLength => reads.spring = true,
+                Slot::SpinAxisRate => (reads.spin_axis, reads.rates) = (true, true),
+                Slot::CentreRate => (reads.centre, reads.rates) = (true, true),
+                Slot::SteeringDirectionRate => (reads.steering_axis, reads.rates) = (true, true),
+                Slot::SpringLengthRate => (reads.spring, reads.rates) = (true, true),
+                Slot::Turn => reads.rates = true,
+            }
+        }
+        let on = |id: PointId, bodies: &[Body]| bodies.contains(&mechanism.body(id));
+        let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
+            && mechanism
+                .strut_upper()
+                .is_none_or(|id| !reads.strut_upper || on(id, &[Body::Knuckle]))
+            && mechanism.spring.is_none_or(|spring| {
+                !reads.spring
+                    || [spring.upper, spring.lower]
+                        .iter()
+                        .all(|id| on(*id, &[Body::Chassis, Body::Knuckle]))
+            });
+        possible.then_some(LaneReader {
+            mechanism,
+            characteristics,
+            constants,
+            reads,
+        })
+    }
+
+    /// The characteristics, in the order of the values.
+    pub fn characteristics(&self) -> &[Characteristic] {
+        self.characteristics
+    }
+
+    /// What is to be read off the poses of designs, given as their points.
+    #[inline(always)]
+    pub fn wheels<B: Bundle>(&self, lanes: &LaneDesign<B>, design: &[Vector3<B>]) -> LaneWheels<B> {
+        let mechanism = self.mechanism;
+        let centre = design[mechanism.wheel_centre.0];
+        let spin_axis = match mechanism.spin_axis {
+            SpinAxis::From(inner) => (centre - design[inner.0]).normalised(),
+            SpinAxis::Along(direction) => centre.lit(direction),
+        };
+        let zero = centre.zero();
+        let end = |id: PointId| match mechanism.body(id) {
+            Body::Chassis => SpringEnd::Chassis(design[id.0]),
+            _ => SpringEnd::Knuckle(lanes.point(design[id.0])),
+        };
+        LaneWheels {
+            spin_axis: lanes.vector(spin_axis),
+            centre: lanes.point(centre),
+            strut_upper: match mechanism.strut_upper() {
+                Some(upper) => Some(lanes.point(design[upper.0])),
+                None => None,
+            },
+            spring: match mechanism.spring {
+                Some(spring) if self.reads.spring => Some((end(spring.upper), end(spring.lower))),
+                _ => None,
+            },
+            design: Wheel {
+                spin_axis,
+                centre,
+                steering_point: zero,
+                steering_direction: zero,
+                spring_length: zero.x,
+                strut_upper: zero,
+            },
+        }
+    }
+
+    /// What the formulas read in a pose.
+    #[inline(always)]
+    pub fn inputs<B: Bundle>(
+        &self,
+        lanes: &LaneDesign<B>,
+        wheels: &LaneWheels<B>,
+        at: &LanePose<B>,
+    ) -> Inputs<B> {
+        self.inputs_with(lanes, wheels, at, self.reads.rates)
+    }
+
+    #[inline(always)]
+    fn inputs_with<B: Bundle>(
+        &self,
+        lanes: &LaneDesign<B>,
+        wheels: &LaneWheels<B>,
+        at: &LanePose<B>,
+        with_rates: bool,
+    ) -> Inputs<B> {
+        let zero = wheels.design.centre.zero();
+        let nothing = Wheel {
+            spin_axis: zero,
+            centre: zero,
+            steering_point: zero,
+            steering_direction: zero,
+            spring_length: zero.x,
+            strut_upper: zero,
+        };
+        let mut inputs = Inputs {
+            now: nothing,
+            rate: nothing,
+            turn: zero,
+            design: wheels.design,
+            constants: self.constants,
+        };
+        let reads = self.reads;
+        let now = &mut inputs.now;
+        if reads.spin_axis {
+            now.spin_axis = at.vector(&wheels.spin_axis);
+        }
+        if reads.centre {
+            now.centre = at.point(&wheels.centre);
+        }
+        if reads.steering_axis {
+            (now.steering_point, now.steering_direction) = at.steering_axis();
+        }
+        if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
+            now.strut_upper = at.point(upper);
+        }
+        if let Some((upper, lower)) = &wheels.spring {
+            now.spring_length = (upper.now(at) - lower.now(at)).norm();
+        }
+        if !with_rates {
+            return inputs;
+        }
+        let rates = at.rates(lanes);
+        inputs.turn = rates.turn();
+        let (now, rate) = (&inputs.now, &mut inputs.rate);
+        if reads.spin_axis {
+            rate.spin_axis = rates.vector(now.spin_axis);
+        }
+        if reads.centre {
+            rate.centre = rates.point(at, now.centre);
+        }
+        if reads.steering_axis {
+            rate.steering_point = rates.point(at, now.steering_point);
+            rate.steering_direction = rates.steering_axis();
+        }
+        if reads.strut_upper {
+            rate.strut_upper = rates.point(at, now.strut_upper);
+        }
+        if let Some((upper, lower)) = &wheels.spring {
+            let apart = upper.now(at) - lower.now(at);
+            let velocity = upper.rate(at, &rates) - lower.rate(at, &rates);
+            rate.spring_length = apart.dot(velocity) / now.spring_length;
+        }
+        inputs
+    }
+
+    /// The values in a pose with their derivatives by the drive: of characteristics that are not made of
+    /// velocities themselves.
+    #[inline(always)]
+    pub fn with_slopes<B: Bundle>(
+        &self,
+        lanes: &LaneDesign<B>,
+        wheels: &LaneWheels<B>,
+        at: &LanePose<B>,
+    ) -> Inputs<Jet<B, 2>> {
+        let inputs = self.inputs_with(lanes, wheels, at, true);
+        let (now, rate) = (&inputs.now, &inputs.rate);
+        let series = |value: Vector3<B>, slope: Vector3<B>| {
+            Vector3::new(
+                Jet([value.x, slope.x]),
+                Jet([value.y, slope.y]),
+                Jet([value.z, slope.z]),
+            )
+        };
+        let constant = inputs.map(Jet::<B, 2>::constant);
+        Inputs {
+            now: Wheel {
+                spin_axis: series(now.spin_axis, rate.spin_axis),
+                centre: series(now.centre, rate.centre),
+                steering_point: series(now.steering_point, rate.steering_point),
+                steering_direction: series(now.steering_direction, rate.steering_direction),
+                spring_length: Jet([now.spring_length, rate.spring_length]),
+                strut_upper: series(now.strut_upper, rate.strut_upper),
+            },
+            ..constant
+        }
+    }
+}
+
+impl<B: Bundle> SpringEnd<B> {
+    #[inline(always)]
+    fn now(&self, at: &LanePose<B>) -> Vector3<B> {
+        match self {
+            SpringEnd::Chassis(point) => *point,
+            SpringEnd::Knuckle(point) => at.point(point),
+        }
+    }
+
+    #[inline(always)]
+    fn rate(&self, at: &LanePose<B>, rates: &LaneRates<B>) -> Vector3<B> {
+        match self {
+            SpringEnd::Chassis(point) => point.zero(),
+            SpringEnd::Knuckle(point) => rates.point(at, at.point(point)),
+        }
+    }
+}

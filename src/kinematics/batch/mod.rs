@@ -1,0 +1,384 @@
+//! Many designs at a time, one in each lane.
+//!
+//! What the careful path ([`Solver`](super::Solver)) does for one design, this does for as many as fit
+//! into SIMD registers, by the same closed form, provided that nothing is close to changing. Along the
+//! travel the tangent of half the arm angle is predicted from the places visited; nearly always the
+//! prediction is the answer, and is then refined for the next predictions. Elsewhere a secant step or two
+//! follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
+//!
+//! A lane is *lost*, and its design left to the careful path, where
+//!
+//! - the iteration does not settle,
+//! - the closed form is less than well conditioned ([`Watch::LEAST`]),
+//! - a quantity that may not vanish, or the slope of the path, changes by more than half (or doubles) from
+//!   one place to the next: it could vanish in between,
+//! - the arm turns far, in one step or from the design position.
+//!
+//! So a lane is either right or lost; which of the two depends on its own design alone.
+
+mod route;
+
+use super::closed_form::{Carried, Carrier, ClosedForm, Roles, State, Velocity};
+use super::path::March;
+use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
+use crate::number::{Bundle, Jet, Vector3};
+use route::Route;
+
+/// A way to solve designs of one mechanism in lanes.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    roles: Roles,
+    drive: Drive,
+    route: Route,
+    /// Pairs of points whose distance must be a length.
+    distinct: Vec<(PointId, PointId)>,
+    /// The square of the shortest length.
+    shortest: f64,
+    /// How far the wheel centre may be from its travel.
+    tolerance: f64,
+    /// Slope of the half tangent by the travel, in the base design.
+    slope: f64,
+}
+
+/// What is read off the poses.
+pub trait Visit<B: Bundle> {
+    /// A pose. Lanes that are lost hold anything, NaN included.
+    fn pose(&mut self, station: usize, at: &LanePose<B>);
+}
+
+/// The constants of a design in each lane.
+#[derive(Clone, Copy)]
+pub struct LaneDesign<B: Bundle> {
+    form: ClosedForm<B>,
+    carrier: Carrier<B>,
+    ball_joint: Vector3<B>,
+    /// Whether all rods have a length.
+    distinct: B::Mask,
+}
+
+/// A vector fixed to the knuckle.
+#[derive(Clone, Copy, Debug)]
+pub struct KnuckleVector<B>(Carried<B>);
+
+/// A point fixed to the knuckle.
+#[derive(Clone, Copy, Debug)]
+pub struct KnucklePoint<B>(Carried<B>);
+
+impl<B: Bundle> LaneDesign<B> {
+    /// A vector of the knuckle in the design position.
+    #[inline(always)]
+    pub fn vector(&self, designed: Vector3<B>) -> KnuckleVector<B> {
+        KnuckleVector(self.carrier.carried(designed))
+    }
+
+    /// A point of the knuckle in the design position.
+    #[inline(always)]
+    pub fn point(&self, designed: Vector3<B>) -> KnucklePoint<B> {
+        KnucklePoint(self.carrier.carried(designed - self.ball_joint))
+    }
+}
+
+/// The mechanism in a pose, in each lane.
+pub struct LanePose<B> {
+    state: State<B>,
+    tangent: B,
+    drive: Drive,
+}
+
+/// How the mechanism moves in a pose, by the drive.
+pub struct LaneRates<B>(Velocity<B>);
+
+impl<B: Bundle> LanePose<B> {
+    /// Where a vector of the knuckle points now.
+    #[inline(always)]
+    pub fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
+        self.state.carry(&vector.0)
+    }
+
+    /// Where a point of the knuckle is now.
+    #[inline(always)]
+    pub fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
+        self.state.ball_joint() + self.state.carry(&point.0)
+    }
+
+    /// The lower end of the steering axis and the vector to its upper end.
+    #[inline(always)]
+    pub fn steering_axis(&self) -> (Vector3<B>, Vector3<B>) {
+        (self.state.ball_joint(), self.state.steering_axis())
+    }
+
+    /// The derivatives by the drive.
+    #[inline(always)]
+    pub fn rates(&self, design: &LaneDesign<B>) -> LaneRates<B> {
+        let velocity = design.form.velocity(&self.state, self.tangent);
+        let one = self.tangent.one();
+        LaneRates(velocity.scaled(match self.drive {
+            Drive::Travel => one / velocity.rise,
+            Drive::ArmAngle => one / (one + self.tangent * self.tangent),
+        }))
+    }
+}
+
+impl<B: Bundle> LaneRates<B> {
+    /// Of a vector of the knuckle that points here now.
+    #[inline(always)]
+    pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
+        self.0.turn.cross(now)
+    }
+
+    /// Of a point of the knuckle that is here now.
+    #[inline(always)]
+    pub fn point(&self, at: &LanePose<B>, now: Vector3<B>) -> Vector3<B> {
+        self.0.ball_joint + self.0.turn.cross(now - at.state.ball_joint())
+    }
+
+    /// Of the vector along the steering axis.
+    #[inline(always)]
+    pub fn steering_axis(&self) -> Vector3<B> {
+        self.0.steering_axis
+    }
+
+    /// Angular velocity of the knuckle.
+    #[inline(always)]
+    pub fn turn(&self) -> Vector3<B> {
+        self.0.turn
+    }
+}
+
+/// Steps longer than this part of the size are broken up.
+const LONGEST_STEP: f64 = 0.02;
+/// How far the wheel centre may be from its travel, in sizes.
+const TOLERANCE: f64 = 2e-14;
+/// Rods shorter than this part of the reach are left to the careful path.
+const SHORTEST_LENGTH: f64 = 1e-6;
+/// How many sizes from the origin the closed form keeps its accuracy.
+const FAR: f64 = 100.0;
+/// Corrections a lane may take to settle.
+const MOST_CORRECTIONS: usize = 6;
+
+impl Batch {
+    /// For designs of this mechanism that are not far from `base`; `None` where there is no closed form
+    /// to run in lanes.
+    pub fn new(
+        mechanism: &Mechanism,
+        base: &[Vector3<f64>],
+        drive: Drive,
+        march: &March,
+    ) -> Option<Batch> {
+        let roles = Roles::of(mechanism)?;
+        let origin = base[mechanism.origin.0];
+        let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
+        let size = base.iter().fold(0.0, farthest).sqrt();
+        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
+        let reach = base.iter().fold(0.0, largest).sqrt().max(size);
+        let longest = match drive {
+            Drive::Travel => LONGEST_STEP * size,
+            Drive::ArmAngle => LONGEST_STEP,
+        };
+        let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
+        let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
+        let slope = 1.0 / form.travel(&state)[1];
+        (slope.is_finite() && reach < FAR * size).then_some(())?;
+        Some(Batch {
+            roles,
+            drive,
+            route: Route::through(march, longest)?,
+            distinct: mechanism.lengths().collect(),
+            shortest: (SHORTEST_LENGTH * reach).powi(2),
+            tolerance: TOLERANCE * reach,
+            slope,
+        })
+    }
+
+    /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
+    pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
+        let (lower, upper) = (self.roles.ball_joint(), self.roles.upper_end());
+        axis == Some(SteeringAxis::Through { lower, upper })
+    }
+
+    /// Numbers that [`Batch::solve`] needs in its `history`, for this many lanes.
+    pub fn history(&self, lanes: usize) -> usize {
+        (self.route.places.len() + 1) * lanes
+    }
+
+    /// The constants of designs, a point of all lanes after another.
+    #[inline(always)]
+    pub fn design<B: Bundle>(&self, design: &[Vector3<B>]) -> LaneDesign<B> {
+        let (form, carrier) = ClosedForm::with_carrier(&self.roles, design);
+        let ball_joint = design[self.roles.ball_joint().0];
+        let shortest = ball_joint.x.lit(self.shortest);
+        let mut distinct = ball_joint.x.zero().less(shortest);
+        for (first, second) in &self.distinct {
+            let length = (design[second.0] - design[first.0]).norm_squared();
+            distinct = distinct & shortest.less(length);
+        }
+        LaneDesign {
+            form,
+            carrier,
+            ball_joint,
+            distinct,
+        }
+    }
+
+    /// Visits every station; says which lanes are right throughout.
+    #[inline(always)]
+    pub fn solve<B: Bundle>(
+        &self,
+        design: &LaneDesign<B>,
+        rack: f64,
+        history: &mut [f64],
+        visit: &mut impl Visit<B>,
+    ) -> B::Mask {
+        let form = &design.form;
+        let like = design.ball_joint.x;
+        let zero = like.zero();
+        let rack = like.lit(rack);
+        let tolerance = like.lit(self.tolerance);
+
+        let state = form.at_half_tangent(zero, rack);
+        let watch = Watch::of(&state, zero, like.lit(self.slope));
+        let mut sound =
+            design.distinct & watch.is_sound() & form.travel(&state).abs().less(tolerance);
+        let mut last = [watch; 2];
+        zero.store(history);
+        if let Some(station) = self.route.design_station {
+            let drive = self.drive;
+            visit.pose(
+                station,
+                &LanePose {
+                    state,
+                    tangent: zero,
+                    drive,
+                },
+            );
+        }
+        for (number, place) in self.route.places.iter().enumerate() {
+            let (tangent, state) = match self.drive {
+                Drive::ArmAngle => {
+                    let tangent = like.lit((0.5 * place.value).tan());
+                    (tangent, form.at_half_tangent(tangent, rack))
+                }
+                Drive::Travel => {
+                    let target = like.lit(place.value);
+                    let mut tangent = match number {
+                        0 => like.lit(self.slope * place.value),
+                        _ => weighted(place.prediction.weights(), history, like),
+                    };
+                    let mut slope = match place.slope.weights() {
+                        [] => like.lit(self.slope),
+                        weights => weighted(weights, history, like),
+                    };
+                    let mut state = form.at_half_tangent(tangent, rack);
+                    let mut miss = form.travel(&state) - target;
+                    let mut settled = miss.abs().less(tolerance);
+                    let mut corrections = 0;
+                    while corrections < MOST_CORRECTIONS && !B::all(settled | !sound) {
+                        let step = -(miss * slope);
+                        tangent = B::select(settled, tangent, tangent + step);
+                        state = form.at_half_tangent(tangent, rack);
+                        let missed = miss;
+                        miss = form.travel(&state) - target;
+                        slope = B::select(settled, slope, step / (miss - missed));
+                        settled = miss.abs().less(tolerance);
+                        corrections += 1;
+                    }
+                    sound = sound & settled;
+                    let refined = tangent - miss * slope;
+                    // Where the last secant was a difference of roundings it says nothing.
+                    let refined =
+                        B::select((miss * slope).abs().less(like.lit(1e-9)), refined, tangent);
+                    refined.store(&mut history[(number + 1) * B::LANES..]);
+                    (tangent, state)
+                }
+            };
+            let before = &last[place.side];
+            let rate = (tangent - before.tangent) * like.lit(1.0 / place.step);
+            let watch = Watch::of(&state, tangent, rate);
+            sound = sound & watch.is_sound() & watch.continues(before);
+            last[place.side] = watch;
+            if let Some(station) = place.station {
+                let drive = self.drive;
+                visit.pose(
+                    station,
+                    &LanePose {
+                        state,
+                        tangent,
+                        drive,
+                    },
+                );
+            }
+        }
+        sound
+    }
+}
+
+/// A weighted sum of places visited.
+#[inline(always)]
+fn weighted<B: Bundle>(weights: &[(usize, f64)], history: &[f64], like: B) -> B {
+    let mut sum = like.zero();
+    for (place, weight) in weights {
+        sum = sum + like.load(&history[place * B::LANES..]) * like.lit(*weight);
+    }
+    sum
+}
+
+/// What is watched along the path.
+#[derive(Clone, Copy)]
+struct Watch<B> {
+    tangent: B,
+    /// Slope of the tangent by the drive.
+    rate: B,
+    /// Squares that the closed form divides by or takes the root of, each with what it is measured in.
+    squares: [(B, B); 3],
+    upper_margin: B,
+}
+
+impl<B: Bundle> Watch<B> {
+    /// The least squared sine of an angle that the closed form divides by.
+    const LEAST: f64 = 0.01;
+    /// The least margin of the upper end.
+    const LEAST_UPPER: f64 = 0.05;
+    /// The farthest the arm may be turned, as a tangent of half the angle, and in one step.
+    const FARTHEST: f64 = 0.7;
+    const LONGEST: f64 = 0.1;
+
+    #[inline(always)]
+    fn of(state: &State<B>, tangent: B, rate: B) -> Self {
+        Watch {
+            tangent,
+            rate,
+            squares: state.squares(),
+            upper_margin: state.upper_margin(),
+        }
+    }
+
+    /// Whether the closed form is well conditioned here. False for NaN.
+    #[inline(always)]
+    fn is_sound(&self) -> B::Mask {
+        let least = self.tangent.lit(Self::LEAST);
+        let [a, b, c] = self.squares;
+        (a.1 * least).less(a.0)
+            & (b.1 * least).less(b.0)
+            & (c.1 * least).less(c.0)
+            & self.tangent.lit(Self::LEAST_UPPER).less(self.upper_margin)
+            & self.tangent.abs().less(self.tangent.lit(Self::FARTHEST))
+    }
+
+    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    #[inline(always)]
+    fn continues(&self, before: &Self) -> B::Mask {
+        let step = (self.tangent - before.tangent).abs();
+        within_half(self.rate, before.rate)
+            & within_half(self.squares[0].0, before.squares[0].0)
+            & within_half(self.squares[1].0, before.squares[1].0)
+            & within_half(self.squares[2].0, before.squares[2].0)
+            & within_half(self.upper_margin, before.upper_margin)
+            & step.less(self.tangent.lit(Self::LONGEST))
+    }
+}
+
+/// Whether `now` lies between half of and twice `before`, whatever its sign.
+#[inline(always)]
+fn within_half<B: Bundle>(now: B, before: B) -> B::Mask {
+    ((now - (before + before)) * (now - before * before.lit(0.5))).less(before.zero())
+}

@@ -127,25 +127,9 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// What the formulas read in a pose.
+    /// Room for what the formulas read.
     #[inline(always)]
-    pub fn inputs<B: Bundle>(
-        &self,
-        lanes: &LaneDesign<B>,
-        wheels: &LaneWheels<B>,
-        at: &LanePose<B>,
-    ) -> Inputs<B> {
-        self.inputs_with(lanes, wheels, at, self.reads.rates)
-    }
-
-    #[inline(always)]
-    fn inputs_with<B: Bundle>(
-        &self,
-        lanes: &LaneDesign<B>,
-        wheels: &LaneWheels<B>,
-        at: &LanePose<B>,
-        with_rates: bool,
-    ) -> Inputs<B> {
+    pub fn inputs<B: Bundle>(&self, wheels: &LaneWheels<B>) -> Inputs<B> {
         let zero = wheels.design.centre.zero();
         let nothing = Wheel {
             spin_axis: zero,
@@ -155,13 +139,24 @@ impl<'a> LaneReader<'a> {
             spring_length: zero.x,
             strut_upper: zero,
         };
-        let mut inputs = Inputs {
+        Inputs {
             now: nothing,
             rate: nothing,
             turn: zero,
             design: wheels.design,
             constants: self.constants,
-        };
+        }
+    }
+
+    /// What the formulas read in a pose.
+    #[inline(always)]
+    pub fn read<B: Bundle>(
+        &self,
+        lanes: &LaneDesign<B>,
+        wheels: &LaneWheels<B>,
+        at: &LanePose<B>,
+        inputs: &mut Inputs<B>,
+    ) {
         let reads = self.reads;
         let now = &mut inputs.now;
         if reads.spin_axis {
@@ -179,8 +174,8 @@ impl<'a> LaneReader<'a> {
         if let Some((upper, lower)) = &wheels.spring {
             now.spring_length = (upper.now(at) - lower.now(at)).norm();
         }
-        if !with_rates {
-            return inputs;
+        if !reads.rates {
+            return;
         }
         let rates = at.rates(lanes);
         inputs.turn = rates.turn();
@@ -203,19 +198,12 @@ impl<'a> LaneReader<'a> {
             let velocity = upper.rate(at, &rates) - lower.rate(at, &rates);
             rate.spring_length = apart.dot(velocity) / now.spring_length;
         }
-        inputs
     }
 
-    /// The values in a pose with their derivatives by the drive: of characteristics that are not made of
-    /// velocities themselves.
+    /// The inputs as series in the drive, for the slopes of characteristics that are not made of
+    /// velocities themselves. The inputs must have been read with their rates.
     #[inline(always)]
-    pub fn with_slopes<B: Bundle>(
-        &self,
-        lanes: &LaneDesign<B>,
-        wheels: &LaneWheels<B>,
-        at: &LanePose<B>,
-    ) -> Inputs<Jet<B, 2>> {
-        let inputs = self.inputs_with(lanes, wheels, at, true);
+    pub fn series<B: Bundle>(inputs: &Inputs<B>) -> Inputs<Jet<B, 2>> {
         let (now, rate) = (&inputs.now, &inputs.rate);
         let series = |value: Vector3<B>, slope: Vector3<B>| {
             Vector3::new(

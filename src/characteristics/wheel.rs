@@ -114,7 +114,7 @@ impl Slot {
     }
 
     /// Makes this slot of `inputs` the independent variables.
-    #[inline(always)]
+    #[inline]
     pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>) {
         let vector = match self {
             Slot::SpinAxis => &mut inputs.now.spin_axis,
@@ -145,7 +145,7 @@ impl Slot {
 
 impl<T: Real> Wheel<T> {
     /// The wheel over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Wheel<U> {
         Wheel {
             spin_axis: self.spin_axis.map(&mut f),
@@ -159,7 +159,7 @@ impl<T: Real> Wheel<T> {
 
     /// From the wheel centre to the contact point: in the wheel plane, straight down, as long as the
     /// loaded radius. C - W = -r (z - (z.a) a)/|z - (z.a) a|
-    #[inline(always)]
+    #[inline]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
         let a = self.spin_axis;
         let down = Vector3::new(a.z * a.x, a.z * a.y, a.z * a.z - a.z.one());
@@ -167,14 +167,14 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The contact point C.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
         self.centre + self.contact_lever(radius)
     }
 
     /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
     /// to it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
         let a = self.spin_axis;
         let zero = a.x.zero();
@@ -186,7 +186,7 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The point of the steering axis at this height.
-    #[inline(always)]
+    #[inline]
     pub(super) fn steering_axis_at(&self, height: T) -> Vector3<T> {
         let (point, along) = (self.steering_point, self.steering_direction);
         point + along * ((height - point.z) / along.z)
@@ -195,7 +195,7 @@ impl<T: Real> Wheel<T> {
 
 impl<T: Real> Inputs<T> {
     /// The inputs over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Inputs<U> {
         Inputs {
             now: self.now.map(&mut f),
@@ -207,14 +207,14 @@ impl<T: Real> Inputs<T> {
     }
 
     /// The contact point in the present pose.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_point(&self) -> Vector3<T> {
         self.now.contact_point(self.constants.wheel_radius)
     }
 
     /// Velocity of the knuckle-fixed point that is at the contact point now: the wheel is taken as
     /// locked to the knuckle.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);
         self.rate.centre + self.turn.cross(lever)

@@ -198,7 +198,7 @@ impl Batch {
 
     /// Numbers that [`Batch::solve`] needs in its `history`, for this many lanes.
     pub fn history(&self, lanes: usize) -> usize {
-        (self.route.places.len() + 1) * lanes
+        self.route.places.len() * lanes
     }
 
     /// The constants of designs, a point of all lanes after another.
@@ -235,77 +235,76 @@ impl Batch {
         let rack = like.lit(rack);
         let tolerance = like.lit(self.tolerance);
 
-        let state = form.at_half_tangent(zero, rack);
-        let watch = Watch::of(&state, zero, like.lit(self.slope));
-        let mut sound =
-            design.distinct & watch.is_sound() & form.travel(&state).abs().less(tolerance);
-        let mut last = [watch; 2];
-        zero.store(history);
-        if let Some(station) = self.route.design_station {
-            let drive = self.drive;
-            visit.pose(
-                station,
-                &LanePose {
-                    state,
-                    tangent: zero,
-                    drive,
-                },
-            );
-        }
+        let mut sound = design.distinct;
+        let mut last: Option<[Watch<B>; 2]> = None;
         for (number, place) in self.route.places.iter().enumerate() {
-            let (tangent, state) = match self.drive {
+            let target = like.lit(place.value);
+            // By the arm angle there is nothing to solve: every residual will do.
+            let (mut tangent, mut slope, tolerance) = match self.drive {
                 Drive::ArmAngle => {
                     let tangent = like.lit((0.5 * place.value).tan());
-                    (tangent, form.at_half_tangent(tangent, rack))
+                    (tangent, zero, like.lit(f64::INFINITY))
                 }
                 Drive::Travel => {
-                    let target = like.lit(place.value);
-                    let mut tangent = match number {
-                        0 => like.lit(self.slope * place.value),
-                        _ => weighted(place.prediction.weights(), history, like),
+                    let tangent = match place.prediction.weights() {
+                        [_] => like.lit(self.slope * place.value),
+                        weights => weighted(weights, history, like),
                     };
-                    let mut slope = match place.slope.weights() {
+                    let slope = match place.slope.weights() {
                         [] => like.lit(self.slope),
                         weights => weighted(weights, history, like),
                     };
-                    let mut state = form.at_half_tangent(tangent, rack);
-                    let mut miss = form.travel(&state) - target;
-                    let mut settled = miss.abs().less(tolerance);
-                    let mut corrections = 0;
-                    while corrections < MOST_CORRECTIONS && !B::all(settled | !sound) {
-                        let step = -(miss * slope);
-                        tangent = B::select(settled, tangent, tangent + step);
-                        state = form.at_half_tangent(tangent, rack);
-                        let missed = miss;
-                        miss = form.travel(&state) - target;
-                        slope = B::select(settled, slope, step / (miss - missed));
-                        settled = miss.abs().less(tolerance);
-                        corrections += 1;
-                    }
-                    sound = sound & settled;
-                    let refined = tangent - miss * slope;
-                    // Where the last secant was a difference of roundings it says nothing.
-                    let refined =
-                        B::select((miss * slope).abs().less(like.lit(1e-9)), refined, tangent);
-                    refined.store(&mut history[(number + 1) * B::LANES..]);
-                    (tangent, state)
+                    (tangent, slope, tolerance)
                 }
             };
-            let before = &last[place.side];
-            let rate = (tangent - before.tangent) * like.lit(1.0 / place.step);
-            let watch = Watch::of(&state, tangent, rate);
-            sound = sound & watch.is_sound() & watch.continues(before);
-            last[place.side] = watch;
+            let (mut step, mut missed, mut corrections) = (zero, zero, 0);
+            let mut settled = zero.less(zero);
+            let state = loop {
+                let state = form.at_half_tangent(tangent, rack);
+                let miss = form.travel(&state) - target;
+                if corrections > 0 {
+                    // The slope of the last step. A lane that has settled keeps what it had.
+                    slope = B::select(settled, slope, step / (miss - missed));
+                }
+                missed = miss;
+                settled = miss.abs().less(tolerance);
+                if corrections == MOST_CORRECTIONS || B::all(settled | !sound) {
+                    break state;
+                }
+                step = -(miss * slope);
+                tangent = B::select(settled, tangent, tangent + step);
+                corrections += 1;
+            };
+            sound = sound & settled;
+            // What is left of the residual, for the predictions. A slope between two roundings says
+            // nothing, and shows by its size.
+            let rest = missed * slope;
+            let refined = B::select(rest.abs().less(like.lit(1e-9)), tangent - rest, tangent);
+            refined.store(&mut history[number * B::LANES..]);
+
+            let watch = match &last {
+                None => Watch::of(&state, tangent, like.lit(self.slope)),
+                Some(last) => {
+                    let before = &last[place.side];
+                    let rate = (tangent - before.tangent) * like.lit(1.0 / place.step);
+                    let watch = Watch::of(&state, tangent, rate);
+                    sound = sound & watch.continues(before);
+                    watch
+                }
+            };
+            sound = sound & watch.is_sound();
+            match &mut last {
+                None => last = Some([watch; 2]),
+                Some(last) => last[place.side] = watch,
+            }
             if let Some(station) = place.station {
                 let drive = self.drive;
-                visit.pose(
-                    station,
-                    &LanePose {
-                        state,
-                        tangent,
-                        drive,
-                    },
-                );
+                let pose = LanePose {
+                    state,
+                    tangent,
+                    drive,
+                };
+                visit.pose(station, &pose);
             }
         }
         sound

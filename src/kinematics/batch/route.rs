@@ -43,12 +43,10 @@ pub(super) struct Place {
     pub slope: Stencil,
 }
 
-/// The places in the order of the visit. Number 0 is the design position and is not listed.
+/// The places in the order of the visit, the design position first.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
     pub places: Vec<Place>,
-    /// The station at the design position.
-    pub design_station: Option<usize>,
 }
 
 impl Route {
@@ -80,9 +78,10 @@ impl Route {
             }
         }
         places.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
-        let mut visited = vec![0.0];
-        let places = places
-            .into_iter()
+        let mut visited = Vec::new();
+        let design = (0.0, design_station, 0, 0.0);
+        let places = std::iter::once(design)
+            .chain(places)
             .map(|(value, station, side, step)| {
                 let place = Place {
                     value,
@@ -96,10 +95,7 @@ impl Route {
                 place
             })
             .collect();
-        Some(Route {
-            places,
-            design_station,
-        })
+        Some(Route { places })
     }
 }
 
@@ -163,9 +159,7 @@ mod tests {
     fn stencils_reproduce_polynomials() {
         let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
         let route = Route::through(&march, 0.3).unwrap();
-        let visited: Vec<f64> = std::iter::once(0.0)
-            .chain(route.places.iter().map(|p| p.value))
-            .collect();
+        let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for place in &route.places {
             let sum = |stencil: &Stencil, degree: i32| -> f64 {
                 let terms = stencil.weights().iter();
@@ -190,7 +184,6 @@ mod tests {
         let march = March::through(&[-2.0, 0.0, 1.0, 0.1]);
         let route = Route::through(&march, 0.5).unwrap();
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
-        stations.extend(route.design_station);
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));

@@ -148,7 +148,7 @@ impl<B: Bundle> LaneRates<B> {
 /// Steps longer than this part of the size are broken up.
 const LONGEST_STEP: f64 = 0.02;
 /// How far the wheel centre may be from its travel, in sizes.
-const TOLERANCE: f64 = 2e-14;
+const TOLERANCE: f64 = 1e-12;
 /// Rods shorter than this part of the reach are left to the careful path.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// How many sizes from the origin the closed form keeps its accuracy.

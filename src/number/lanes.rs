@@ -291,7 +291,7 @@ impl Width {
 }
 
 /// Registers worked on together.
-const REGISTERS: usize = 2;
+const REGISTERS: usize = 1;
 
 /// Something to be done in lanes.
 pub trait InLanes {

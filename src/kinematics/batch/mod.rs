@@ -22,7 +22,7 @@ use super::closed_form::{Carried, Carrier, ClosedForm, Roles, State, Velocity};
 use super::path::March;
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Bundle, Jet, Vector3};
-use route::Route;
+use route::{Route, Stencil};
 
 /// A way to solve designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
@@ -196,9 +196,9 @@ impl Batch {
         axis == Some(SteeringAxis::Through { lower, upper })
     }
 
-    /// Numbers that [`Batch::solve`] needs in its `history`, for this many lanes.
-    pub fn history(&self, lanes: usize) -> usize {
-        self.route.places.len() * lanes
+    /// Room for the history of [`Batch::solve`].
+    pub fn history<B: Bundle>(&self, like: B) -> Vec<B> {
+        vec![like.zero(); self.route.places.len()]
     }
 
     /// The constants of designs, a point of all lanes after another.
@@ -226,7 +226,7 @@ impl Batch {
         &self,
         design: &LaneDesign<B>,
         rack: f64,
-        history: &mut [f64],
+        history: &mut [B],
         visit: &mut impl Visit<B>,
     ) -> B::Mask {
         let form = &design.form;
@@ -236,25 +236,28 @@ impl Batch {
         let tolerance = like.lit(self.tolerance);
 
         let mut sound = design.distinct;
-        let mut last: Option<[Watch<B>; 2]> = None;
+        let slope = like.lit(self.slope);
+        let mut last = [Watch {
+            tangent: zero,
+            rate: slope,
+            slope,
+            squares: [zero; 3],
+            upper_margin: zero,
+        }; 2];
         for (number, place) in self.route.places.iter().enumerate() {
             let target = like.lit(place.value);
             // By the arm angle there is nothing to solve: every residual will do.
-            let (mut tangent, mut slope, tolerance) = match self.drive {
+            let (mut tangent, mut slope_here, tolerance) = match self.drive {
                 Drive::ArmAngle => {
                     let tangent = like.lit((0.5 * place.value).tan());
                     (tangent, zero, like.lit(f64::INFINITY))
                 }
                 Drive::Travel => {
-                    let tangent = match place.prediction.weights() {
-                        [_] => like.lit(self.slope * place.value),
-                        weights => weighted(weights, history, like),
+                    let tangent = match number {
+                        0 | 1 => like.lit(self.slope * place.value),
+                        _ => weighted(&place.prediction, history, like),
                     };
-                    let slope = match place.slope.weights() {
-                        [] => like.lit(self.slope),
-                        weights => weighted(weights, history, like),
-                    };
-                    (tangent, slope, tolerance)
+                    (tangent, last[place.side].slope, tolerance)
                 }
             };
             let (mut step, mut missed, mut corrections) = (zero, zero, 0);
@@ -264,38 +267,32 @@ impl Batch {
                 let miss = form.travel(&state) - target;
                 if corrections > 0 {
                     // The slope of the last step. A lane that has settled keeps what it had.
-                    slope = B::select(settled, slope, step / (miss - missed));
+                    slope_here = B::select(settled, slope_here, step / (miss - missed));
                 }
                 missed = miss;
                 settled = miss.abs().less(tolerance);
                 if corrections == MOST_CORRECTIONS || B::all(settled | !sound) {
                     break state;
                 }
-                step = -(miss * slope);
+                step = -(miss * slope_here);
                 tangent = B::select(settled, tangent, tangent + step);
                 corrections += 1;
             };
             sound = sound & settled;
             // What is left of the residual, for the predictions. A slope between two roundings says
             // nothing, and shows by its size.
-            let rest = missed * slope;
+            let rest = missed * slope_here;
             let refined = B::select(rest.abs().less(like.lit(1e-9)), tangent - rest, tangent);
-            refined.store(&mut history[number * B::LANES..]);
+            history[number] = refined;
 
-            let watch = match &last {
-                None => Watch::of(&state, tangent, like.lit(self.slope)),
-                Some(last) => {
-                    let before = &last[place.side];
-                    let rate = (tangent - before.tangent) * like.lit(1.0 / place.step);
-                    let watch = Watch::of(&state, tangent, rate);
-                    sound = sound & watch.continues(before);
-                    watch
-                }
-            };
-            sound = sound & watch.is_sound();
-            match &mut last {
-                None => last = Some([watch; 2]),
-                Some(last) => last[place.side] = watch,
+            sound = sound & Watch::is_sound(&state, tangent);
+            if number == 0 {
+                last = [Watch::start(&state, tangent, slope); 2];
+            } else {
+                let before = last[place.side];
+                let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
+                sound = sound & watch.continues(&before);
+                last[place.side] = watch;
             }
             if let Some(station) = place.station {
                 let drive = self.drive;
@@ -311,12 +308,15 @@ impl Batch {
     }
 }
 
-/// A weighted sum of places visited.
+/// A weighted sum of places visited; the nearest, which is known last, is added last.
 #[inline(always)]
-fn weighted<B: Bundle>(weights: &[(usize, f64)], history: &[f64], like: B) -> B {
-    let mut sum = like.zero();
-    for (place, weight) in weights {
-        sum = sum + like.load(&history[place * B::LANES..]) * like.lit(*weight);
+fn weighted<B: Bundle>(weights: &Stencil, history: &[B], like: B) -> B {
+    let mut k = weights.len() - 1;
+    let mut sum = history[weights[k].0] * like.lit(weights[k].1);
+    while k > 0 {
+        k -= 1;
+        let (place, weight) = weights[k];
+        sum = sum + history[place] * like.lit(weight);
     }
     sum
 }
@@ -325,10 +325,12 @@ fn weighted<B: Bundle>(weights: &[(usize, f64)], history: &[f64], like: B) -> B 
 #[derive(Clone, Copy)]
 struct Watch<B> {
     tangent: B,
-    /// Slope of the tangent by the drive.
+    /// Slope of the tangent by the drive over the last step.
     rate: B,
-    /// Squares that the closed form divides by or takes the root of, each with what it is measured in.
-    squares: [(B, B); 3],
+    /// The same, extrapolated to the next place.
+    slope: B,
+    /// Squares that the closed form divides by or takes the root of.
+    squares: [B; 3],
     upper_margin: B,
 }
 
@@ -341,26 +343,38 @@ impl<B: Bundle> Watch<B> {
     const FARTHEST: f64 = 0.7;
     const LONGEST: f64 = 0.1;
 
+    /// At the first place.
     #[inline(always)]
-    fn of(state: &State<B>, tangent: B, rate: B) -> Self {
+    fn start(state: &State<B>, tangent: B, slope: B) -> Self {
+        let [a, b, c] = state.squares();
         Watch {
             tangent,
-            rate,
-            squares: state.squares(),
+            rate: slope,
+            slope,
+            squares: [a.0, b.0, c.0],
             upper_margin: state.upper_margin(),
         }
     }
 
+    /// At the place after this one, one `1/inverse_step` on.
+    #[inline(always)]
+    fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
+        let rate = (tangent - self.tangent) * inverse_step;
+        let mut next = Watch::start(state, tangent, rate);
+        next.slope = rate + (rate - self.rate);
+        next
+    }
+
     /// Whether the closed form is well conditioned here. False for NaN.
     #[inline(always)]
-    fn is_sound(&self) -> B::Mask {
-        let least = self.tangent.lit(Self::LEAST);
-        let [a, b, c] = self.squares;
+    fn is_sound(state: &State<B>, tangent: B) -> B::Mask {
+        let least = tangent.lit(Self::LEAST);
+        let [a, b, c] = state.squares();
         (a.1 * least).less(a.0)
             & (b.1 * least).less(b.0)
             & (c.1 * least).less(c.0)
-            & self.tangent.lit(Self::LEAST_UPPER).less(self.upper_margin)
-            & self.tangent.abs().less(self.tangent.lit(Self::FARTHEST))
+            & tangent.lit(Self::LEAST_UPPER).less(state.upper_margin())
+            & tangent.abs().less(tangent.lit(Self::FARTHEST))
     }
 
     /// Whether nothing changed so much since the place before that it could have vanished on the way.
@@ -368,9 +382,9 @@ impl<B: Bundle> Watch<B> {
     fn continues(&self, before: &Self) -> B::Mask {
         let step = (self.tangent - before.tangent).abs();
         within_half(self.rate, before.rate)
-            & within_half(self.squares[0].0, before.squares[0].0)
-            & within_half(self.squares[1].0, before.squares[1].0)
-            & within_half(self.squares[2].0, before.squares[2].0)
+            & within_half(self.squares[0], before.squares[0])
+            & within_half(self.squares[1], before.squares[1])
+            & within_half(self.squares[2], before.squares[2])
             & within_half(self.upper_margin, before.upper_margin)
             & step.less(self.tangent.lit(Self::LONGEST))
     }

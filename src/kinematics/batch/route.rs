@@ -9,22 +9,8 @@ use crate::kinematics::March;
 
 /// Places a prediction is made from.
 const NEIGHBOURS: usize = 8;
-/// Places a slope is made from.
-const SLOPE_NEIGHBOURS: usize = 4;
-
-/// Weights of places visited before.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Stencil {
-    weights: Vec<(usize, f64)>,
-}
-
-impl Stencil {
-    /// Places by number, with their weights.
-    #[inline(always)]
-    pub(super) fn weights(&self) -> &[(usize, f64)] {
-        &self.weights
-    }
-}
+/// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
+pub(super) type Stencil = [(usize, f64); NEIGHBOURS];
 
 /// A place on the way.
 #[derive(Clone, Debug)]
@@ -39,8 +25,6 @@ pub(super) struct Place {
     pub step: f64,
     /// Predicts the value here.
     pub prediction: Stencil,
-    /// Estimates the slope here, once there are places to take it from.
-    pub slope: Stencil,
 }
 
 /// The places in the order of the visit, the design position first.
@@ -88,8 +72,7 @@ impl Route {
                     station,
                     side,
                     step,
-                    prediction: value_stencil(&visited, value),
-                    slope: slope_stencil(&visited, value),
+                    prediction: stencil(&visited, value),
                 };
                 visited.push(value);
                 place
@@ -111,42 +94,17 @@ fn nearest(visited: &[f64], value: f64, most: usize) -> Vec<usize> {
 }
 
 /// prod (x - x_m)/(x_j - x_m)
-fn value_stencil(visited: &[f64], value: f64) -> Stencil {
+fn stencil(visited: &[f64], value: f64) -> Stencil {
     let numbers = nearest(visited, value, NEIGHBOURS);
-    let weight = |j: usize| {
-        let others = numbers.iter().filter(|m| **m != j);
-        others.fold(1.0, |product, m| {
-            product * (value - visited[*m]) / (visited[j] - visited[*m])
-        })
-    };
-    Stencil {
-        weights: numbers.iter().map(|j| (*j, weight(*j))).collect(),
+    let mut stencil = [(0, 0.0); NEIGHBOURS];
+    for (entry, j) in stencil.iter_mut().zip(&numbers) {
+        let others = numbers.iter().filter(|m| *m != j);
+        let weight = others.fold(1.0, |product, m| {
+            product * (value - visited[*m]) / (visited[*j] - visited[*m])
+        });
+        *entry = (*j, weight);
     }
-}
-
-/// The derivative of the same: a sum of products with one factor left out.
-fn slope_stencil(visited: &[f64], value: f64) -> Stencil {
-    let numbers = nearest(visited, value, SLOPE_NEIGHBOURS);
-    if numbers.len() < 2 {
-        return Stencil::default();
-    }
-    let weight = |j: usize| {
-        let others: Vec<f64> = numbers
-            .iter()
-            .filter(|m| **m != j)
-            .map(|m| visited[*m])
-            .collect();
-        let without = |left_out: usize| {
-            let kept = others.iter().enumerate().filter(|(i, _)| *i != left_out);
-            kept.fold(1.0, |product, (_, x)| product * (value - x))
-        };
-        let sum: f64 = (0..others.len()).map(without).sum();
-        let scale: f64 = others.iter().map(|x| visited[j] - x).product();
-        sum / scale
-    };
-    Stencil {
-        weights: numbers.iter().map(|j| (*j, weight(*j))).collect(),
-    }
+    stencil
 }
 
 #[cfg(test)]
@@ -154,27 +112,17 @@ mod tests {
     use super::*;
     use std::array::from_fn;
 
-    /// A stencil of n places is exact for polynomials of degree n - 1, in value and slope.
+    /// A stencil of n places is exact for polynomials of degree n - 1.
     #[test]
     fn stencils_reproduce_polynomials() {
         let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
         let route = Route::through(&march, 0.3).unwrap();
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
-        for place in &route.places {
-            let sum = |stencil: &Stencil, degree: i32| -> f64 {
-                let terms = stencil.weights().iter();
-                terms.map(|(j, w)| w * visited[*j].powi(degree)).sum()
-            };
-            for degree in 0..place.prediction.weights().len() as i32 {
-                let expected = place.value.powi(degree);
-                assert!((sum(&place.prediction, degree) - expected).abs() < 1e-9);
-            }
-            for degree in 0..place.slope.weights().len() as i32 {
-                let expected = match degree {
-                    0 => 0.0,
-                    _ => f64::from(degree) * place.value.powi(degree - 1),
-                };
-                assert!((sum(&place.slope, degree) - expected).abs() < 1e-9);
+        for (number, place) in route.places.iter().enumerate() {
+            for degree in 0..number.min(NEIGHBOURS) as i32 {
+                let terms = place.prediction.iter();
+                let sum: f64 = terms.map(|(j, w)| w * visited[*j].powi(degree)).sum();
+                assert!((sum - place.value.powi(degree)).abs() < 1e-9);
             }
         }
     }

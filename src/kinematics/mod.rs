@@ -26,6 +26,7 @@ mod pose;
 mod rates;
 mod sensitivity;
 mod steering;
+pub(crate) mod trial;
 mod work;
 
 pub use assemblies::{Assemblies, Assembly};

@@ -228,7 +228,7 @@ impl March {
     }
 
     /// The stations of each side, outward.
-    pub(super) fn sides(&self) -> [&[usize]; 2] {
+    pub(crate) fn sides(&self) -> [&[usize]; 2] {
         [&self.up, &self.down]
     }
 

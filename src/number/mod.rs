@@ -6,11 +6,13 @@
 //! nest: a `Dual<Jet<f64, 3>, 4>` carries the gradient of a value together with the gradient's own
 //! first and second derivative by the drive.
 
+mod double_double;
 mod dual;
 mod interval;
 mod jet;
 mod vector;
 
+pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
@@ -82,5 +84,29 @@ impl Real for f64 {
     #[inline]
     fn value(self) -> f64 {
         self
+    }
+}
+
+/// Single precision, to see what it would cost in digits.
+impl Real for f32 {
+    #[inline]
+    fn lit(self, value: f64) -> Self {
+        value as f32
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+    #[inline]
+    fn asin(self) -> Self {
+        f32::asin(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        f32::atan2(self, x)
+    }
+    #[inline]
+    fn value(self) -> f64 {
+        f64::from(self)
     }
 }

@@ -8,7 +8,7 @@ mod effects;
 pub use effects::Effect;
 
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
-use crate::kinematics::March;
+use crate::kinematics::{March, PoseError};
 use crate::model::{Axis, PointId};
 use crate::study::{Drive, Formulation, Order, Study, TimeLaw};
 
@@ -34,6 +34,8 @@ pub struct Plan {
     pub drive: Drive,
     /// How poses are found.
     pub formulation: Formulation,
+    /// What poses may be off by; full double precision without it.
+    pub accuracy: Option<PoseError>,
     /// Drive values and the order in which they are visited.
     pub march: March,
     /// Rack displacements, in the study's axes.
@@ -118,6 +120,7 @@ impl Plan {
         Plan {
             drive: study.motion.drive,
             formulation: study.formulation,
+            accuracy: study.accuracy,
             march: March::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,

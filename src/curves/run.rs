@@ -4,7 +4,8 @@ use super::course::Course;
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::characteristics::{Quantity, View};
 use crate::kinematics::{
-    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, Posture, Solver, Tally, Work,
+    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, PoseError, Posture, Solver, Tally,
+    Work,
 };
 use crate::model::{Axis, Suspension};
 use crate::number::{Jet, Vector3};
@@ -32,6 +33,7 @@ pub(super) struct Run<'a, const N: usize> {
     sensitivities: Vec<Sensitivity>,
     /// Of the solver.
     pub(super) work: Work,
+    error_bound: Option<PoseError>,
     /// Of reading.
     tally: Tally,
 }
@@ -73,6 +75,7 @@ impl<'a, const N: usize> Run<'a, N> {
             columns,
             sensitivities: Vec::new(),
             work: Work::default(),
+            error_bound: None,
             tally: Tally::default(),
         }
     }
@@ -88,6 +91,7 @@ impl<'a, const N: usize> Run<'a, N> {
             columns: self.columns,
             stations: self.stations,
             sensitivities: self.sensitivities,
+            error_bound: self.error_bound,
             work: self.work + self.tally.work(),
         })
     }
@@ -96,6 +100,9 @@ impl<'a, const N: usize> Run<'a, N> {
         let (suspension, plan) = (self.suspension, self.plan);
         let course = Course::of(suspension, plan)?;
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        if let Some(allowed) = plan.accuracy {
+            solver = solver.with_accuracy(allowed);
+        }
         for (i, rack) in plan.racks.iter().enumerate() {
             let drive = plan.drive.in_kernel();
             let rack = rack * plan.rack_sign;
@@ -108,6 +115,7 @@ impl<'a, const N: usize> Run<'a, N> {
             })?;
         }
         self.work = solver.work();
+        self.error_bound = plan.accuracy.map(|_| solver.error_bound());
         Ok(())
     }
 

@@ -8,6 +8,7 @@
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod accuracy;
 mod assemblies;
 mod certificate;
 mod closed_form;
@@ -29,6 +30,7 @@ mod steering;
 pub(crate) mod trial;
 mod work;
 
+pub use accuracy::PoseError;
 pub use assemblies::{Assemblies, Assembly};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};

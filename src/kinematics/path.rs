@@ -6,6 +6,7 @@
 //! changing (slope, toggle), else by following the closure equations with steps small enough that
 //! Newton's method cannot leave the branch.
 
+use super::accuracy::{Demand, MARGIN, PoseError};
 use super::certificate::Unproven;
 use super::closed_form::{ClosedForm, Roles};
 use super::closure::{Closure, Driver};
@@ -261,6 +262,7 @@ pub struct Solver<'m> {
     /// The last pose that Newton's method settled at, with its factors.
     settled: Option<Settled>,
     work: Tally,
+    demand: Demand,
 }
 
 /// A pose whose Jacobian is factorised already.
@@ -289,6 +291,9 @@ struct Quick {
     tangent: f64,
     slope: f64,
     before: Option<(f64, f64, f64)>,
+    /// How fast the pose moved by the tangent in the last step; known where less than full precision is
+    /// asked for.
+    speed: Option<PoseError>,
     /// What may not vanish on the way, with its slope by the tangent.
     margins: [Jet<f64, 2>; 2],
 }
@@ -307,6 +312,7 @@ impl<'m> Solver<'m> {
             reach: 1.0,
             settled: None,
             work: Tally::default(),
+            demand: Demand::default(),
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -379,6 +385,17 @@ impl<'m> Solver<'m> {
     /// The mechanism.
     pub fn mechanism(&self) -> &'m Mechanism {
         self.mechanism
+    }
+
+    /// Asks for less than full double precision: poses that are off by no more than this.
+    pub fn with_accuracy(mut self, allowed: PoseError) -> Self {
+        self.demand = Demand::new(allowed);
+        self
+    }
+
+    /// A bound on the error of every pose found so far.
+    pub fn error_bound(&self) -> PoseError {
+        self.demand.bound(self.reach, self.size)
     }
 
     /// What was done since the solver was made.
@@ -617,6 +634,7 @@ impl<'m> Solver<'m> {
                 Drive::ArmAngle => 0.5 * (1.0 + tangent * tangent),
             },
             before: None,
+            speed: None,
             margins: state.margins(),
         })
     }
@@ -631,6 +649,12 @@ impl<'m> Solver<'m> {
         let (start, end) = (from.point.value, to.value);
         let lifted = form.map(Jet::<f64, 2>::constant);
         let rack = Jet::constant(to.rack);
+        // What may be left of the tangent's error.
+        let allowed = match quick.speed {
+            Some(speed) => speed.scaled(MARGIN).times_in(self.demand.allowed),
+            None => 0.0,
+        };
+        let mut left = 0.0;
         let (tangent, slope, margins) = match to.drive {
             // No equation to solve.
             Drive::ArmAngle => {
@@ -658,9 +682,13 @@ impl<'m> Solver<'m> {
                     if first_is_long || !(steady > 0.5 && steady < 2.0) {
                         return None;
                     }
+                    // What the correction leaves, by the change of the slope since the place before.
+                    let bend = (steady - 1.0) / (tangent - quick.tangent);
+                    let short = correction.abs() <= 1e-3 * (predicted - quick.tangent).abs();
+                    left = (MARGIN * bend.abs() + 1.0) * correction * correction;
                     tangent += correction;
                     // The error left is of the order of the correction squared.
-                    if correction.abs() <= 1e-8 {
+                    if correction.abs() <= 1e-8 || (short && left <= allowed) {
                         settled = true;
                         break;
                     }
@@ -683,13 +711,22 @@ impl<'m> Solver<'m> {
             return None;
         }
         self.work.note(|w| w.closed_form_solves += 1);
+        let pose = form.pose(&state);
+        let speed = self.demand.is_modest().then(|| {
+            let moved = PoseError::between(&from.pose, &pose, self.size);
+            let speed = moved.scaled(1.0 / step.abs());
+            let fastest = quick.speed.map_or(speed, |before| before.max(speed));
+            self.demand.note(fastest.scaled(2.0 * left));
+            speed
+        });
         Some(Place {
             point: *to,
-            pose: form.pose(&state),
+            pose,
             quick: Some(Quick {
                 tangent,
                 slope,
                 before: Some((start, quick.tangent, quick.slope)),
+                speed,
                 margins,
             }),
         })
@@ -828,8 +865,19 @@ impl<'m> Solver<'m> {
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
+            // What a correction leaves shrinks faster than the corrections did.
+            let left = correction * (correction / last);
+            let left = PoseError {
+                length: 2.0 * left,
+                angle: left / self.size,
+            };
+            let modest = iteration > 0 && left.times_in(self.demand.allowed) >= 1.0;
+            if modest {
+                self.demand.note(left);
+            }
             // Rounding level: the corrections no longer shrink.
-            if correction <= rounding
+            if modest
+                || correction <= rounding
                 || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
                 let settled = Pose {

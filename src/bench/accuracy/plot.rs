@@ -69,7 +69,11 @@ fn panels(accuracy: &Accuracy) -> [Panel; 4] {
     let mut derivatives = of(Family::Derivative, &step);
     let analytic = accuracy.measurements.iter();
     let analytic = analytic.filter(|m| m.family == Family::Derivative && m.method == "analytic");
-    let steps = || derivatives.iter().flat_map(|(_, points)| points.iter().map(|p| p.0));
+    let steps = || {
+        derivatives
+            .iter()
+            .flat_map(|(_, points)| points.iter().map(|p| p.0))
+    };
     let ends = [
         steps().fold(f64::INFINITY, f64::min),
         steps().fold(0.0, f64::max),

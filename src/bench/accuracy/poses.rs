@@ -4,7 +4,7 @@ use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
 use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
 use crate::kinematics::trial::{Equations, OneEquation, SixEquations, solve};
-use crate::kinematics::{March, Pose, Posture, Solver};
+use crate::kinematics::{March, Pose, PoseError, Posture, Solver, Work};
 use crate::model::{Drive, LengthUnit};
 use crate::number::{DoubleDouble, Vector3};
 use std::cell::{Cell, RefCell};
@@ -287,20 +287,11 @@ fn by_closed_form<T: Measured>(
     Some(way.measure(clock, Family::Pose, String::new(), setting))
 }
 
-/// Poses as the program finds them, every check on the way included.
+/// Poses as the program finds them, every check on the way included; first in full double precision,
+/// then with ever less asked for.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let march = March::through(&subject.travels);
-    let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
-        let visited = solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
-            if let Ok(pose) = pose {
-                visit(station, pose);
-            }
-            ControlFlow::Continue(())
-        });
-        visited.expect("the design was solved before");
-    };
     let read = |pose: &Pose<f64>| {
         camber(&Posture {
             mechanism: &suspension.mechanism,
@@ -310,21 +301,49 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
             steering: None,
         })
     };
-    let mut error = 0.0_f64;
-    run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
-    let time = clock.time(subject.travels.len(), || {
-        let mut sum = 0.0;
-        run(&mut |_, pose| sum += read(pose));
-        sum
-    });
-    Ok(vec![Measurement {
-        family: Family::Pose,
-        method: "hardpoint solve".to_owned(),
-        setting: "default".to_owned(),
-        time,
-        error,
-        evaluations: None,
-    }])
+    let mut found = Vec::new();
+    for metres in [0.0, 1e-9, 1e-7, 1e-5, 1e-3] {
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        if metres > 0.0 {
+            solver = solver.with_accuracy(PoseError {
+                length: in_length_units(metres, subject),
+                angle: f64::INFINITY,
+            });
+        }
+        let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
+            let visited = solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
+                if let Ok(pose) = pose {
+                    visit(station, pose);
+                }
+                ControlFlow::Continue(())
+            });
+            visited.expect("the design was solved before");
+            solver.work()
+        };
+        let mut error = 0.0_f64;
+        let before =
+            run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
+        let after = run(&mut |_, _| ());
+        let evaluations = |work: Work| work.closed_form_evaluations + work.newton_iterations;
+        let count = evaluations(after) - evaluations(before);
+        let time = clock.time(subject.travels.len(), || {
+            let mut sum = 0.0;
+            run(&mut |_, pose| sum += read(pose));
+            sum
+        });
+        found.push(Measurement {
+            family: Family::Pose,
+            method: "hardpoint solve".to_owned(),
+            setting: match metres {
+                0.0 => "default".to_owned(),
+                _ => format!("accuracy {metres:.0e} m"),
+            },
+            time,
+            error,
+            evaluations: Some(count as f64 / subject.travels.len() as f64),
+        });
+    }
+    Ok(found)
 }
 
 /// The seed paper's fifteen equations.

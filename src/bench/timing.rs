@@ -44,8 +44,9 @@ pub struct Clock {
 impl Default for Clock {
     fn default() -> Self {
         Clock {
-            samples: 25,
-            shortest: Duration::from_millis(1),
+            samples: 51,
+            // Shorter than the slice of time in which something else has the processor.
+            shortest: Duration::from_micros(200),
         }
     }
 }

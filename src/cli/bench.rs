@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let name = format!("bench_{}", study.name);
     let output = Output::at(arguments.out.as_deref(), &name, arguments.format.into())?;
     let clock = Clock {
-        samples: arguments.samples.get(),
+        samples: arguments.samples,
         ..Clock::default()
     };
     let machine = Machine::here(&clock);

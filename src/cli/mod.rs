@@ -116,8 +116,15 @@ struct BenchArguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Samples of each time: more of them for less noise
-    #[arg(long, value_name = "N", default_value_t = std::num::NonZeroUsize::new(25).unwrap())]
-    samples: std::num::NonZeroUsize,
+    #[arg(long, value_parser = at_least_one, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
+    samples: usize,
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("expected a whole number of 1 or more".to_owned()),
+        Ok(number) => Ok(number),
+    }
 }
 
 /// Benchmarks.

@@ -44,3 +44,8 @@ pub use pose::{Pose, Posture, Twist};
 pub use sensitivity::{Linearised, Seeds};
 pub(crate) use work::Tally;
 pub use work::Work;
+
+/// Whether poses of this mechanism come from a closed form; else from six equations.
+pub fn has_closed_form(mechanism: &crate::model::Mechanism) -> bool {
+    closed_form::Roles::of(mechanism).is_some()
+}

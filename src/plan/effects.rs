@@ -2,6 +2,7 @@
 
 use super::Plan;
 use crate::characteristics::{Quantity, Slot};
+use crate::kinematics::has_closed_form;
 use crate::model::SteeringAxis;
 use crate::study::{Order, Study};
 
@@ -21,17 +22,19 @@ pub struct Effect {
     pub cost: f64,
 }
 
-/// What effects cost per pose, in poses, as `hardpoint bench effects` measures them on the template of
-/// a strut. Good to a factor of two: what a pose costs depends on the topology, and on the machine.
+/// What effects cost per pose, in poses from the closed form of a strut, as `hardpoint bench effects`
+/// measured them there. Good to a factor of two: it depends on the machine, and on the topology.
 mod cost {
-    /// Factorising the Jacobian of a pose that the closed form gave.
-    pub const FACTORS: f64 = 0.4;
-    /// The power series one coefficient further, and the outputs on it.
-    pub const DERIVATIVE: f64 = 0.7;
-    /// One output's gradient by all hardpoints, with a coefficient of its series.
-    pub const GRADIENT: f64 = 0.6;
-    /// What is left of it where only one equation in six has to be differentiated.
-    pub const LEAST_GRADIENT: f64 = 0.4;
+    /// Six equations solved instead of the closed form.
+    pub const ITERATED_POSE: f64 = 7.0;
+    /// Factorising a Jacobian. Newton's method leaves the factors behind, the closed form has none.
+    pub const FACTORS: f64 = 0.8;
+    /// The first, second and third coefficient of the power series, and the outputs on it.
+    pub const DERIVATIVES: [f64; 3] = [0.5, 2.9, 3.5];
+    /// One output's gradient by all hardpoints, for each coefficient of its series.
+    pub const GRADIENT: f64 = 2.2;
+    /// What is left of it where one equation in six has to be differentiated.
+    pub const LEAST_GRADIENT: f64 = 1.0;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
 }
@@ -98,10 +101,9 @@ impl Plan {
             true => {
                 let axis = study.suspension.mechanism.steering_axis;
                 let (what, cost) = match axis {
-                    Some(SteeringAxis::Instantaneous) => (
-                        "by a velocity analysis of the rack",
-                        cost::SCREW_AXIS + self.factors_cost(1),
-                    ),
+                    Some(SteeringAxis::Instantaneous) => {
+                        ("by a velocity analysis of the rack", cost::SCREW_AXIS)
+                    }
                     _ => ("through two joints", 0.0),
                 };
                 let names = reasons(&Slot::is_of_steering_axis);
@@ -128,6 +130,13 @@ impl Plan {
         // The library balances loads; no key of a study asks for it.
         effects.push(off("loads"));
         effects.push(off("certificate"));
+        // Costs are in poses of this topology.
+        if !has_closed_form(&study.suspension.mechanism) {
+            let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
+            for effect in effects.iter_mut().filter(per_pose) {
+                effect.cost /= cost::ITERATED_POSE;
+            }
+        }
         effects
     }
 
@@ -139,6 +148,8 @@ impl Plan {
         off: &dyn Fn(&'static str) -> Effect,
     ) -> Vec<Effect> {
         let order = study.outputs.order;
+        // The first effect that needs the factors has them made; the others find them.
+        let factors = factors_cost(study);
         let mut effects = Vec::new();
         for (k, name) in ["rates", "curvature", "third derivatives"]
             .into_iter()
@@ -167,12 +178,11 @@ impl Plan {
                 written(&["outputs", "characteristics"], &names)
             };
             let one = format!("right-hand side {derivative} of each pose");
-            effects.push(on(
-                name,
-                one,
-                because,
-                cost::DERIVATIVE + self.factors_cost(derivative),
-            ));
+            let factors = match derivative {
+                1 => factors,
+                _ => 0.0,
+            };
+            effects.push(on(name, one, because, cost::DERIVATIVES[k] + factors));
         }
         effects.push(match self.sensitivities.is_empty() {
             true => off("sensitivities"),
@@ -188,7 +198,7 @@ impl Plan {
                 let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
                 let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
                 let factors = match self.coefficients {
-                    1 => cost::FACTORS,
+                    1 => factors,
                     _ => 0.0,
                 };
                 on(
@@ -214,12 +224,12 @@ impl Plan {
             _ => self.coefficients - 1,
         }
     }
+}
 
-    /// The Jacobian is factorised for the first derivative, and then there for the rest.
-    fn factors_cost(&self, derivative: usize) -> f64 {
-        match derivative {
-            1 => cost::FACTORS,
-            _ => 0.0,
-        }
+/// What it costs to have the factors of each pose's Jacobian.
+fn factors_cost(study: &Study) -> f64 {
+    match has_closed_form(&study.suspension.mechanism) {
+        true => cost::FACTORS,
+        false => 0.0,
     }
 }

@@ -198,7 +198,7 @@ const QUOTIENTS: [Quotient; 4] = [
         terms: &[(0.0, -1.0), (1.0, 1.0)],
     },
     Quotient {
-        name: "central difference",
+        name: CENTRAL,
         terms: &[(-1.0, -0.5), (1.0, 0.5)],
     },
     Quotient {
@@ -222,6 +222,45 @@ const QUOTIENTS: [Quotient; 4] = [
         ],
     },
 ];
+
+/// The name of the quotient that is used most.
+const CENTRAL: &str = "central difference";
+
+/// How far a coordinate is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    /// A part of the mechanism's size.
+    OfSize(f64),
+    /// As libraries choose it for central differences who know nothing of the function: the cube root of
+    /// the rounding unit, in parts of the coordinate or absolute, whichever is more.
+    Usual,
+}
+
+impl Step {
+    fn length(self, coordinate: f64, size: f64) -> f64 {
+        match self {
+            Step::OfSize(part) => part * size,
+            Step::Usual => f64::EPSILON.cbrt() * coordinate.abs().max(1.0),
+        }
+    }
+
+    fn name(self) -> String {
+        match self {
+            Step::OfSize(part) => format!("step {part:.0e}"),
+            Step::Usual => "usual step".to_owned(),
+        }
+    }
+}
+
+/// A component of a gradient.
+fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
+    let gradient = &mut gradients.values[at];
+    match axis {
+        0 => &mut gradient.x,
+        1 => &mut gradient.y,
+        _ => &mut gradient.z,
+    }
+}
 
 /// Steps, in parts of the mechanism's size.
 const STEPS: [f64; 19] = [
@@ -303,8 +342,8 @@ fn analytic_and_differences(
     let mut moved = suspension.design.clone();
     let (mut values, mut base) = (vec![0.0; count], vec![0.0; count]);
     for quotient in &QUOTIENTS {
-        for relative in STEPS {
-            let step = relative * size;
+        let steps = STEPS.map(Step::OfSize).into_iter();
+        for rule in steps.chain((quotient.name == CENTRAL).then_some(Step::Usual)) {
             let mut differentiate = |gradients: &mut Gradients| {
                 gradients.values.fill(Vector3::default());
                 let solve =
@@ -321,6 +360,7 @@ fn analytic_and_differences(
                 for (point, id) in task.points.iter().enumerate() {
                     let home = moved[id.0];
                     for axis in 0..3 {
+                        let step = rule.length(home.to_array()[axis], size);
                         for (offset, weight) in quotient.terms {
                             let values = match *offset {
                                 0.0 => &base,
@@ -333,27 +373,22 @@ fn analytic_and_differences(
                                 }
                             };
                             for (i, value) in values.iter().enumerate() {
-                                let place = &mut gradients.values[i * task.points.len() + point];
-                                let component = match axis {
-                                    0 => &mut place.x,
-                                    1 => &mut place.y,
-                                    _ => &mut place.z,
-                                };
-                                *component += weight * value;
+                                *component(gradients, i * task.points.len() + point, axis) +=
+                                    weight * value;
                             }
+                        }
+                        for i in 0..count {
+                            *component(gradients, i * task.points.len() + point, axis) /= step;
                         }
                     }
                     moved[id.0] = home;
-                }
-                for gradient in &mut gradients.values {
-                    *gradient = gradient.map(|sum| sum / step);
                 }
             };
             differentiate(&mut gradients);
             found.push(Measurement {
                 family: Family::Derivative,
                 method: quotient.name.to_owned(),
-                setting: format!("step {relative:.0e}"),
+                setting: rule.name(),
                 error: gradients.error(&exact),
                 time: clock.time(stations, || differentiate(&mut gradients)),
                 evaluations: None,

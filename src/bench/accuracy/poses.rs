@@ -230,7 +230,7 @@ pub(super) fn measure(
             "closed form, f64",
             by_closed_form::<f64>(subject, clock, usual, tolerance, &setting),
         );
-        if metres == 0.0 {
+        if metres == 0.0 || metres > 1e-8 {
             one(
                 "closed form, double-double",
                 by_closed_form::<DoubleDouble>(subject, clock, usual, tolerance, &setting),
@@ -245,7 +245,7 @@ pub(super) fn measure(
     found.extend(production(subject, clock)?);
     found.extend(point_coordinates(subject, clock));
     for start in Start::ALL {
-        for metres in [1e-3, 1e-6, 1e-9, 0.0] {
+        for metres in [1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 0.0] {
             let tolerance = in_length_units(metres, subject);
             let setting = tolerance_name(metres);
             let closed = by_closed_form::<f64>(subject, clock, start, tolerance, &setting);

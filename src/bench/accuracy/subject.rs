@@ -111,9 +111,12 @@ impl<'s> Subject<'s> {
         let march = March::through(travels);
         solver.march(Drive::Travel, &march, self.rack, |_, station, pose| {
             if let Ok(pose) = pose {
-                let start = pose.map(DoubleDouble::from);
+                let mut start = pose.map(DoubleDouble::from);
+                // To more than a double's digits its rotation is none.
+                for _ in 0..2 {
+                    start.rotation = start.rotation.orthonormalised();
+                }
                 let travel = DoubleDouble::of(travels[station]);
-                // A double's pose is right to sixteen digits; two iterations give all there are.
                 let (exact, _) = solve(&equations, start, travel, 0.0);
                 found.push((travels[station], equations.pose(&exact)));
             }

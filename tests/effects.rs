@@ -69,28 +69,25 @@ fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
             STATIONS,
             "{name}"
         );
-        // Newton's method leaves its factors behind, the closed form has none; nor has the design
-        // position of the closed form to be factorised again.
-        let factorisations = match name {
+        // Newton's method leaves its factors behind, and the closed form needs none.
+        assert_eq!(with.factorisations, without.factorisations, "{name}");
+        assert_eq!(with.newton_iterations, without.newton_iterations, "{name}");
+        // The closed form is evaluated once more, with the derivatives.
+        let evaluations = match name {
             FIVE_LINK => 0,
-            _ => STATIONS - 1,
+            _ => STATIONS,
         };
         assert_eq!(
-            with.factorisations - without.factorisations,
-            factorisations,
-            "{name}"
-        );
-        assert_eq!(with.newton_iterations, without.newton_iterations, "{name}");
-        assert_eq!(
-            with.closed_form_evaluations, without.closed_form_evaluations,
+            with.closed_form_evaluations - without.closed_form_evaluations,
+            evaluations,
             "{name}"
         );
     }
 }
 
-/// Each order of derivatives is one right-hand side more, with the same factors.
+/// Each order of derivatives is one right-hand side more, with the same Jacobian.
 #[test]
-fn orders_share_one_factorisation() {
+fn orders_are_right_hand_sides_of_one_jacobian() {
     let at = |order: &str| {
         work(
             STRUT,
@@ -107,7 +104,11 @@ fn orders_share_one_factorisation() {
         acceleration.right_hand_sides,
         position.right_hand_sides + 2 * STATIONS
     );
-    assert_eq!(acceleration.factorisations, velocity.factorisations);
+    assert_eq!(acceleration.factorisations, position.factorisations);
+    assert_eq!(
+        acceleration.closed_form_evaluations,
+        velocity.closed_form_evaluations
+    );
     // A value and its derivatives are one evaluation.
     assert_eq!(
         acceleration.characteristic_evaluations,

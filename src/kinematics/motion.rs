@@ -109,6 +109,11 @@ impl<const N: usize> Lifted<N> {
         self
     }
 
+    /// Whether postures carry the twist of the steering motion.
+    pub(super) fn is_steered(&self) -> bool {
+        self.steered.is_some()
+    }
+
     /// Takes over another design of the same mechanism, without allocating.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
         for (lifted, point) in self.design.iter_mut().zip(design) {

@@ -261,6 +261,8 @@ pub struct Solver<'m> {
     reach: f64,
     /// The last pose that Newton's method settled at, with its factors.
     settled: Option<Settled>,
+    /// The last pose that is one of the closed form's, with the tangent of half the arm's angle.
+    formed: Option<(Pose<f64>, MotionPoint<f64>, f64)>,
     work: Tally,
     demand: Demand,
 }
@@ -311,6 +313,7 @@ impl<'m> Solver<'m> {
             size: 1.0,
             reach: 1.0,
             settled: None,
+            formed: None,
             work: Tally::default(),
             demand: Demand::default(),
         };
@@ -333,6 +336,7 @@ impl<'m> Solver<'m> {
         self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
         self.lifted_is_current = false;
         self.settled = None;
+        self.formed = None;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -446,6 +450,15 @@ impl<'m> Solver<'m> {
                     );
                 }
                 let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                self.formed = place.ok().and_then(|at| {
+                    let quick = at.quick?;
+                    // Newton's pose agrees with the closed form's to less than all digits.
+                    let is_design = at.point.value == 0.0 && at.point.rack == 0.0;
+                    if quick.before.is_none() && !is_design {
+                        return None;
+                    }
+                    Some((at.pose, at.point, quick.tangent))
+                });
                 if visit(self, station, found).is_break() {
                     return Ok(());
                 }
@@ -655,6 +668,7 @@ impl<'m> Solver<'m> {
             None => 0.0,
         };
         let mut left = 0.0;
+        let mut evaluated = None;
         let (tangent, slope, margins) = match to.drive {
             // No equation to solve.
             Drive::ArmAngle => {
@@ -685,6 +699,13 @@ impl<'m> Solver<'m> {
                     // What the correction leaves, by the change of the slope since the place before.
                     let bend = (steady - 1.0) / (tangent - quick.tangent);
                     let short = correction.abs() <= 1e-3 * (predicted - quick.tangent).abs();
+                    // Good enough as it is: the slope changes by less than a factor of two.
+                    if short && 2.0 * correction.abs() <= allowed {
+                        left = 2.0 * correction.abs();
+                        evaluated = Some(state.now());
+                        settled = true;
+                        break;
+                    }
                     left = (MARGIN * bend.abs() + 1.0) * correction * correction;
                     tangent += correction;
                     // The error left is of the order of the correction squared.
@@ -700,8 +721,13 @@ impl<'m> Solver<'m> {
             }
         };
         let step = tangent - quick.tangent;
-        let state = form.at_half_tangent(tangent, to.rack);
-        self.work.note(|w| w.closed_form_evaluations += 1);
+        let state = match evaluated {
+            Some(state) => state,
+            None => {
+                self.work.note(|w| w.closed_form_evaluations += 1);
+                form.at_half_tangent(tangent, to.rack)
+            }
+        };
         // Half an angle's tangent grows by at least half of the angle.
         if !(step.abs() <= 0.5 * LONGEST_TURN
             && tangent.abs() < 1.0
@@ -905,6 +931,9 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
+        if let Some(series) = self.formed_series(lifted, pose, motion) {
+            return Ok(lifted.at(self.mechanism, series, motion.rack));
+        }
         lifted
             .posture(
                 self.mechanism,
@@ -918,6 +947,27 @@ impl<'m> Solver<'m> {
             )
             .map(|(posture, _)| posture)
             .ok_or(Failure::Singular)
+    }
+
+    /// The series of a pose that the closed form gave, by the closed form.
+    fn formed_series<const N: usize>(
+        &self,
+        lifted: &Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Option<Pose<Jet<f64, N>>> {
+        if N == 1 || lifted.is_steered() {
+            return None;
+        }
+        let (formed, point, tangent) = self.formed.as_ref()?;
+        if formed != pose || *point != motion.value_point() {
+            return None;
+        }
+        self.work.note(|w| {
+            w.closed_form_evaluations += 1;
+            w.right_hand_sides += N as u64 - 1;
+        });
+        self.form.as_ref()?.pose_series(*tangent, motion)
     }
 
     /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on

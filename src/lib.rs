@@ -50,6 +50,7 @@
 //! # Ok::<(), hardpoint::study::StudyErrors>(())
 //! ```
 
+pub mod bench;
 pub mod characteristics;
 pub mod cli;
 pub mod curves;

@@ -3,8 +3,12 @@
 //! Every decision on cost is made here: how many derivatives of a pose are taken, whether a Jacobian is
 //! factorised at all, to which hardpoints gradients are formed and of which outputs.
 
-use crate::characteristics::{Characteristic, Constants, Quantity};
-use crate::kinematics::March;
+mod effects;
+
+pub use effects::Effect;
+
+use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
+use crate::kinematics::{March, PoseError};
 use crate::model::{Axis, PointId};
 use crate::study::{Drive, Formulation, Order, Study, TimeLaw};
 
@@ -30,6 +34,8 @@ pub struct Plan {
     pub drive: Drive,
     /// How poses are found.
     pub formulation: Formulation,
+    /// What poses may be off by; full double precision without it.
+    pub accuracy: Option<PoseError>,
     /// Drive values and the order in which they are visited.
     pub march: March,
     /// Rack displacements, in the study's axes.
@@ -42,6 +48,8 @@ pub struct Plan {
     pub time: Option<TimeLaw>,
     /// Outputs.
     pub outputs: Vec<Output>,
+    /// What of wheel, steering axis and spring the outputs are made of.
+    pub reads: Slots,
     /// Coefficients of the power series of a pose: 1 for positions alone.
     pub coefficients: usize,
     /// Points by which gradients are formed; empty for none.
@@ -112,11 +120,15 @@ impl Plan {
         Plan {
             drive: study.motion.drive,
             formulation: study.formulation,
+            accuracy: study.accuracy,
             march: March::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
             time: study.motion.time.clone(),
+            reads: outputs
+                .iter()
+                .fold(Slots::default(), |slots, o| slots.with(o.quantity.reads())),
             outputs,
             coefficients,
             sensitivities: study.outputs.sensitivities.clone(),
@@ -126,8 +138,7 @@ impl Plan {
 
     /// Whether an output needs the steering axis.
     pub fn reads_steering_axis(&self) -> bool {
-        let mut quantities = self.outputs.iter().map(|o| o.quantity);
-        quantities.any(Quantity::reads_steering_axis)
+        self.reads.contain_steering_axis()
     }
 
     /// Number of stations: drive values times rack displacements.

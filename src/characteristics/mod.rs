@@ -24,7 +24,7 @@ mod wheel;
 pub use lanes::{LaneReader, LaneWheels};
 pub use unit::Unit;
 pub use view::{Quantity, View};
-pub use wheel::{Constants, Inputs, Slot, Wheel};
+pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};
 
 use crate::number::{Dual, Real, Vector3};
 
@@ -74,12 +74,7 @@ impl Info {
 
     /// Whether the formula reads the steering axis.
     pub fn reads_steering_axis(&self) -> bool {
-        self.reads.iter().any(|slot| {
-            matches!(
-                slot,
-                Slot::SteeringPoint | Slot::SteeringDirection | Slot::SteeringDirectionRate
-            )
-        })
+        Slots::default().with(self.reads).contain_steering_axis()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes, progress. The only place that knows clap.
 
 mod assemblies;
+mod bench;
 mod check;
 mod exit;
 mod limits;
@@ -46,6 +47,8 @@ enum Command {
     Limits(StudyArguments),
     /// Every way to assemble a strut's lengths at a given travel
     Assemblies(AssembliesArguments),
+    /// Measure this program on this machine
+    Bench(BenchArguments),
     /// Make one HTML page of a finished run, or pictures of its curves
     Report(ReportArguments),
 }
@@ -93,6 +96,44 @@ struct AssembliesArguments {
     /// Rack displacement, in the study's axes and length unit
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     rack: f64,
+}
+
+/// What is measured, and on what.
+#[derive(Args)]
+struct BenchArguments {
+    /// What to measure
+    #[arg(value_enum)]
+    kind: BenchKind,
+    /// The study whose suspension and travels are measured [default: the template of a strut]
+    study: Option<PathBuf>,
+    /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
+    #[arg(long, value_name = "PATH=VALUE", requires = "study")]
+    set: Vec<String>,
+    /// How the table is printed
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    format: TableFormat,
+    /// Directory for the results, or - for the CSV on standard output [default: out/bench_STUDY]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Samples of each time: more of them for less noise
+    #[arg(long, value_parser = at_least_one, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
+    samples: usize,
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("expected a whole number of 1 or more".to_owned()),
+        Ok(number) => Ok(number),
+    }
+}
+
+/// Benchmarks.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BenchKind {
+    /// What a digit costs: time against true error of every way to a pose, a curve, a derivative
+    Accuracy,
+    /// What each effect costs, alone and added up, relative to positions alone
+    Effects,
 }
 
 /// What a report is made of.
@@ -144,6 +185,7 @@ pub fn run() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(&arguments),
         Command::Limits(arguments) => limits::run(&arguments),
         Command::Assemblies(arguments) => assemblies::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
     };
     match ended {

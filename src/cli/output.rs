@@ -17,15 +17,21 @@ pub(super) struct Output {
 impl Output {
     /// Opens the output, so that a place that cannot be written is known before the work is done.
     pub(super) fn open(arguments: &RunArguments, study: &Study) -> Result<Self, Stop> {
-        let path = match &arguments.out {
+        let format = arguments.study.format.into();
+        Output::at(arguments.out.as_deref(), &study.name, format)
+    }
+
+    /// Opens the output at a place that was asked for, or under this name in `out`.
+    pub(super) fn at(out: Option<&Path>, name: &str, format: Format) -> Result<Self, Stop> {
+        let path = match out {
             Some(path) if path == Path::new("-") => None,
-            Some(path) => Some(path.clone()),
-            None => Some(PathBuf::from("out").join(&study.name)),
+            Some(path) => Some(path.to_owned()),
+            None => Some(PathBuf::from("out").join(name)),
         };
         let directory = path.map(|path| RunDirectory::create(&path)).transpose();
         Ok(Output {
             directory: directory.map_err(Stop::wrong_input)?,
-            format: arguments.study.format.into(),
+            format,
         })
     }
 

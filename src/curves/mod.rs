@@ -9,8 +9,8 @@ pub use column::Column;
 pub use course::Course;
 pub use run::curves;
 
-use crate::kinematics::Failure;
 use crate::kinematics::point_coordinates::Refusal;
+use crate::kinematics::{Failure, PoseError, Work};
 use crate::model::{Axis, PointId};
 
 /// What came of a station.
@@ -83,6 +83,10 @@ pub struct Curves {
     pub stations: Vec<Station>,
     /// Station by station, where asked for.
     pub sensitivities: Vec<Sensitivity>,
+    /// A bound on the error of every pose, where the plan asks for less than full double precision.
+    pub error_bound: Option<PoseError>,
+    /// What was done.
+    pub work: Work,
 }
 
 impl Curves {

@@ -8,6 +8,7 @@
 //! there is one and the pose is an ordinary one, else by following the closure equations step by step.
 //! Derivatives always come from the [`Closure`]: its rows are written once, over any number.
 
+mod accuracy;
 mod assemblies;
 mod batch;
 mod certificate;
@@ -27,7 +28,10 @@ mod pose;
 mod rates;
 mod sensitivity;
 mod steering;
+pub(crate) mod trial;
+mod work;
 
+pub use accuracy::PoseError;
 pub use assemblies::{Assemblies, Assembly};
 pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Visit};
 pub use certificate::{Certificate, Certifier, Unproven};
@@ -40,3 +44,10 @@ pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist};
 pub use sensitivity::{Linearised, Seeds};
+pub(crate) use work::Tally;
+pub use work::Work;
+
+/// Whether poses of this mechanism come from a closed form; else from six equations.
+pub fn has_closed_form(mechanism: &crate::model::Mechanism) -> bool {
+    closed_form::Roles::of(mechanism).is_some()
+}

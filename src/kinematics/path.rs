@@ -6,6 +6,7 @@
 //! changing (slope, toggle), else by following the closure equations with steps small enough that
 //! Newton's method cannot leave the branch.
 
+use super::accuracy::{Demand, MARGIN, PoseError};
 use super::certificate::Unproven;
 use super::closed_form::{ClosedForm, Roles};
 use super::closure::{Closure, Driver};
@@ -17,6 +18,7 @@ use super::motion::{Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
+use super::work::{Tally, Work};
 use crate::model::{Drive, Mechanism, PointId};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
@@ -227,7 +229,7 @@ impl March {
     }
 
     /// The stations of each side, outward.
-    pub(super) fn sides(&self) -> [&[usize]; 2] {
+    pub(crate) fn sides(&self) -> [&[usize]; 2] {
         [&self.up, &self.down]
     }
 
@@ -257,6 +259,20 @@ pub struct Solver<'m> {
     size: f64,
     /// The largest coordinate, at least the size: what positions are rounded at.
     reach: f64,
+    /// The last pose that Newton's method settled at, with its factors.
+    settled: Option<Settled>,
+    /// The last pose that is one of the closed form's, with the tangent of half the arm's angle.
+    formed: Option<(Pose<f64>, MotionPoint<f64>, f64)>,
+    work: Tally,
+    demand: Demand,
+}
+
+/// A pose whose Jacobian is factorised already.
+#[derive(Clone, Copy, Debug)]
+struct Settled {
+    pose: Pose<f64>,
+    point: MotionPoint<f64>,
+    factors: Lu6<f64>,
 }
 
 /// A pose with the motion point it was found at.
@@ -277,6 +293,9 @@ struct Quick {
     tangent: f64,
     slope: f64,
     before: Option<(f64, f64, f64)>,
+    /// How fast the pose moved by the tangent in the last step; known where less than full precision is
+    /// asked for.
+    speed: Option<PoseError>,
     /// What may not vanish on the way, with its slope by the tangent.
     margins: [Jet<f64, 2>; 2],
 }
@@ -293,6 +312,10 @@ impl<'m> Solver<'m> {
             lifted_is_current: false,
             size: 1.0,
             reach: 1.0,
+            settled: None,
+            formed: None,
+            work: Tally::default(),
+            demand: Demand::default(),
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -312,6 +335,8 @@ impl<'m> Solver<'m> {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
         self.lifted_is_current = false;
+        self.settled = None;
+        self.formed = None;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -352,9 +377,33 @@ impl<'m> Solver<'m> {
         self.mechanism
     }
 
+    /// Asks for less than full double precision: poses that are off by no more than this.
+    pub fn with_accuracy(mut self, allowed: PoseError) -> Self {
+        self.demand = Demand::new(allowed);
+        self
+    }
+
+    /// A bound on the error of every pose found so far.
+    pub fn error_bound(&self) -> PoseError {
+        self.demand.bound(self.reach, self.size)
+    }
+
+    /// What was done since the solver was made.
+    pub fn work(&self) -> Work {
+        self.work.work()
+    }
+
     /// The design being solved.
     pub fn design(&self) -> &[Vector3<f64>] {
         &self.design
+    }
+
+    /// The pose of the knuckle in the design position.
+    pub fn design_pose(&self) -> Pose<f64> {
+        Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(0.0),
+        }
     }
 
     /// The size of the mechanism: the largest distance of a point from the knuckle's origin.
@@ -387,6 +436,15 @@ impl<'m> Solver<'m> {
                     );
                 }
                 let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                self.formed = place.ok().and_then(|at| {
+                    let quick = at.quick?;
+                    // Newton's pose agrees with the closed form's to less than all digits.
+                    let is_design = at.point.value == 0.0 && at.point.rack == 0.0;
+                    if quick.before.is_none() && !is_design {
+                        return None;
+                    }
+                    Some((at.pose, at.point, quick.tangent))
+                });
                 if visit(self, station, found).is_break() {
                     return Ok(());
                 }
@@ -426,10 +484,7 @@ impl<'m> Solver<'m> {
 
     /// Pose and motion point of the design position.
     pub(super) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
-        let pose = Pose {
-            origin: self.design[self.mechanism.origin.0],
-            rotation: Matrix3::identity(0.0),
-        };
+        let pose = self.design_pose();
         let point = MotionPoint {
             drive,
             value: 0.0,
@@ -463,6 +518,7 @@ impl<'m> Solver<'m> {
             lifted: self.lifted.as_ref().expect("just made"),
             size: self.size,
             rounding: ROUNDING * self.reach / self.size,
+            work: &self.work,
             moving,
             held,
         }
@@ -480,13 +536,18 @@ impl<'m> Solver<'m> {
     }
 
     /// The design position, if the drive can move the mechanism from there.
-    fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
+    fn start(&mut self, drive: Drive) -> Result<Place, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
             .ok_or(DesignFault::Singular)?;
         debug_assert!(lu.determinant().is_finite());
+        self.settled = Some(Settled {
+            pose,
+            point,
+            factors: lu,
+        });
         Ok(Place {
             point,
             pose,
@@ -505,7 +566,16 @@ impl<'m> Solver<'m> {
     }
 
     fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
-        self.factorised(pose, point).map(|(_, lu)| lu)
+        match self.factors_at(pose, point) {
+            Some(factors) => Some(*factors),
+            None => self.factorised(pose, point).map(|(_, lu)| lu),
+        }
+    }
+
+    /// The factors of the Jacobian, where they are known.
+    fn factors_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Lu6<f64>> {
+        let settled = self.settled.as_ref()?;
+        (settled.pose == *pose && settled.point == *point).then_some(&settled.factors)
     }
 
     /// The Jacobian and its factors.
@@ -516,6 +586,7 @@ impl<'m> Solver<'m> {
     ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
         let at = self.posture(pose, point.rack);
         let jacobian = self.closure.jacobian(&at, point.driver());
+        self.work.note(|w| w.factorisations += 1);
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
@@ -562,6 +633,7 @@ impl<'m> Solver<'m> {
                 Drive::ArmAngle => 0.5 * (1.0 + tangent * tangent),
             },
             before: None,
+            speed: None,
             margins: state.margins(),
         })
     }
@@ -576,6 +648,13 @@ impl<'m> Solver<'m> {
         let (start, end) = (from.point.value, to.value);
         let lifted = form.map(Jet::<f64, 2>::constant);
         let rack = Jet::constant(to.rack);
+        // What may be left of the tangent's error.
+        let allowed = match quick.speed {
+            Some(speed) => speed.scaled(MARGIN).times_in(self.demand.allowed),
+            None => 0.0,
+        };
+        let mut left = 0.0;
+        let mut evaluated = None;
         let (tangent, slope, margins) = match to.drive {
             // No equation to solve.
             Drive::ArmAngle => {
@@ -590,6 +669,7 @@ impl<'m> Solver<'m> {
                 let mut margins = quick.margins;
                 let mut settled = false;
                 for iteration in 0..4 {
+                    self.work.note(|w| w.closed_form_evaluations += 1);
                     let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
                     let rise = lifted.travel(&state);
                     let correction = (end - rise[0]) / rise[1];
@@ -602,9 +682,20 @@ impl<'m> Solver<'m> {
                     if first_is_long || !(steady > 0.5 && steady < 2.0) {
                         return None;
                     }
+                    // What the correction leaves, by the change of the slope since the place before.
+                    let bend = (steady - 1.0) / (tangent - quick.tangent);
+                    let short = correction.abs() <= 1e-3 * (predicted - quick.tangent).abs();
+                    // Good enough as it is: the slope changes by less than a factor of two.
+                    if short && 2.0 * correction.abs() <= allowed {
+                        left = 2.0 * correction.abs();
+                        evaluated = Some(state.now());
+                        settled = true;
+                        break;
+                    }
+                    left = (MARGIN * bend.abs() + 1.0) * correction * correction;
                     tangent += correction;
                     // The error left is of the order of the correction squared.
-                    if correction.abs() <= 1e-8 {
+                    if correction.abs() <= 1e-8 || (short && left <= allowed) {
                         settled = true;
                         break;
                     }
@@ -616,7 +707,13 @@ impl<'m> Solver<'m> {
             }
         };
         let step = tangent - quick.tangent;
-        let state = form.at_half_tangent(tangent, to.rack);
+        let state = match evaluated {
+            Some(state) => state,
+            None => {
+                self.work.note(|w| w.closed_form_evaluations += 1);
+                form.at_half_tangent(tangent, to.rack)
+            }
+        };
         // Half an angle's tangent grows by at least half of the angle.
         if !(step.abs() <= 0.5 * LONGEST_TURN
             && tangent.abs() < 1.0
@@ -625,13 +722,23 @@ impl<'m> Solver<'m> {
         {
             return None;
         }
+        self.work.note(|w| w.closed_form_solves += 1);
+        let pose = form.pose(&state);
+        let speed = self.demand.is_modest().then(|| {
+            let moved = PoseError::between(&from.pose, &pose, self.size);
+            let speed = moved.scaled(1.0 / step.abs());
+            let fastest = quick.speed.map_or(speed, |before| before.max(speed));
+            self.demand.note(fastest.scaled(2.0 * left));
+            speed
+        });
         Some(Place {
             point: *to,
-            pose: form.pose(&state),
+            pose,
             quick: Some(Quick {
                 tangent,
                 slope,
                 before: Some((start, quick.tangent, quick.slope)),
+                speed,
                 margins,
             }),
         })
@@ -664,6 +771,7 @@ impl<'m> Solver<'m> {
                 rack: Jet([here.rack, to.rack - start.rack, 0.0]),
             };
             let accepted = lu.as_ref().and_then(|lu| {
+                self.work.note(|w| w.right_hand_sides += 2);
                 let series = lifted.series(self.mechanism, lu, &pose, &direction);
                 let predicted = predict(&series, target - reached);
                 let point = if target == 1.0 { *to } else { between(target) };
@@ -683,6 +791,13 @@ impl<'m> Solver<'m> {
                     }
                 }
             }
+        }
+        if let Some(factors) = lu {
+            self.settled = Some(Settled {
+                pose,
+                point: *to,
+                factors,
+            });
         }
         Ok(pose)
     }
@@ -725,6 +840,7 @@ impl<'m> Solver<'m> {
         let (mut pose, mut last) = (*pose, f64::INFINITY);
         for _ in 0..60 {
             let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
             if correction >= last || correction.is_nan() {
                 // Corrections that no longer shrink are rounding, amplified by the condition.
@@ -755,13 +871,25 @@ impl<'m> Solver<'m> {
         let mut last = f64::INFINITY;
         for iteration in 0..12 {
             let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
             let rounding = ROUNDING * self.reach;
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
+            // What a correction leaves shrinks faster than the corrections did.
+            let left = correction * (correction / last);
+            let left = PoseError {
+                length: 2.0 * left,
+                angle: left / self.size,
+            };
+            let modest = iteration > 0 && left.times_in(self.demand.allowed) >= 1.0;
+            if modest {
+                self.demand.note(left);
+            }
             // Rounding level: the corrections no longer shrink.
-            if correction <= rounding
+            if modest
+                || correction <= rounding
                 || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
                 let settled = Pose {
@@ -789,6 +917,9 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
+        if let Some(series) = self.formed_series(lifted, pose, motion) {
+            return Ok(lifted.at(self.mechanism, series, motion.rack));
+        }
         lifted
             .posture(
                 self.mechanism,
@@ -796,10 +927,33 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
+                self.factors_at(pose, &motion.value_point()),
+                &self.work,
                 false,
             )
             .map(|(posture, _)| posture)
             .ok_or(Failure::Singular)
+    }
+
+    /// The series of a pose that the closed form gave, by the closed form.
+    fn formed_series<const N: usize>(
+        &self,
+        lifted: &Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Option<Pose<Jet<f64, N>>> {
+        if N == 1 || lifted.is_steered() {
+            return None;
+        }
+        let (formed, point, tangent) = self.formed.as_ref()?;
+        if formed != pose || *point != motion.value_point() {
+            return None;
+        }
+        self.work.note(|w| {
+            w.closed_form_evaluations += 1;
+            w.right_hand_sides += N as u64 - 1;
+        });
+        self.form.as_ref()?.pose_series(*tangent, motion)
     }
 
     /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on
@@ -830,11 +984,13 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
+                self.factors_at(pose, &motion.value_point()),
+                &self.work,
                 true,
             )
             .ok_or(Failure::Singular)?;
         let factors = factors.ok_or(Failure::Singular)?;
-        Ok(lifted.linearised(posture, factors, motion))
+        Ok(lifted.linearised(posture, factors, motion, &self.work))
     }
 }
 

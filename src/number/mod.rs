@@ -9,6 +9,7 @@
 
 mod arc;
 mod bundle;
+mod double_double;
 mod dual;
 mod interval;
 mod jet;
@@ -16,6 +17,7 @@ mod lanes;
 mod vector;
 
 pub use bundle::Bundle;
+pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
@@ -105,5 +107,36 @@ impl Scalar for f64 {
     #[inline]
     fn value(self) -> f64 {
         self
+    }
+}
+
+/// Single precision, to see what it would cost in digits.
+impl Real for f32 {
+    #[inline]
+    fn lit(self, value: f64) -> Self {
+        value as f32
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+    #[inline]
+    fn asin(self) -> Self {
+        f32::asin(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        f32::atan2(self, x)
+    }
+    #[inline]
+    fn sign(self) -> Self {
+        1.0_f32.copysign(self)
+    }
+}
+
+impl Scalar for f32 {
+    #[inline]
+    fn value(self) -> f64 {
+        f64::from(self)
     }
 }

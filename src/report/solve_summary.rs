@@ -2,6 +2,7 @@
 
 use super::Table;
 use crate::curves::{Curves, Station, Status};
+use crate::kinematics::Work;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,12 @@ pub struct SolveSummary {
     stations: usize,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
+    /// Where less than full double precision was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    accuracy: Option<Accuracy>,
+    /// What was done for it.
+    #[serde(default)]
+    work: Work,
 }
 
 /// A station without a pose.
@@ -26,6 +33,16 @@ struct FailedStation {
     rack: f64,
     status: String,
     reason: String,
+}
+
+/// What poses may be off by, and what they are off by at most.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Accuracy {
+    asked_length: Option<f64>,
+    asked_angle_deg: Option<f64>,
+    bound_length: f64,
+    length_unit: String,
+    bound_angle_deg: f64,
 }
 
 /// The range of a column over the motion.
@@ -73,6 +90,21 @@ impl SolveSummary {
             stations: curves.stations.len(),
             failed: failed.collect(),
             outputs: outputs.collect(),
+            accuracy: study
+                .accuracy
+                .zip(curves.error_bound)
+                .map(|(asked, bound)| {
+                    // An accuracy that is not asked for is infinite, which JSON does not know.
+                    let finite = |v: f64| v.is_finite().then_some(v);
+                    Accuracy {
+                        asked_length: finite(asked.length),
+                        asked_angle_deg: finite(asked.angle.to_degrees()),
+                        bound_length: bound.length,
+                        length_unit: study.suspension.length_unit.symbol().to_owned(),
+                        bound_angle_deg: bound.angle.to_degrees(),
+                    }
+                }),
+            work: curves.work,
         }
     }
 
@@ -103,11 +135,16 @@ impl SolveSummary {
 
     /// How many stations were solved, in words.
     pub fn headline(&self) -> String {
-        format!(
-            "{} of {} stations solved",
-            self.stations - self.failed.len(),
-            self.stations
-        )
+        let solved = self.stations - self.failed.len();
+        let accuracy = self.accuracy.as_ref().map_or_else(String::new, |a| {
+            format!(
+                ", poses within {} {} and {} deg",
+                brief(a.bound_length),
+                a.length_unit,
+                brief(a.bound_angle_deg)
+            )
+        });
+        format!("{solved} of {} stations solved{accuracy}", self.stations)
     }
 }
 

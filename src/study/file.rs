@@ -3,7 +3,7 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{Number, Selection, Text, Values, Whole};
+use super::value::{Accuracy, Number, Selection, Text, Values, Whole};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -133,6 +133,8 @@ pub struct Time {
 pub struct Solver {
     /// `knuckle_pose` or `point_coordinates`.
     pub formulation: Option<Text>,
+    /// What poses may be off by.
+    pub accuracy: Option<Spanned<Accuracy>>,
 }
 
 /// `[outputs]`

@@ -18,6 +18,7 @@ mod optimise;
 mod outputs;
 mod overrides;
 mod parse;
+mod place;
 mod resolve;
 mod solver;
 mod source;
@@ -28,6 +29,7 @@ mod value;
 pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
+use crate::kinematics::PoseError;
 use crate::model::{Axis, PointId, Suspension};
 
 /// A study, resolved and validated.
@@ -45,6 +47,8 @@ pub struct Study {
     pub motion: Motion,
     /// How poses are found.
     pub formulation: Formulation,
+    /// What poses may be off by; full double precision where the study does not say.
+    pub accuracy: Option<PoseError>,
     /// What is asked for.
     pub outputs: Outputs,
     /// The optimisation, if the study has one.

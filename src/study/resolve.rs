@@ -61,6 +61,7 @@ fn resolve(
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
     let formulation = solver::formulation(&file, &suspension, &mut problems);
+    let accuracy = solver::accuracy(&file, formulation, &suspension, &mut problems);
     let outputs = outputs::outputs(&file, &suspension, &mut problems);
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
@@ -76,7 +77,9 @@ fn resolve(
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };
     let resolved = motion.zip(formulation).zip(outputs).zip(optimise);
-    let (((motion, formulation), outputs), (optimise, curves)) = problems.finish(resolved)?;
+    let resolved = resolved.zip(accuracy);
+    let ((((motion, formulation), outputs), (optimise, curves)), accuracy) =
+        problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -87,6 +90,7 @@ fn resolve(
         suspension,
         motion,
         formulation,
+        accuracy,
         outputs,
         optimise,
     })

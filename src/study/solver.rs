@@ -3,11 +3,13 @@
 use super::error::Problems;
 use super::file::File;
 use super::names::choose;
-use super::value::{Selection, Text};
+use super::value::{Accuracy, Number, Selection, Text};
 use super::{Drive, Formulation, Motion, Order, Outputs};
 use crate::characteristics::Quantity;
+use crate::kinematics::PoseError;
 use crate::kinematics::point_coordinates::Strut;
 use crate::model::Suspension;
+use crate::number::Vector3;
 use std::ops::Range as Span;
 
 impl Formulation {
@@ -52,6 +54,57 @@ pub fn formulation(
         return None;
     }
     Some(formulation)
+}
+
+/// What poses may be off by; the inner `None` is full double precision.
+pub fn accuracy(
+    file: &File,
+    formulation: Option<Formulation>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<PoseError>> {
+    let Some(written) = &file.solver.accuracy else {
+        return Some(None);
+    };
+    if formulation == Some(Formulation::PointCoordinates) {
+        let message = "the formulation in point coordinates has no accuracy to choose";
+        problems.add(written.span(), message);
+        return None;
+    }
+    let unbounded = f64::INFINITY;
+    let (length, angle, place) = match written.get_ref() {
+        Accuracy::Length(length) => (*length, unbounded, written.span()),
+        Accuracy::Parts(parts) => {
+            let of = |part: &Option<Number>| part.as_ref().map_or(unbounded, |n| n.value);
+            let place = parts.length.as_ref().or(parts.angle.as_ref());
+            let place = place.map_or(written.span(), |n| n.span.clone());
+            (of(&parts.length), of(&parts.angle), place)
+        }
+    };
+    let size = suspension.size();
+    let reach = |far: f64, p: &Vector3<f64>| far.max(p.norm());
+    let reach = suspension.design.iter().fold(size, reach);
+    let finest = PoseError::of_rounding(reach, size);
+    let unit = suspension.length_unit.symbol();
+    let message = if !(length > 0.0 && angle > 0.0) {
+        "expected an accuracy above 0".to_owned()
+    } else if length == unbounded && angle == unbounded {
+        "expected a length, or { length, angle } with one of them at least".to_owned()
+    } else if length < 2.0 * finest.length || angle.to_radians() < 2.0 * finest.angle {
+        format!(
+            "finer than double precision can promise for this suspension ({:.1e} {unit}, {:.1e} deg)",
+            2.0 * finest.length,
+            2.0 * finest.angle.to_degrees()
+        )
+    } else {
+        return Some(Some(PoseError {
+            length,
+            angle: angle.to_radians(),
+        }));
+    };
+    let error = problems.add(place, message);
+    error.help("without accuracy, poses have full double precision");
+    None
 }
 
 /// Refuses what the formulation or the drive cannot give.

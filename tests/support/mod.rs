@@ -1,7 +1,6 @@
 //! Reading the reference answers, and the mechanisms they are about.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-pub mod double_double;
 pub mod quadratics;
 pub mod random;
 

@@ -1,7 +1,6 @@
 //! The five-link suspension, by the general closure.
 
 use super::support::Worst;
-use super::support::double_double::DoubleDouble as Dd;
 use super::support::quadratics::{Quadratics, design_pose};
 use super::support::random::Random;
 use super::truth::{Errors, PLACES, Truth, lift, place, slope};
@@ -9,6 +8,7 @@ use super::{at, template, travel};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
 use hardpoint::kinematics::{Lifted, Pose};
 use hardpoint::model::{Constraint, Mechanism, PointId};
+use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
 use std::array::from_fn;
 

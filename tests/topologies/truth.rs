@@ -4,12 +4,12 @@
 //! extrapolated once, so that their own error is of the order of h^4 times the fifth derivative.
 
 use super::support::Worst;
-use super::support::double_double::DoubleDouble as Dd;
 use super::support::quadratics::{Quadratics, design_pose};
 use super::{at, travel};
 use hardpoint::characteristics::{Constants, Quantity, View};
 use hardpoint::kinematics::{Failure, Lifted, Pose};
 use hardpoint::model::{Axis, Mechanism, PointId};
+use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Scalar, Vector3};
 use std::array::from_fn;
 

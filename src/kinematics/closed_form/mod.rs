@@ -23,6 +23,7 @@
 
 mod circle;
 mod roles;
+mod series;
 mod upper;
 mod velocity;
 
@@ -34,7 +35,7 @@ pub(in crate::kinematics) use velocity::Velocity;
 use super::path::DesignFault;
 use super::pose::Pose;
 use crate::model::Mechanism;
-use crate::number::{Matrix3, Real, Vector3};
+use crate::number::{Jet, Matrix3, Real, Vector3};
 
 /// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
 /// u x t0.
@@ -320,6 +321,34 @@ impl State<f64> {
         self.toggle_square > 1e-4 * self.tie_squared
             && self.upper_margin > 1e-3
             && gram > 1e-4 * self.dd * self.g.norm_squared()
+    }
+}
+
+impl State<Jet<f64, 2>> {
+    /// The state without its derivatives.
+    #[inline]
+    pub(super) fn now(&self) -> State<f64> {
+        let vector = |v: Vector3<Jet<f64, 2>>| v.map(|c| c[0]);
+        State {
+            ball_joint: vector(self.ball_joint),
+            d: vector(self.d),
+            g: vector(self.g),
+            n: vector(self.n),
+            dd: self.dd[0],
+            gg: self.gg[0],
+            dg: self.dg[0],
+            slide: self.slide[0],
+            tau: self.tau[0],
+            al: self.al[0],
+            be: self.be[0],
+            ga: self.ga[0],
+            tie_squared: self.tie_squared[0],
+            inverse_e: self.inverse_e[0],
+            toggle_square: self.toggle_square[0],
+            gram: self.gram[0],
+            e: self.e[0],
+            upper_margin: self.upper_margin[0],
+        }
     }
 }
 

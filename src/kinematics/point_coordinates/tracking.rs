@@ -4,6 +4,7 @@ use super::branch::{Branch, nearest_singularity};
 use super::drive::{Driver, Driving};
 use super::equations::{Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, residual};
 use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
+use crate::kinematics::work::{Tally, Work};
 use crate::number::Vector3;
 use nalgebra::{Const, LU};
 
@@ -53,7 +54,7 @@ impl Pose {
 }
 
 /// The fifteen equations of one strut with one drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PointCoordinates {
     pub(super) fixed: Fixed,
     pub(super) driving: Driving,
@@ -64,6 +65,7 @@ pub struct PointCoordinates {
     smallest_spread: f64,
     /// What the left-hand sides are at a solution, by rounding alone.
     rounding: f64,
+    pub(super) work: Tally,
 }
 
 impl PointCoordinates {
@@ -99,6 +101,7 @@ impl PointCoordinates {
             },
             smallest_spread: 0.0,
             rounding: rounding(&all, &lengths_squared),
+            work: Tally::default(),
         };
         let jacobian = mechanism.jacobian(&mechanism.design);
         let condition = condition(&jacobian);
@@ -130,6 +133,11 @@ impl PointCoordinates {
     pub fn knuckle_point(&self, design: Vector3<f64>) -> KnucklePoint {
         KnucklePoint::new(design, &self.design.moving)
             .expect("the knuckle of a regular design position is not flat")
+    }
+
+    /// What was done since the equations were made.
+    pub fn work(&self) -> Work {
+        self.work.work()
     }
 
     /// The pose at another station, on the branch of `from`.
@@ -204,6 +212,7 @@ impl PointCoordinates {
             if solved && contracted {
                 break;
             }
+            self.work.note(|w| w.factorisations += 1);
             let lu = self.factorised(jacobian(fixed, &moving, driver))?;
             let determinant = lu.determinant();
             if determinant * orientation < 0.0 {
@@ -212,6 +221,10 @@ impl PointCoordinates {
             if solved && last.is_finite() {
                 break;
             }
+            self.work.note(|w| {
+                w.newton_iterations += 1;
+                w.right_hand_sides += 1;
+            });
             lu.solve_mut(&mut left);
             let length = left.amax();
             if length.is_nan() || length > CONTRACTION * last {

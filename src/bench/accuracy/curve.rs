@@ -1,0 +1,144 @@
+//! Curves through few exact poses: how many it takes, and how to run between them.
+
+use super::poses::lagrange;
+use super::subject::{Subject, camber};
+use super::{Clock, Family, Measurement, Unmeasurable};
+use crate::kinematics::{March, Posture, Solver};
+use crate::model::Drive;
+use crate::number::{DoubleDouble, Scalar};
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// Points at which a curve is read.
+const READ: usize = 161;
+
+const STATIONS: [usize; 10] = [3, 5, 7, 9, 13, 17, 25, 33, 65, 129];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Between {
+    /// Straight lines between even stations.
+    Linear,
+    /// The cubic through the four nearest of even stations.
+    Cubic,
+    /// The polynomial through Chebyshev points.
+    Chebyshev,
+}
+
+impl Between {
+    fn name(self) -> &'static str {
+        ["linear", "cubic", "Chebyshev"][self as usize]
+    }
+
+    /// The stations in a range.
+    fn stations(self, count: usize, [low, high]: [f64; 2]) -> Vec<f64> {
+        let last = (count - 1) as f64;
+        let share = |i: usize| match self {
+            Between::Linear | Between::Cubic => i as f64 / last,
+            Between::Chebyshev => 0.5 - 0.5 * (PI * i as f64 / last).cos(),
+        };
+        (0..count).map(|i| low + (high - low) * share(i)).collect()
+    }
+
+    /// What the value at `x` is made of: the first of some consecutive stations, and their weights.
+    fn weights(self, stations: &[f64], x: f64) -> (usize, Vec<f64>) {
+        let count = stations.len();
+        let width = match self {
+            Between::Linear => 2,
+            Between::Cubic => 4.min(count),
+            Between::Chebyshev => count,
+        };
+        let interval = stations.partition_point(|s| *s <= x).clamp(1, count - 1) - 1;
+        let first = (interval + 1).saturating_sub(width / 2).min(count - width);
+        if self == Between::Chebyshev {
+            return (0, barycentric(stations, x));
+        }
+        let near = &stations[first..first + width];
+        (first, (0..width).map(|i| lagrange(near, i, x)).collect())
+    }
+}
+
+/// Weights of the polynomial through Chebyshev points of the second kind (J.-P. Berrut, L. N.
+/// Trefethen, Barycentric Lagrange interpolation, SIAM Review 46, 2004).
+fn barycentric(nodes: &[f64], x: f64) -> Vec<f64> {
+    if let Some(hit) = nodes.iter().position(|n| *n == x) {
+        return (0..nodes.len()).map(|i| f64::from(i == hit)).collect();
+    }
+    let last = nodes.len() - 1;
+    let terms = nodes.iter().enumerate().map(|(i, node)| {
+        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let half = if i == 0 || i == last { 0.5 } else { 1.0 };
+        sign * half / (x - node)
+    });
+    let terms: Vec<f64> = terms.collect();
+    let sum: f64 = terms.iter().sum();
+    terms.into_iter().map(|t| t / sum).collect()
+}
+
+pub(super) fn measure(
+    subject: &Subject<'_>,
+    clock: &Clock,
+) -> Result<Vec<Measurement>, Unmeasurable> {
+    let suspension = subject.suspension;
+    let range = [
+        subject.travels[0],
+        subject.travels[subject.travels.len() - 1],
+    ];
+    let read = Between::Linear.stations(READ, range);
+    let exact: Vec<_> = (subject.exact(&read)?.iter())
+        .map(|(travel, pose)| (*travel, subject.camber_of(pose)))
+        .collect();
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let mut found = Vec::new();
+    for between in [Between::Linear, Between::Cubic, Between::Chebyshev] {
+        for count in STATIONS {
+            // A polynomial through many points is exact long before.
+            if between == Between::Chebyshev && count > 33 {
+                continue;
+            }
+            let stations = between.stations(count, range);
+            let weights: Vec<_> = exact
+                .iter()
+                .map(|(travel, _)| between.weights(&stations, *travel))
+                .collect();
+            let march = March::through(&stations);
+            let mut solved = vec![f64::NAN; count];
+            let mut curve = vec![f64::NAN; exact.len()];
+            let mut draw = |curve: &mut [f64]| {
+                let visited =
+                    solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
+                        solved[station] = pose.map_or(f64::NAN, |pose| {
+                            camber(&Posture {
+                                mechanism: &suspension.mechanism,
+                                design: &suspension.design,
+                                pose: *pose,
+                                rack: subject.rack,
+                                steering: None,
+                            })
+                        });
+                        ControlFlow::Continue(())
+                    });
+                visited.expect("the design was solved before");
+                for (value, (first, weights)) in curve.iter_mut().zip(&weights) {
+                    let near = solved[*first..].iter().zip(weights);
+                    *value = near.map(|(v, w)| v * w).sum();
+                }
+            };
+            draw(&mut curve);
+            let errors = curve.iter().zip(&exact).map(|(value, (_, exact))| {
+                let missed = *exact + DoubleDouble::from(-*value);
+                missed.value().abs().to_degrees()
+            });
+            let error = errors.fold(0.0, |a: f64, e| if e.is_nan() { e } else { a.max(e) });
+            let time = clock.time(exact.len(), || draw(&mut curve));
+            found.push(Measurement {
+                family: Family::Curve,
+                method: between.name().to_owned(),
+                setting: format!("{count} stations"),
+                time,
+                error,
+                evaluations: Some(count as f64 / exact.len() as f64),
+            });
+        }
+    }
+    Ok(found)
+}

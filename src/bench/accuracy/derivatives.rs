@@ -1,0 +1,443 @@
+//! Derivatives of characteristics by hardpoint coordinates: analytic against difference quotients, and
+//! forward against adjoint.
+
+use super::subject::{Measured, Subject};
+use super::{Clock, Family, Measurement, Unmeasurable};
+use crate::characteristics::{Characteristic, Inputs, Quantity, Slots, View};
+use crate::kinematics::trial::Forward;
+use crate::kinematics::{Lifted, March, MotionPoint, Pose, Posture, Solver};
+use crate::model::{Drive, PointId};
+use crate::number::{DoubleDouble, Dual, Jet, Scalar, Vector3};
+use std::ops::ControlFlow;
+
+/// Gradients by station, output and point, in this order.
+struct Gradients {
+    outputs: usize,
+    points: usize,
+    values: Vec<Vector3<f64>>,
+}
+
+impl Gradients {
+    fn new(stations: usize, outputs: usize, points: usize) -> Self {
+        Gradients {
+            outputs,
+            points,
+            values: vec![Vector3::default(); stations * outputs * points],
+        }
+    }
+
+    #[inline]
+    fn put(&mut self, station: usize, output: usize, point: usize, gradient: Vector3<f64>) {
+        self.values[(station * self.outputs + output) * self.points + point] = gradient;
+    }
+
+    /// The largest error, in parts of the largest gradient of its output.
+    fn error(&self, exact: &Gradients) -> f64 {
+        let mut largest = vec![0.0_f64; self.outputs];
+        let mut errors = vec![0.0_f64; self.outputs];
+        for (i, (found, exact)) in self.values.iter().zip(&exact.values).enumerate() {
+            let output = i / self.points % self.outputs;
+            let missed = (*found - *exact).norm();
+            largest[output] = largest[output].max(exact.norm());
+            // NaN must win.
+            if missed.is_nan() || missed > errors[output] {
+                errors[output] = missed;
+            }
+        }
+        let relative = errors.iter().zip(&largest).map(|(e, l)| e / l);
+        relative.fold(0.0, |a, e| if e.is_nan() { e } else { a.max(e) })
+    }
+}
+
+/// What is differentiated by what.
+struct Task<'t> {
+    subject: &'t Subject<'t>,
+    outputs: Vec<Characteristic>,
+    points: Vec<PointId>,
+    reads: Slots,
+}
+
+impl<'t> Task<'t> {
+    fn new(subject: &'t Subject<'t>, outputs: &[Characteristic], points: &[PointId]) -> Self {
+        let reads = |slots: Slots, c: &Characteristic| slots.with(c.info().reads);
+        Task {
+            subject,
+            outputs: outputs.to_vec(),
+            points: points.to_vec(),
+            reads: outputs.iter().fold(Slots::default(), reads),
+        }
+    }
+
+    fn room(&self) -> Gradients {
+        let stations = self.subject.travels.len();
+        Gradients::new(stations, self.outputs.len(), self.points.len())
+    }
+
+    /// Forward, one hardpoint after another, at solved poses.
+    #[inline]
+    fn forward<T: Measured>(
+        &self,
+        forward: &Forward<'_, T>,
+        poses: &[Pose<T>],
+        gradients: &mut Gradients,
+    ) {
+        let constants = self.subject.constants();
+        for (station, (pose, travel)) in poses.iter().zip(&self.subject.travels).enumerate() {
+            let mut point = 0;
+            forward.each(pose, T::of(*travel), |_, at: &Posture<'_, Dual<T, 3>>| {
+                let inputs = Inputs::standing(at, constants, self.reads);
+                for (output, c) in self.outputs.iter().enumerate() {
+                    let by = c.evaluate(&inputs).partials;
+                    let gradient = Vector3::from(by).map(|v: T| v.value());
+                    gradients.put(station, output, point, gradient);
+                }
+                point += 1;
+            });
+        }
+    }
+
+    /// Backward, one output after another, at solved poses.
+    #[inline]
+    fn adjoint(
+        &self,
+        adjoint: &mut Adjoint,
+        solver: &Solver<'_>,
+        (station, pose): (usize, &Pose<f64>),
+        gradients: &mut Gradients,
+    ) {
+        let motion = MotionPoint {
+            drive: Drive::Travel,
+            value: self.subject.travels[station],
+            rack: self.subject.rack,
+        };
+        let Ok(linearised) = solver.linearised(&adjoint.lifted, pose, &motion.along_drive()) else {
+            return;
+        };
+        let view = View::reading(&linearised.at, self.subject.constants(), self.reads);
+        for (output, c) in self.outputs.iter().enumerate() {
+            let quantity = Quantity::Characteristic(*c);
+            let buffer = &mut adjoint.buffer;
+            view.gradients(&linearised, quantity, 0, buffer, |_, id, gradient| {
+                if let Some(point) = adjoint.place[id.0] {
+                    gradients.put(station, output, point, gradient);
+                }
+            });
+        }
+    }
+
+    fn adjoint_room(&self) -> Adjoint {
+        let suspension = self.subject.suspension;
+        let count = suspension.design.len();
+        let place = |i: usize| self.points.iter().position(|p| p.0 == i);
+        Adjoint {
+            lifted: Lifted::new(&suspension.mechanism, &suspension.design)
+                .with_steering_axis(false)
+                .with_sensitivities_to(&suspension.mechanism, &self.points),
+            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); count],
+            place: (0..count).map(place).collect(),
+        }
+    }
+
+    /// The exact answer: forward in twice the precision.
+    fn exact(&self) -> Gradients {
+        let mut exact = self.room();
+        let mechanism = &self.subject.suspension.mechanism;
+        let rack = DoubleDouble::of(self.subject.rack);
+        let forward = Forward::new(mechanism, &self.subject.design(), rack, &self.points);
+        self.forward(&forward, &self.subject.poses, &mut exact);
+        exact
+    }
+
+    /// The outputs of a design at every station, poses solved anew.
+    fn values(&self, solver: &mut Solver<'_>, march: &March, values: &mut [f64]) {
+        let rack = self.subject.rack;
+        let constants = self.subject.constants();
+        let visited = solver.march(Drive::Travel, march, rack, |solver, station, pose| {
+            let at = &mut values[station * self.outputs.len()..][..self.outputs.len()];
+            match pose {
+                Err(_) => at.fill(f64::NAN),
+                Ok(pose) => {
+                    let posture = Posture {
+                        mechanism: solver.mechanism(),
+                        design: solver.design(),
+                        pose: *pose,
+                        rack,
+                        steering: None,
+                    };
+                    let inputs = Inputs::standing(&posture, constants, self.reads);
+                    for (value, c) in at.iter_mut().zip(&self.outputs) {
+                        *value = c.evaluate(&inputs);
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        if visited.is_err() {
+            values.fill(f64::NAN);
+        }
+    }
+}
+
+/// The workspace of adjoint sensitivities.
+struct Adjoint {
+    lifted: Lifted<1>,
+    buffer: Vec<Vector3<Jet<f64, 1>>>,
+    /// The place of each point among those asked for.
+    place: Vec<Option<usize>>,
+}
+
+/// A difference quotient: (sum of weight f(x + offset h))/h.
+struct Quotient {
+    name: &'static str,
+    terms: &'static [(f64, f64)],
+}
+
+const QUOTIENTS: [Quotient; 4] = [
+    Quotient {
+        name: "forward difference",
+        terms: &[(0.0, -1.0), (1.0, 1.0)],
+    },
+    Quotient {
+        name: CENTRAL,
+        terms: &[(-1.0, -0.5), (1.0, 0.5)],
+    },
+    Quotient {
+        name: "fourth-order difference",
+        terms: &[
+            (-2.0, 1.0 / 12.0),
+            (-1.0, -8.0 / 12.0),
+            (1.0, 8.0 / 12.0),
+            (2.0, -1.0 / 12.0),
+        ],
+    },
+    Quotient {
+        name: "sixth-order difference",
+        terms: &[
+            (-3.0, -1.0 / 60.0),
+            (-2.0, 9.0 / 60.0),
+            (-1.0, -45.0 / 60.0),
+            (1.0, 45.0 / 60.0),
+            (2.0, -9.0 / 60.0),
+            (3.0, 1.0 / 60.0),
+        ],
+    },
+];
+
+/// The name of the quotient that is used most.
+const CENTRAL: &str = "central difference";
+
+/// How far a coordinate is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    /// A part of the mechanism's size.
+    OfSize(f64),
+    /// As libraries choose it for central differences who know nothing of the function: the cube root of
+    /// the rounding unit, in parts of the coordinate or absolute, whichever is more.
+    Usual,
+}
+
+impl Step {
+    fn length(self, coordinate: f64, size: f64) -> f64 {
+        match self {
+            Step::OfSize(part) => part * size,
+            Step::Usual => f64::EPSILON.cbrt() * coordinate.abs().max(1.0),
+        }
+    }
+
+    fn name(self) -> String {
+        match self {
+            Step::OfSize(part) => format!("step {part:.0e}"),
+            Step::Usual => "usual step".to_owned(),
+        }
+    }
+}
+
+/// A component of a gradient.
+fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
+    let gradient = &mut gradients.values[at];
+    match axis {
+        0 => &mut gradient.x,
+        1 => &mut gradient.y,
+        _ => &mut gradient.z,
+    }
+}
+
+/// Steps, in parts of the mechanism's size.
+const STEPS: [f64; 19] = [
+    1e-10, 3e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3,
+    3e-3, 1e-2, 3e-2, 1e-1,
+];
+
+pub(super) fn measure(
+    subject: &Subject<'_>,
+    clock: &Clock,
+) -> Result<Vec<Measurement>, Unmeasurable> {
+    let mechanism = &subject.suspension.mechanism;
+    let is_hardpoint = |name: &str| mechanism.topology.hardpoints.iter().any(|h| h.name == name);
+    let points: Vec<PointId> = (mechanism.points.iter().enumerate())
+        .filter(|(_, p)| is_hardpoint(&p.name))
+        .map(|(i, _)| PointId(i))
+        .collect();
+    let outputs = subject.characteristics();
+    let four = Task::new(subject, &outputs[..4.min(outputs.len())], &points);
+    let mut found = analytic_and_differences(&four, clock)?;
+    for outputs in [1, 4, 8].map(|n| &outputs[..n.min(outputs.len())]) {
+        for points in [1, 3, points.len()].map(|n| &points[..n.min(points.len())]) {
+            found.extend(both_ways(&Task::new(subject, outputs, points), clock)?);
+        }
+    }
+    Ok(found)
+}
+
+/// Whole curves with their gradients: poses solved, then differentiated or solved again and again.
+fn analytic_and_differences(
+    task: &Task<'_>,
+    clock: &Clock,
+) -> Result<Vec<Measurement>, Unmeasurable> {
+    let subject = task.subject;
+    let suspension = subject.suspension;
+    let stations = subject.travels.len();
+    let exact = task.exact();
+    let march = March::through(&subject.travels);
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let mut adjoint = task.adjoint_room();
+    let mut gradients = task.room();
+    let mut analytic = |gradients: &mut Gradients| {
+        solver
+            .prepare(&suspension.design)
+            .expect("the design was solved before");
+        adjoint
+            .lifted
+            .prepare(&suspension.mechanism, &suspension.design);
+        let visited = solver.march(
+            Drive::Travel,
+            &march,
+            subject.rack,
+            |solver, station, pose| {
+                if let Ok(pose) = pose {
+                    task.adjoint(&mut adjoint, solver, (station, pose), gradients);
+                }
+                ControlFlow::Continue(())
+            },
+        );
+        visited.expect("the design was solved before");
+    };
+    analytic(&mut gradients);
+    let setting = format!(
+        "{} outputs by {} coordinates",
+        task.outputs.len(),
+        3 * task.points.len()
+    );
+    let mut found = vec![Measurement {
+        family: Family::Derivative,
+        method: "analytic".to_owned(),
+        setting,
+        error: gradients.error(&exact),
+        time: clock.time(stations, || analytic(&mut gradients)),
+        evaluations: None,
+    }];
+
+    let count = stations * task.outputs.len();
+    let size = solver.size();
+    let mut moved = suspension.design.clone();
+    let (mut values, mut base) = (vec![0.0; count], vec![0.0; count]);
+    for quotient in &QUOTIENTS {
+        let steps = STEPS.map(Step::OfSize).into_iter();
+        for rule in steps.chain((quotient.name == CENTRAL).then_some(Step::Usual)) {
+            let mut differentiate = |gradients: &mut Gradients| {
+                gradients.values.fill(Vector3::default());
+                let solve =
+                    |solver: &mut Solver<'_>, moved: &[Vector3<f64>], values: &mut [f64]| {
+                        match solver.prepare(moved) {
+                            Ok(()) => task.values(solver, &march, values),
+                            Err(_) => values.fill(f64::NAN),
+                        }
+                    };
+                // The design itself is solved once for all coordinates.
+                if quotient.terms[0].0 == 0.0 {
+                    solve(&mut solver, &moved, &mut base);
+                }
+                for (point, id) in task.points.iter().enumerate() {
+                    let home = moved[id.0];
+                    for axis in 0..3 {
+                        let step = rule.length(home.to_array()[axis], size);
+                        for (offset, weight) in quotient.terms {
+                            let values = match *offset {
+                                0.0 => &base,
+                                offset => {
+                                    let mut to = home.to_array();
+                                    to[axis] += offset * step;
+                                    moved[id.0] = Vector3::from(to);
+                                    solve(&mut solver, &moved, &mut values);
+                                    &values
+                                }
+                            };
+                            for (i, value) in values.iter().enumerate() {
+                                *component(gradients, i * task.points.len() + point, axis) +=
+                                    weight * value;
+                            }
+                        }
+                        for i in 0..count {
+                            *component(gradients, i * task.points.len() + point, axis) /= step;
+                        }
+                    }
+                    moved[id.0] = home;
+                }
+            };
+            differentiate(&mut gradients);
+            found.push(Measurement {
+                family: Family::Derivative,
+                method: quotient.name.to_owned(),
+                setting: rule.name(),
+                error: gradients.error(&exact),
+                time: clock.time(stations, || differentiate(&mut gradients)),
+                evaluations: None,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Gradients alone, at poses that are solved already.
+fn both_ways(task: &Task<'_>, clock: &Clock) -> Result<[Measurement; 2], Unmeasurable> {
+    let subject = task.subject;
+    let suspension = subject.suspension;
+    let exact = task.exact();
+    let poses: Vec<Pose<f64>> = (subject.poses.iter())
+        .map(|pose| pose.map(|c| c.value()))
+        .collect();
+    let solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let forward = Forward::new(
+        &suspension.mechanism,
+        &suspension.design,
+        subject.rack,
+        &task.points,
+    );
+    let mut adjoint = task.adjoint_room();
+    let measured = |method: &str, work: &mut dyn FnMut(&mut Gradients)| {
+        let mut gradients = task.room();
+        work(&mut gradients);
+        Measurement {
+            family: Family::Sensitivity,
+            method: method.to_owned(),
+            setting: format!(
+                "{} outputs by {} coordinates",
+                task.outputs.len(),
+                3 * task.points.len()
+            ),
+            error: gradients.error(&exact),
+            time: clock.time(poses.len(), || work(&mut gradients)),
+            evaluations: None,
+        }
+    };
+    Ok([
+        measured("forward", &mut |gradients| {
+            task.forward(&forward, &poses, gradients);
+        }),
+        measured("adjoint", &mut |gradients| {
+            for at in poses.iter().enumerate() {
+                task.adjoint(&mut adjoint, &solver, at, gradients);
+            }
+        }),
+    ])
+}

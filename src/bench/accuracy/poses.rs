@@ -1,0 +1,393 @@
+//! Poses: by tolerance, arithmetic, formulation and start.
+
+use super::subject::{Measured, Subject, camber};
+use super::{Clock, Family, Measurement, Unmeasurable};
+use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
+use crate::kinematics::trial::{Equations, OneEquation, SixEquations, solve};
+use crate::kinematics::{March, Pose, PoseError, Posture, Solver, Work};
+use crate::model::{Drive, LengthUnit};
+use crate::number::{DoubleDouble, Vector3};
+use std::cell::{Cell, RefCell};
+use std::ops::ControlFlow;
+
+/// Where Newton's method starts at a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Start {
+    /// In the design position.
+    Cold,
+    /// On the polynomial of this order through the stations before; order 0 is the last one.
+    Predicted(usize),
+}
+
+impl Start {
+    const ALL: [Start; 5] = [
+        Start::Cold,
+        Start::Predicted(0),
+        Start::Predicted(1),
+        Start::Predicted(2),
+        Start::Predicted(3),
+    ];
+
+    fn name(self) -> String {
+        match self {
+            Start::Cold => "cold".to_owned(),
+            Start::Predicted(0) => "warm".to_owned(),
+            Start::Predicted(order) => format!("predictor of order {order}"),
+        }
+    }
+}
+
+/// A station with the weights of the ones before it.
+struct Step {
+    station: usize,
+    earlier: usize,
+    weights: [f64; 4],
+}
+
+/// The stations outward from the design position, up and then down.
+struct Walk {
+    sides: [Vec<Step>; 2],
+    cold: bool,
+}
+
+impl Walk {
+    fn new(travels: &[f64], start: Start) -> Self {
+        let march = March::through(travels);
+        let order = match start {
+            Start::Cold => 0,
+            Start::Predicted(order) => order,
+        };
+        let side = |stations: &[usize]| {
+            let mut known = vec![0.0];
+            let mut steps = Vec::new();
+            for &station in stations {
+                let earlier = known.len().min(order + 1);
+                let near = &known[known.len() - earlier..];
+                let mut weights = [0.0; 4];
+                for (i, weight) in weights.iter_mut().enumerate().take(earlier) {
+                    *weight = lagrange(near, i, travels[station]);
+                }
+                steps.push(Step {
+                    station,
+                    earlier,
+                    weights,
+                });
+                // The design position itself is known already, and no two points may coincide.
+                if travels[station] != 0.0 {
+                    known.push(travels[station]);
+                }
+            }
+            steps
+        };
+        let [up, down] = march.sides();
+        Walk {
+            sides: [side(up), side(down)],
+            cold: start == Start::Cold,
+        }
+    }
+}
+
+/// The i-th Lagrange polynomial of the nodes at x.
+pub(super) fn lagrange(nodes: &[f64], i: usize, x: f64) -> f64 {
+    let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+    others.fold(1.0, |product, (_, node)| {
+        product * (x - node) / (nodes[i] - node)
+    })
+}
+
+/// One way to all poses, with camber read off each.
+struct Way<'s, T, E: Equations<T>> {
+    subject: &'s Subject<'s>,
+    equations: E,
+    walk: Walk,
+    tolerance: f64,
+    travels: Vec<T>,
+    design: Vec<Vector3<T>>,
+    rack: T,
+    known: RefCell<Vec<E::Unknown>>,
+    evaluations: Cell<usize>,
+}
+
+impl<'s, T: Measured, E: Equations<T>> Way<'s, T, E> {
+    fn new(subject: &'s Subject<'s>, equations: E, start: Start, tolerance: f64) -> Self {
+        Way {
+            subject,
+            equations,
+            walk: Walk::new(&subject.travels, start),
+            tolerance,
+            travels: subject.travels.iter().map(|t| T::of(*t)).collect(),
+            design: subject.design(),
+            rack: T::of(subject.rack),
+            known: RefCell::new(Vec::with_capacity(subject.travels.len() + 1)),
+            evaluations: Cell::new(0),
+        }
+    }
+
+    /// Visits every station with its camber.
+    #[inline]
+    fn run(&self, mut visit: impl FnMut(usize, T)) {
+        let mut known = self.known.borrow_mut();
+        let mut evaluations = 0;
+        for side in &self.walk.sides {
+            known.clear();
+            known.push(self.equations.design());
+            for step in side {
+                let start = match self.walk.cold {
+                    true => known[0],
+                    false => {
+                        let earlier = &known[known.len() - step.earlier..];
+                        match step.earlier {
+                            1 => earlier[0],
+                            _ => self.equations.predicted(earlier, &step.weights),
+                        }
+                    }
+                };
+                let travel = self.travels[step.station];
+                let (found, count) = solve(&self.equations, start, travel, self.tolerance);
+                evaluations += count;
+                if travel.value() != 0.0 {
+                    known.push(found);
+                }
+                let at = Posture {
+                    mechanism: &self.subject.suspension.mechanism,
+                    design: &self.design,
+                    pose: self.equations.pose(&found),
+                    rack: self.rack,
+                    steering: None,
+                };
+                visit(step.station, camber(&at));
+            }
+        }
+        self.evaluations.set(evaluations);
+    }
+
+    fn measure(
+        &self,
+        clock: &Clock,
+        family: Family,
+        method: String,
+        setting: String,
+    ) -> Measurement {
+        let mut error = 0.0_f64;
+        self.run(|station, camber| {
+            let here = self.subject.error(station, camber);
+            // NaN must win.
+            if here.is_nan() || here > error {
+                error = here;
+            }
+        });
+        let stations = self.travels.len();
+        let time = clock.time(stations, || {
+            let mut sum = 0.0;
+            self.run(|_, camber| sum += camber.value());
+            sum
+        });
+        Measurement {
+            family,
+            method,
+            setting,
+            time,
+            error,
+            evaluations: Some(self.evaluations.get() as f64 / stations as f64),
+        }
+    }
+}
+
+/// Tolerances in metres, and for the most that can be had zero.
+const TOLERANCES: [f64; 8] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15, 0.0];
+
+fn tolerance_name(metres: f64) -> String {
+    match metres {
+        0.0 => "rounding".to_owned(),
+        _ => format!("{metres:.0e} m"),
+    }
+}
+
+pub(super) fn measure(
+    subject: &Subject<'_>,
+    clock: &Clock,
+) -> Result<Vec<Measurement>, Unmeasurable> {
+    let mechanism = &subject.suspension.mechanism;
+    let mut found = Vec::new();
+    let usual = Start::Predicted(3);
+    for metres in TOLERANCES {
+        let tolerance = in_length_units(metres, subject);
+        let setting = tolerance_name(metres);
+        let mut one = |name: &str, m: Option<Measurement>| {
+            found.extend(m.map(|m| Measurement {
+                method: name.to_owned(),
+                ..m
+            }));
+        };
+        // What single precision cannot reach it is not asked for.
+        if metres == 0.0 || metres > 1e-8 {
+            one(
+                "closed form, f32",
+                by_closed_form::<f32>(subject, clock, usual, tolerance, &setting),
+            );
+        }
+        one(
+            "closed form, f64",
+            by_closed_form::<f64>(subject, clock, usual, tolerance, &setting),
+        );
+        if metres == 0.0 || metres > 1e-8 {
+            one(
+                "closed form, double-double",
+                by_closed_form::<DoubleDouble>(subject, clock, usual, tolerance, &setting),
+            );
+        }
+        let rack = subject.rack;
+        let six = SixEquations::new(mechanism, &subject.suspension.design, rack);
+        let six = Way::new(subject, six, usual, tolerance);
+        let name = "six equations, f64".to_owned();
+        found.push(six.measure(clock, Family::Pose, name, setting));
+    }
+    found.extend(production(subject, clock)?);
+    found.extend(point_coordinates(subject, clock));
+    for start in Start::ALL {
+        for metres in [1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 0.0] {
+            let tolerance = in_length_units(metres, subject);
+            let setting = tolerance_name(metres);
+            let closed = by_closed_form::<f64>(subject, clock, start, tolerance, &setting);
+            let measured = closed.unwrap_or_else(|| {
+                let design = &subject.suspension.design;
+                let six = SixEquations::new(mechanism, design, subject.rack);
+                let six = Way::new(subject, six, start, tolerance);
+                six.measure(clock, Family::Start, String::new(), setting.clone())
+            });
+            found.push(Measurement {
+                family: Family::Start,
+                method: start.name(),
+                ..measured
+            });
+        }
+    }
+    Ok(found)
+}
+
+fn in_length_units(metres: f64, subject: &Subject<'_>) -> f64 {
+    match subject.suspension.length_unit {
+        LengthUnit::Millimetre => 1e3 * metres,
+        LengthUnit::Metre => metres,
+    }
+}
+
+fn by_closed_form<T: Measured>(
+    subject: &Subject<'_>,
+    clock: &Clock,
+    start: Start,
+    tolerance: f64,
+    setting: &str,
+) -> Option<Measurement> {
+    let mechanism = &subject.suspension.mechanism;
+    let rack = T::of(subject.rack);
+    let equations = OneEquation::<T>::new(mechanism, &subject.design(), rack)?;
+    let way = Way::new(subject, equations, start, tolerance);
+    let setting = setting.to_owned();
+    Some(way.measure(clock, Family::Pose, String::new(), setting))
+}
+
+/// Poses as the program finds them, every check on the way included; first in full double precision,
+/// then with ever less asked for.
+fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
+    let suspension = subject.suspension;
+    let march = March::through(&subject.travels);
+    let read = |pose: &Pose<f64>| {
+        camber(&Posture {
+            mechanism: &suspension.mechanism,
+            design: &suspension.design,
+            pose: *pose,
+            rack: subject.rack,
+            steering: None,
+        })
+    };
+    let mut found = Vec::new();
+    for metres in [0.0, 1e-9, 1e-7, 1e-5, 1e-3] {
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        if metres > 0.0 {
+            solver = solver.with_accuracy(PoseError {
+                length: in_length_units(metres, subject),
+                angle: f64::INFINITY,
+            });
+        }
+        let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
+            let visited = solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
+                if let Ok(pose) = pose {
+                    visit(station, pose);
+                }
+                ControlFlow::Continue(())
+            });
+            visited.expect("the design was solved before");
+            solver.work()
+        };
+        let mut error = 0.0_f64;
+        let before =
+            run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
+        let after = run(&mut |_, _| ());
+        let evaluations = |work: Work| work.closed_form_evaluations + work.newton_iterations;
+        let count = evaluations(after) - evaluations(before);
+        let time = clock.time(subject.travels.len(), || {
+            let mut sum = 0.0;
+            run(&mut |_, pose| sum += read(pose));
+            sum
+        });
+        found.push(Measurement {
+            family: Family::Pose,
+            method: "hardpoint solve".to_owned(),
+            setting: match metres {
+                0.0 => "default".to_owned(),
+                _ => format!("accuracy {metres:.0e} m"),
+            },
+            time,
+            error,
+            evaluations: Some(count as f64 / subject.travels.len() as f64),
+        });
+    }
+    Ok(found)
+}
+
+/// The seed paper's fifteen equations.
+fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
+    let suspension = subject.suspension;
+    let strut = Strut::of(&suspension.mechanism, &suspension.design)?;
+    let drive = point_coordinates::Drive::Travel;
+    let equations = PointCoordinates::new(&strut, StrutPoints::Spread, drive).ok()?;
+    let start = equations.placed(subject.rack).ok()?;
+    let read = |pose: &point_coordinates::Pose| {
+        let rates = point_coordinates::Rates::default();
+        let pose = equations.knuckle_pose::<1>(pose, rates).ok()?;
+        Some(camber(&Posture {
+            mechanism: &suspension.mechanism,
+            design: &suspension.design,
+            pose: pose.map(|c| c[0]),
+            rack: subject.rack,
+            steering: None,
+        }))
+    };
+    let run = |visit: &mut dyn FnMut(usize, f64)| {
+        equations.march(&start, &subject.travels, |station, pose| {
+            if let Some(camber) = pose.ok().and_then(read) {
+                visit(station, camber);
+            }
+        });
+    };
+    let mut error = 0.0_f64;
+    run(&mut |station, camber| error = error.max(subject.error(station, camber)));
+    let before = equations.work().factorisations;
+    run(&mut |_, _| {});
+    let evaluations = equations.work().factorisations - before;
+    let stations = subject.travels.len();
+    let time = clock.time(stations, || {
+        let mut sum = 0.0;
+        run(&mut |_, camber| sum += camber);
+        sum
+    });
+    Some(Measurement {
+        family: Family::Pose,
+        method: "point coordinates (paper)".to_owned(),
+        setting: "rounding".to_owned(),
+        time,
+        error,
+        evaluations: Some(evaluations as f64 / stations as f64),
+    })
+}

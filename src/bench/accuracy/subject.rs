@@ -1,0 +1,184 @@
+//! What is measured: a study's suspension over its travels, with the exact answers.
+
+use crate::bench::Unmeasurable;
+use crate::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
+use crate::kinematics::trial::{Equations, SixEquations, solve};
+use crate::kinematics::{March, Pose, Posture, Solver};
+use crate::model::{Drive, SteeringAxis, Suspension};
+use crate::number::{DoubleDouble, Real, Scalar, Vector3};
+use crate::plan::Plan;
+use crate::study::Study;
+use std::ops::ControlFlow;
+
+/// A number whose distance from the truth can be told.
+pub trait Measured: Scalar {
+    /// The number as nearly as it can be.
+    fn of(value: f64) -> Self;
+    /// The same number in twice the precision of a double.
+    fn exactly(self) -> DoubleDouble;
+}
+
+impl Measured for f32 {
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+    fn exactly(self) -> DoubleDouble {
+        f64::from(self).into()
+    }
+}
+
+impl Measured for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+    fn exactly(self) -> DoubleDouble {
+        self.into()
+    }
+}
+
+impl Measured for DoubleDouble {
+    fn of(value: f64) -> Self {
+        value.into()
+    }
+    fn exactly(self) -> DoubleDouble {
+        self
+    }
+}
+
+/// A suspension with the stations it is measured at.
+pub struct Subject<'s> {
+    /// The suspension.
+    pub suspension: &'s Suspension,
+    /// Rising wheel travels.
+    pub travels: Vec<f64>,
+    /// The rack's place, towards the kernel's +y.
+    pub rack: f64,
+    /// Exact poses at the travels.
+    pub poses: Vec<Pose<DoubleDouble>>,
+    /// Exact camber there, in radians.
+    pub camber: Vec<DoubleDouble>,
+}
+
+/// Fewer stations are no curve.
+const FEWEST: usize = 5;
+
+impl<'s> Subject<'s> {
+    /// The stations of a study that can be solved, with the rack at its first place. The drive is the
+    /// wheel travel, whatever it is in the study.
+    pub fn of(study: &'s Study) -> Result<Self, Unmeasurable> {
+        let suspension = &study.suspension;
+        let plan = Plan::of(study);
+        let curves = crate::curves::curves(suspension, &plan)?;
+        let count = plan.stations() / plan.racks.len();
+        let mut travels: Vec<f64> = curves.stations[..count]
+            .iter()
+            .filter(|s| s.status == crate::curves::Status::Ok)
+            .filter_map(|s| s.travel)
+            .collect();
+        travels.sort_by(f64::total_cmp);
+        travels.dedup();
+        let rack = plan.racks[0] * plan.rack_sign;
+        let mut subject = Subject {
+            suspension,
+            travels,
+            rack,
+            poses: Vec::new(),
+            camber: Vec::new(),
+        };
+        let travels = std::mem::take(&mut subject.travels);
+        for (travel, pose) in subject.exact(&travels)? {
+            subject.travels.push(travel);
+            subject.camber.push(subject.camber_of(&pose));
+            subject.poses.push(pose);
+        }
+        let solved = subject.travels.len();
+        if solved < FEWEST {
+            return Err(Unmeasurable::FewStations {
+                solved,
+                needed: FEWEST,
+            });
+        }
+        Ok(subject)
+    }
+
+    /// The exact poses at rising travels, where there are any.
+    pub fn exact(&self, travels: &[f64]) -> Result<Vec<(f64, Pose<DoubleDouble>)>, Unmeasurable> {
+        let design = self.design::<DoubleDouble>();
+        let mechanism = &self.suspension.mechanism;
+        let equations = SixEquations::new(mechanism, &design, DoubleDouble::of(self.rack));
+        let mut solver = Solver::new(mechanism, &self.suspension.design)?;
+        let mut found = Vec::new();
+        let march = March::through(travels);
+        solver.march(Drive::Travel, &march, self.rack, |_, station, pose| {
+            if let Ok(pose) = pose {
+                let mut start = pose.map(DoubleDouble::from);
+                // To more than a double's digits its rotation is none.
+                for _ in 0..2 {
+                    start.rotation = start.rotation.orthonormalised();
+                }
+                let travel = DoubleDouble::of(travels[station]);
+                let (exact, _) = solve(&equations, start, travel, 0.0);
+                found.push((travels[station], equations.pose(&exact)));
+            }
+            ControlFlow::Continue(())
+        })?;
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(found)
+    }
+
+    /// The design over another kind of number.
+    pub fn design<T: Measured>(&self) -> Vec<Vector3<T>> {
+        let points = self.suspension.design.iter();
+        points.map(|p| p.map(T::of)).collect()
+    }
+
+    /// Exact camber of an exact pose.
+    pub fn camber_of(&self, pose: &Pose<DoubleDouble>) -> DoubleDouble {
+        let design = self.design();
+        let posture = Posture {
+            mechanism: &self.suspension.mechanism,
+            design: &design,
+            pose: *pose,
+            rack: DoubleDouble::of(self.rack),
+            steering: None,
+        };
+        camber(&posture)
+    }
+
+    /// The error of a camber at a station, in degrees.
+    pub fn error<T: Measured>(&self, station: usize, camber: T) -> f64 {
+        let error = camber.exactly() - self.camber[station];
+        error.value().abs().to_degrees()
+    }
+
+    /// Characteristics of a position that this suspension has, the four angles first. The steering axis
+    /// only where it runs through two joints.
+    pub fn characteristics(&self) -> Vec<Characteristic> {
+        let mechanism = &self.suspension.mechanism;
+        let has = |need: &Need| match need {
+            Need::WheelRadius => self.suspension.wheel_radius.is_some(),
+            Need::SteeringAxis => {
+                matches!(mechanism.steering_axis, Some(SteeringAxis::Through { .. }))
+            }
+            Need::Spring => mechanism.spring.is_some(),
+            Need::StrutUpper => mechanism.strut_upper().is_some(),
+            Need::Wheelbase | Need::CgHeight | Need::BrakeShareFront => false,
+        };
+        let all = Characteristic::ALL.iter().copied();
+        all.filter(|c| !c.info().reads_rates() && c.info().needs.iter().all(has))
+            .collect()
+    }
+
+    /// Figures that formulas read.
+    pub fn constants(&self) -> Constants {
+        Constants::of(self.suspension)
+    }
+}
+
+/// Camber of a posture.
+#[inline]
+pub fn camber<T: Real>(at: &Posture<T>) -> T {
+    let slots = Slots::default().with(Characteristic::Camber.info().reads);
+    let inputs = Inputs::standing(at, Constants::default(), slots);
+    Characteristic::Camber.evaluate(&inputs)
+}

@@ -1,0 +1,337 @@
+//! What each effect costs, alone and added up, relative to positions alone.
+
+use super::accuracy::Subject;
+use super::{Clock, Job, Timing, Unmeasurable};
+use crate::characteristics::Characteristic;
+use crate::curves::curves;
+use crate::kinematics::{Certifier, Load, MotionPoint, Pose, Solver, Support, Work};
+use crate::model::{Drive, PointId, Suspension, Vehicle};
+use crate::number::Vector3;
+use crate::plan::Plan;
+use crate::report::Table;
+use crate::study::{Formulation, Motion, Order, Outputs, Study, TimeLaw};
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+/// One effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What it is.
+    pub effect: String,
+    /// Time per pose with this effect alone.
+    pub alone: Timing,
+    /// Time per pose with it and all before it.
+    pub added: Timing,
+    /// What it does alone, per run.
+    pub work: Work,
+    /// Poses in that run.
+    pub poses: usize,
+}
+
+/// Every effect, positions alone first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effects {
+    /// In the order in which they are added up.
+    pub measurements: Vec<Measurement>,
+}
+
+/// An effect as a change to a study.
+struct Change {
+    name: &'static str,
+    apply: fn(&mut Study),
+}
+
+const CHANGES: [Change; 10] = [
+    Change {
+        name: "position",
+        apply: |_| (),
+    },
+    Change {
+        name: "everything declared, nothing asked for",
+        apply: |study| {
+            study.suspension.vehicle = Vehicle {
+                wheelbase: Some(2600.0),
+                track: Some(1500.0),
+                cg_height: Some(500.0),
+                brake_share_front: Some(0.6),
+            };
+            study.suspension.wheel_radius.get_or_insert(300.0);
+        },
+    },
+    Change {
+        name: "steering axis",
+        apply: |study| {
+            if study.suspension.mechanism.steering_axis.is_some() {
+                let axis = [Characteristic::KingpinInclination, Characteristic::Caster];
+                study.outputs.characteristics.extend(axis);
+            }
+        },
+    },
+    Change {
+        name: "rates",
+        apply: |study| study.outputs.order = study.outputs.order.max(Order::Velocity),
+    },
+    Change {
+        name: "curvature",
+        apply: |study| study.outputs.order = Order::Acceleration,
+    },
+    Change {
+        name: "sensitivities by one point",
+        apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension)[..1].to_vec(),
+    },
+    Change {
+        name: "sensitivities by every point",
+        apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension),
+    },
+    Change {
+        name: "spring (motion ratio: takes rates)",
+        apply: |study| {
+            if study.suspension.mechanism.spring.is_some() {
+                let ratio = Characteristic::MotionRatio;
+                study.outputs.characteristics.push(ratio);
+            }
+        },
+    },
+    Change {
+        name: "rack in five places",
+        apply: |study| {
+            let size = study.suspension.size();
+            let rack = &mut study.motion.rack;
+            let first = rack[0];
+            *rack = [-2.0, -1.0, 0.0, 1.0, 2.0]
+                .map(|k| first + 0.002 * k * size)
+                .to_vec();
+            study.motion.rack_moves = true;
+        },
+    },
+    Change {
+        name: "time",
+        apply: |study| {
+            let values = &mut study.motion.values;
+            let (first, last) = (values[0], values[values.len() - 1]);
+            let steps = (values.len() - 1) as f64;
+            let times: Vec<f64> = (0..values.len()).map(|i| i as f64 / steps).collect();
+            let polynomial = vec![first, last - first];
+            *values = times.iter().map(|t| first + (last - first) * t).collect();
+            study.motion.time = Some(TimeLaw { polynomial, times });
+        },
+    },
+];
+
+impl Effects {
+    /// Measures each effect on the suspension of a study, over its travels.
+    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let subject = Subject::of(study)?;
+        let mut base = study.clone();
+        base.formulation = Formulation::KnucklePose;
+        base.motion = Motion {
+            drive: crate::study::Drive::Travel,
+            values: subject.travels.clone(),
+            rack: study.motion.rack[..1].to_vec(),
+            rack_moves: false,
+            time: None,
+        };
+        base.outputs = Outputs {
+            characteristics: vec![Characteristic::Camber],
+            points: Vec::new(),
+            knuckle: false,
+            order: Order::Position,
+            sensitivities: Vec::new(),
+        };
+        base.suspension.vehicle = Vehicle::default();
+        let mut added = base.clone();
+        let mut runs = Vec::new();
+        for change in &CHANGES {
+            let mut alone = base.clone();
+            (change.apply)(&mut alone);
+            (change.apply)(&mut added);
+            runs.push((change.name, Planned::of(&alone)?, Planned::of(&added)?));
+        }
+        let all = runs.len() - 1;
+        let extra = Extra::of(&base, &subject)?;
+        let mut jobs = Vec::new();
+        for (_, alone, added) in &runs {
+            jobs.extend([alone.job(), added.job()]);
+        }
+        // What is not a part of a plan: beside positions alone, and beside everything.
+        for (planned, many) in [(&runs[0].1, 1), (&runs[all].2, runs[all].2.racks())] {
+            jobs.push(extra.job(planned, many, true, false));
+            jobs.push(extra.job(planned, many, many > 1, true));
+        }
+        let times = clock.in_rounds(&mut jobs);
+        let plain = runs.iter().zip(times.chunks(2));
+        let mut measurements: Vec<Measurement> = plain
+            .map(|((name, alone, _), times)| Measurement {
+                effect: (*name).to_owned(),
+                alone: times[0],
+                added: times[1],
+                work: alone.work,
+                poses: alone.poses,
+            })
+            .collect();
+        let rest = &times[2 * runs.len()..];
+        for (i, name) in ["certificate", "loads"].into_iter().enumerate() {
+            measurements.push(Measurement {
+                effect: name.to_owned(),
+                alone: rest[i],
+                added: rest[2 + i],
+                work: runs[0].1.work,
+                poses: runs[0].1.poses,
+            });
+        }
+        Ok(Effects { measurements })
+    }
+
+    /// As a table.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new([
+            "effect",
+            "alone_ns",
+            "spread_percent",
+            "alone_ratio",
+            "added_ns",
+            "added_ratio",
+            "factorisations",
+            "right_hand_sides",
+        ]);
+        let position = self.measurements[0].alone.median;
+        for m in &self.measurements {
+            let per_pose = |count: u64| format!("{:.2}", count as f64 / m.poses as f64);
+            table.push([
+                m.effect.clone(),
+                format!("{:.0}", m.alone.median),
+                format!("{:.1}", 100.0 * m.alone.spread()),
+                format!("{:.2}", m.alone.median / position),
+                format!("{:.0}", m.added.median),
+                format!("{:.2}", m.added.median / position),
+                per_pose(m.work.factorisations),
+                per_pose(m.work.right_hand_sides),
+            ]);
+        }
+        table
+    }
+}
+
+/// A plan with its suspension.
+struct Planned {
+    suspension: Suspension,
+    plan: Plan,
+    work: Work,
+    poses: usize,
+}
+
+impl Planned {
+    fn of(study: &Study) -> Result<Self, Unmeasurable> {
+        let plan = Plan::of(study);
+        let found = curves(&study.suspension, &plan)?;
+        Ok(Planned {
+            suspension: study.suspension.clone(),
+            work: found.work,
+            poses: found.stations.len(),
+            plan,
+        })
+    }
+
+    fn racks(&self) -> usize {
+        self.plan.racks.len()
+    }
+
+    fn run(&self) {
+        let found = curves(&self.suspension, &self.plan);
+        black_box(found.expect("the design was solved before"));
+    }
+
+    fn job(&self) -> Job<'_> {
+        Job {
+            items: self.poses,
+            work: Box::new(|| self.run()),
+        }
+    }
+}
+
+/// Effects of the library beside those of a plan.
+struct Extra<'m> {
+    certifier: Certifier<'m>,
+    solver: Solver<'m>,
+    poses: Vec<(Pose<f64>, MotionPoint<f64>)>,
+    support: Support,
+    load: Load,
+}
+
+impl<'m> Extra<'m> {
+    fn of(base: &Study, subject: &'m Subject<'_>) -> Result<Self, Unmeasurable> {
+        let suspension = subject.suspension;
+        let mechanism = &suspension.mechanism;
+        let mut solver = Solver::new(mechanism, &suspension.design)?;
+        let plan = Plan::of(base);
+        let mut poses = Vec::new();
+        solver.march(
+            Drive::Travel,
+            &plan.march,
+            subject.rack,
+            |_, station, pose| {
+                let point = MotionPoint {
+                    drive: Drive::Travel,
+                    value: plan.march.values()[station],
+                    rack: subject.rack,
+                };
+                poses.extend(pose.ok().map(|pose| (*pose, point)));
+                ControlFlow::Continue(())
+            },
+        )?;
+        Ok(Extra {
+            certifier: Certifier::new(mechanism, &suspension.design),
+            solver,
+            poses,
+            support: mechanism
+                .spring
+                .map_or(Support::WheelCentre, Support::Spring),
+            load: Load {
+                point: suspension.design[mechanism.wheel_centre.0],
+                force: Vector3::new(100.0, 200.0, 3000.0),
+                moment: Vector3::default(),
+            },
+        })
+    }
+
+    /// The plan carried out, and these effects on every pose, `many` times over.
+    fn job<'a>(
+        &'a self,
+        planned: &'a Planned,
+        many: usize,
+        certificate: bool,
+        loads: bool,
+    ) -> Job<'a> {
+        Job {
+            items: planned.poses,
+            work: Box::new(move || {
+                planned.run();
+                for _ in 0..many {
+                    for (pose, point) in &self.poses {
+                        if certificate {
+                            let proof = self.certifier.pose(pose, point);
+                            let _ = black_box(proof);
+                        }
+                        if loads {
+                            let found =
+                                self.solver
+                                    .reactions(pose, point.rack, self.support, &self.load);
+                            let _ = black_box(found);
+                        }
+                    }
+                }
+            }),
+        }
+    }
+}
+
+/// The hardpoints of a suspension.
+fn hardpoints(suspension: &Suspension) -> Vec<PointId> {
+    let mechanism = &suspension.mechanism;
+    let known = |name: &str| mechanism.topology.hardpoints.iter().any(|h| h.name == name);
+    let points = mechanism.points.iter().enumerate();
+    points
+        .filter(|(_, p)| known(&p.name))
+        .map(|(i, _)| PointId(i))
+        .collect()
+}

@@ -1,0 +1,85 @@
+//! `hardpoint bench`
+
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault};
+use super::{BenchArguments, BenchKind};
+use crate::bench::accuracy::Accuracy;
+use crate::bench::effects::Effects;
+use crate::bench::{Clock, Machine, Unmeasurable};
+use crate::model::Topology;
+use crate::report::{Format, Table};
+use crate::study::Study;
+use serde::Serialize;
+use std::path::Path;
+
+/// `machine.json`
+#[derive(Serialize)]
+struct Circumstances<'a> {
+    benchmark: &'a str,
+    study: &'a str,
+    topology: &'a str,
+    #[serde(flatten)]
+    machine: &'a Machine,
+}
+
+pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
+    let template = Path::new("macpherson.toml");
+    let path = arguments.study.as_deref().unwrap_or(template);
+    let study = match &arguments.study {
+        Some(path) => Study::read(path, &arguments.set)?,
+        None => {
+            let strut = Topology::named("macpherson").expect("it is in the catalogue");
+            Study::from_text("macpherson.toml", strut.template, Path::new(""))?
+        }
+    };
+    let name = format!("bench_{}", study.name);
+    let output = Output::at(arguments.out.as_deref(), &name, arguments.format.into())?;
+    let clock = Clock {
+        samples: arguments.samples,
+        ..Clock::default()
+    };
+    let machine = Machine::here(&clock);
+    let stop = |reason: Unmeasurable| match reason {
+        Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
+        other => Stop::wrong_input(format!("{}: {other}", path.display())),
+    };
+    output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
+
+    let (kind, table, picture) = match arguments.kind {
+        BenchKind::Accuracy => {
+            let found = Accuracy::measure(&study, &clock).map_err(stop)?;
+            let svg = found.svg(&format!("{}, {}", study.name, machine.line()));
+            ("accuracy", found.table(), Some(svg))
+        }
+        BenchKind::Effects => {
+            let found = Effects::measure(&study, &clock).map_err(stop)?;
+            ("effects", found.table(), None)
+        }
+    };
+    let mut files = vec![format!("{kind}.csv")];
+    output.main_csv(&files[0], table.render(Format::Csv).as_bytes())?;
+    if let Some(svg) = picture {
+        files.push(format!("{kind}.svg"));
+        output.file(&files[1], svg.as_bytes())?;
+    }
+    files.push(format!("{kind}_machine.json"));
+    let circumstances = Circumstances {
+        benchmark: kind,
+        study: &study.name,
+        topology: study.suspension.mechanism.topology.name,
+        machine: &machine,
+    };
+    output.json(&files[files.len() - 1], &circumstances)?;
+    print(&output, &table)?;
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    output.farewell(&files)?;
+    Ok(Exit::Done)
+}
+
+/// The table, where it is not on standard output already.
+fn print(output: &Output, table: &Table) -> Result<(), Stop> {
+    match output.directory() {
+        Some(_) => output.table(table),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,204 @@
+//! What `hardpoint bench` measures, its times left aside: the errors are the same on every machine.
+
+use assert_cmd::Command;
+use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
+use hardpoint::bench::effects::Effects;
+use hardpoint::bench::{Clock, Unmeasurable};
+use hardpoint::study::Study;
+use std::path::Path;
+use std::time::Duration;
+
+/// Everything is done as few times as possible.
+const NO_TIME: Clock = Clock {
+    samples: 1,
+    shortest: Duration::ZERO,
+};
+
+fn study(name: &str, overrides: &[&str]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measurement> {
+    let all = accuracy.measurements.iter();
+    let found: Vec<_> = all
+        .filter(|m| m.family == family && m.method == method)
+        .collect();
+    assert!(!found.is_empty(), "{method}");
+    found
+}
+
+/// The error with this setting.
+fn error(measurements: &[&Measurement], setting: &str) -> f64 {
+    let found = measurements.iter().find(|m| m.setting == setting);
+    found.unwrap_or_else(|| panic!("{setting}")).error
+}
+
+#[test]
+fn errors_are_what_arithmetic_and_method_promise() {
+    let accuracy = Accuracy::measure(&study("macpherson_front.toml", &[]), &NO_TIME).unwrap();
+    for m in &accuracy.measurements {
+        assert!(m.error.is_finite(), "{m:?}");
+    }
+
+    // Single, double and twice double precision: 7, 16 and 31 digits of a few hundred millimetres.
+    let rounding = |name: &str| error(&of(&accuracy, Family::Pose, name), "rounding");
+    let [single, double, twice] =
+        ["f32", "f64", "double-double"].map(|name| rounding(&format!("closed form, {name}")));
+    assert!((1e-7..1e-3).contains(&single), "{single:e}");
+    assert!((1e-17..1e-12).contains(&double), "{double:e}");
+    assert!(twice < 1e-27, "{twice:e}");
+    // Both formulations come to the same.
+    assert!(rounding("six equations, f64") < 1e-12);
+    assert!(rounding("point coordinates (paper)") < 1e-11);
+
+    // A tolerance ten times finer is an error no larger.
+    for name in ["closed form, f64", "six equations, f64"] {
+        let errors: Vec<f64> = of(&accuracy, Family::Pose, name)
+            .iter()
+            .map(|m| m.error)
+            .collect();
+        assert!(errors[0] > 1e-4, "{errors:?}");
+        let mut falls = errors
+            .windows(2)
+            .map(|pair| pair[1] <= 1.5 * pair[0] + 1e-13);
+        assert!(falls.all(|falls| falls), "{errors:?}");
+    }
+
+    // A better start takes fewer iterations to the same error.
+    let evaluations = |name: &str| {
+        let found = of(&accuracy, Family::Start, name);
+        let m = found.iter().find(|m| m.setting == "1e-9 m").unwrap();
+        m.evaluations.unwrap()
+    };
+    let starts = [
+        "cold",
+        "warm",
+        "predictor of order 1",
+        "predictor of order 3",
+    ];
+    let counts = starts.map(evaluations);
+    assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
+    assert!(counts[3] + 1.0 < counts[0], "{counts:?}");
+
+    // Lines converge with the square of the distance, cubics with the fourth power, polynomials through
+    // Chebyshev points faster than any power.
+    let curve = |method: &str, count: usize| {
+        let setting = format!("{count} stations");
+        error(&of(&accuracy, Family::Curve, method), &setting)
+    };
+    let gain = |method: &str| curve(method, 33) / curve(method, 65);
+    assert!((3.5..4.5).contains(&gain("linear")), "{}", gain("linear"));
+    assert!((12.0..20.0).contains(&gain("cubic")), "{}", gain("cubic"));
+    assert!(curve("Chebyshev", 17) < 1e-12);
+
+    // The classic V: too long a step and too short a one are both wrong.
+    let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
+    assert!(analytic < 1e-14, "{analytic:e}");
+    let central = of(&accuracy, Family::Derivative, "central difference");
+    let best = central
+        .iter()
+        .map(|m| m.error)
+        .fold(f64::INFINITY, f64::min);
+    let [short, long] = ["step 1e-10", "step 1e-1"].map(|s| error(&central, s));
+    assert!(short > 1e3 * best && long > 1e6 * best);
+    // Five digits are lost with the best of all steps, six with the one that is usually taken.
+    assert!(best > 1e5 * analytic, "{best:e} {analytic:e}");
+    assert!(error(&central, "usual step") > 1e6 * analytic);
+
+    // Forward and adjoint are two ways to the same number.
+    for method in ["forward", "adjoint"] {
+        for m in of(&accuracy, Family::Sensitivity, method) {
+            assert!(m.error < 1e-12, "{m:?}");
+        }
+    }
+
+    let svg = accuracy.svg("a strut");
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+    for word in [
+        "double-double",
+        "Chebyshev",
+        "sixth-order difference",
+        "a strut",
+    ] {
+        assert!(svg.contains(word), "{word}");
+    }
+}
+
+/// Every topology, drive and unit can be measured.
+#[test]
+fn every_kind_of_study_can_be_measured() {
+    const FEW: &[&str] = &["motion.travel={from=-40.0, to=40.0, steps=7}"];
+    for (name, overrides) in [
+        ("attia.toml", &[][..]),
+        ("double_wishbone_solve.toml", FEW),
+        ("five_link_solve.toml", FEW),
+        ("semi_trailing_arm_solve.toml", FEW),
+    ] {
+        let study = study(name, overrides);
+        let accuracy =
+            Accuracy::measure(&study, &NO_TIME).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let six = of(&accuracy, Family::Pose, "six equations, f64");
+        assert!(error(&six, "rounding") < 1e-11, "{name}");
+        let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
+        assert!(analytic < 1e-11, "{name}: {analytic:e}");
+        let effects = Effects::measure(&study, &NO_TIME).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let work = |name: &str| {
+            let mut found = effects.measurements.iter();
+            found.find(|m| m.effect.starts_with(name)).unwrap().work
+        };
+        assert_eq!(work("position"), work("everything declared"), "{name}");
+        assert!(work("rates").right_hand_sides > work("position").right_hand_sides);
+    }
+}
+
+#[test]
+fn a_motion_of_two_stations_is_no_curve() {
+    let study = study("macpherson_solve.toml", &["motion.travel=[0.0, 1.0]"]);
+    let refused = Accuracy::measure(&study, &NO_TIME).unwrap_err();
+    let expected = Unmeasurable::FewStations {
+        solved: 2,
+        needed: 5,
+    };
+    assert_eq!(refused, expected);
+}
+
+fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
+    let mut program = Command::cargo_bin("hardpoint").unwrap();
+    program.args(arguments).assert()
+}
+
+#[test]
+fn the_command_writes_table_picture_and_circumstances() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("bench");
+    let to = ["--out", out.to_str().unwrap(), "--samples", "1"];
+    let said = hardpoint(&[&["bench", "effects"], &to[..]].concat()).success();
+    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(said.contains("sensitivities by every point"), "{said}");
+    let csv = std::fs::read_to_string(out.join("effects.csv")).unwrap();
+    assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
+    let machine = std::fs::read_to_string(out.join("effects_machine.json")).unwrap();
+    let machine: serde_json::Value = serde_json::from_str(&machine).unwrap();
+    assert_eq!(machine["topology"], "macpherson");
+    assert_eq!(machine["samples"], 1);
+
+    let said = hardpoint(&["bench", "effects", "--out", "-", "--samples", "1"]).success();
+    let csv = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
+}
+
+#[test]
+fn a_wrong_call_is_refused() {
+    for arguments in [
+        &["bench", "speed"][..],
+        &["bench", "accuracy", "nowhere.toml"],
+        &["bench", "accuracy", "--samples", "0"],
+        &["bench", "accuracy", "--set", "motion.rack=1.0"],
+    ] {
+        hardpoint(arguments).code(2);
+    }
+}

@@ -91,12 +91,13 @@ impl SolveSummary {
         table
     }
 
-    /// The values in the design position alone.
-    pub fn design_table(&self) -> Table {
+    /// The values at the first station, for curves of the design position alone.
+    pub fn design_table(design: &Curves) -> Table {
         let mut table = Table::new(["output", "at design"]);
-        for range in &self.outputs {
-            let value = range.at_design.map_or_else(String::new, brief);
-            table.push([range.output.clone(), value]);
+        let values = design.stations.iter().take(1).flat_map(|s| &s.values);
+        for (column, value) in design.columns.iter().zip(values) {
+            let value = value.map_or_else(String::new, brief);
+            table.push([column.name.clone(), value]);
         }
         table
     }

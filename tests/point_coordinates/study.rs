@@ -266,6 +266,29 @@ fn theta_of_a_road_car_is_that_of_equation_15() {
     }
 }
 
+/// `check` shows the design position with derivatives by the study's own drive: theta, of which z5 has the
+/// derivative -d51 sin(theta), so that the ball joint's height falls as theta grows.
+#[test]
+fn check_differentiates_by_theta() {
+    let strut = strut(&reference("attia-example"));
+    let leg = strut.lower_ball_joint - strut.lower_arm_front;
+    let slope = -leg.x.hypot(leg.y).to_radians();
+    for formulation in FORMULATIONS {
+        let set = format!("solver.formulation={formulation}");
+        let outputs = "outputs={ points = [\"lower_ball_joint\"], order = \"velocity\" }";
+        let study = study_file("attia");
+        let mut command = Command::cargo_bin("hardpoint").unwrap();
+        let set = ["--set", &set, "--set", outputs, "--format", "csv"];
+        let output = command.args(["check", &study]).args(set).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let name = "lower_ball_joint_z_d1_m_per_deg,";
+        let found = text.lines().find_map(|line| line.strip_prefix(name));
+        let found: f64 = found.unwrap_or_else(|| panic!("{text}")).parse().unwrap();
+        // Printed to six digits.
+        assert!((found / slope - 1.0).abs() < 1e-5, "{found} {slope}");
+    }
+}
+
 /// What the formulation or the drive cannot give is refused before anything is solved, by line.
 #[test]
 fn what_cannot_be_given_is_refused_by_line() {

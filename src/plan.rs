@@ -3,7 +3,11 @@
 //! Every decision on cost is made here: how many derivatives of a pose are taken, whether a Jacobian is
 //! factorised at all, to which hardpoints gradients are formed and of which outputs.
 
-use crate::characteristics::{Characteristic, Constants, Quantity};
+mod effects;
+
+pub use effects::Effect;
+
+use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::kinematics::March;
 use crate::model::{Axis, PointId};
 use crate::study::{Drive, Formulation, Order, Study, TimeLaw};
@@ -42,6 +46,8 @@ pub struct Plan {
     pub time: Option<TimeLaw>,
     /// Outputs.
     pub outputs: Vec<Output>,
+    /// What of wheel, steering axis and spring the outputs are made of.
+    pub reads: Slots,
     /// Coefficients of the power series of a pose: 1 for positions alone.
     pub coefficients: usize,
     /// Points by which gradients are formed; empty for none.
@@ -117,6 +123,9 @@ impl Plan {
             rack_moves: study.motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
             time: study.motion.time.clone(),
+            reads: outputs
+                .iter()
+                .fold(Slots::default(), |slots, o| slots.with(o.quantity.reads())),
             outputs,
             coefficients,
             sensitivities: study.outputs.sensitivities.clone(),
@@ -126,8 +135,7 @@ impl Plan {
 
     /// Whether an output needs the steering axis.
     pub fn reads_steering_axis(&self) -> bool {
-        let mut quantities = self.outputs.iter().map(|o| o.quantity);
-        quantities.any(Quantity::reads_steering_axis)
+        self.reads.contain_steering_axis()
     }
 
     /// Number of stations: drive values times rack displacements.

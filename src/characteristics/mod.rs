@@ -22,7 +22,7 @@ mod wheel;
 
 pub use unit::Unit;
 pub use view::{Quantity, View};
-pub use wheel::{Constants, Inputs, Slot, Wheel};
+pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};
 
 use crate::number::{Dual, Real, Vector3};
 
@@ -72,12 +72,7 @@ impl Info {
 
     /// Whether the formula reads the steering axis.
     pub fn reads_steering_axis(&self) -> bool {
-        self.reads.iter().any(|slot| {
-            matches!(
-                slot,
-                Slot::SteeringPoint | Slot::SteeringDirection | Slot::SteeringDirectionRate
-            )
-        })
+        Slots::default().with(self.reads).contain_steering_axis()
     }
 }
 

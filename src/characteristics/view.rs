@@ -1,6 +1,6 @@
 //! What can be read off a pose: values along the motion and gradients by the hardpoints.
 
-use super::{Characteristic, Constants, Gradient, Inputs, Slot, Wheel};
+use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{Linearised, Posture, Seeds};
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::{Jet, Real, Vector3};
@@ -27,9 +27,13 @@ impl Quantity {
         }
     }
 
-    /// Whether the value depends on the steering axis.
-    pub fn reads_steering_axis(self) -> bool {
-        matches!(self, Quantity::Characteristic(c) if c.info().reads_steering_axis())
+    /// What the value is made of; coordinates are read off the posture directly.
+    pub fn reads(self) -> &'static [Slot] {
+        match self {
+            Quantity::Characteristic(c) => c.info().reads,
+            Quantity::Coordinate(..) => &[],
+            Quantity::AngularVelocity(_) => &[Slot::Turn],
+        }
     }
 
     /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
@@ -62,31 +66,58 @@ impl<const N: usize> View<N> {
     /// Reads wheel and steering axis off a posture. `constants` are those of the suspension.
     #[inline]
     pub fn of(at: &Posture<Jet<f64, N>>, constants: Constants) -> Self {
-        let now = wheel(at);
-        let rate = now.map(Jet::differentiated);
-        View {
-            inputs: Inputs {
-                now,
-                rate,
-                turn: if N > 1 {
-                    at.angular_velocity()
-                } else {
-                    rate.centre.zero()
+        View::reading(at, constants, Slots::ALL)
+    }
+
+    /// As [`View::of`], for quantities that read no more than these slots. The rest is not computed, and
+    /// is not a number.
+    #[inline]
+    pub fn reading(at: &Posture<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
+        let mut inputs = Inputs::standing(at, constants, slots);
+        if N > 1 {
+            let now = &inputs.now;
+            let rate = |slot: Slot, of: Vector3<Jet<f64, N>>, unknown| match slots.contains(slot) {
+                true => of.map(Jet::differentiated),
+                false => unknown,
+            };
+            let unknown = inputs.rate.centre;
+            inputs.rate = Wheel {
+                spin_axis: rate(Slot::SpinAxisRate, now.spin_axis, unknown),
+                centre: rate(Slot::CentreRate, now.centre, unknown),
+                steering_direction: rate(
+                    Slot::SteeringDirectionRate,
+                    now.steering_direction,
+                    unknown,
+                ),
+                spring_length: match slots.contains(Slot::SpringLengthRate) {
+                    true => now.spring_length.differentiated(),
+                    false => unknown.x,
                 },
-                design: designed_wheel(at),
-                constants,
-            },
+                // No formula reads these.
+                steering_point: unknown,
+                strut_upper: unknown,
+            };
+            if slots.contains(Slot::Turn) {
+                inputs.turn = at.angular_velocity();
+            }
         }
+        View { inputs }
     }
 
     /// The value along the motion; the last [`Quantity::depth`] coefficients are unknown.
     #[inline]
     pub fn value(&self, at: &Posture<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
-            Quantity::Characteristic(c) => c.evaluate(&self.inputs),
+            Quantity::Characteristic(c) => self.characteristic(c),
             Quantity::Coordinate(point, axis) => component(at.point(point), axis),
             Quantity::AngularVelocity(axis) => component(self.inputs.turn, axis),
         }
+    }
+
+    /// The value of a characteristic, likewise.
+    #[inline]
+    pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {
+        c.evaluate(&self.inputs)
     }
 
     /// The derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every
@@ -233,42 +264,57 @@ impl Slot {
     }
 }
 
-/// Wheel and steering axis in a posture.
-#[inline]
-fn wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
-    let mechanism = at.mechanism;
-    let spin_axis = at.spin_axis();
-    let (steering_point, steering_direction) = at
-        .steering_axis()
-        .unwrap_or((spin_axis.zero(), spin_axis.zero()));
-    Wheel {
-        spin_axis,
-        centre: at.point(mechanism.wheel_centre),
-        steering_point,
-        steering_direction,
-        spring_length: match mechanism.spring {
-            Some(spring) => (at.point(spring.upper) - at.point(spring.lower)).norm(),
-            None => at.rack.zero(),
-        },
-        strut_upper: match mechanism.strut_upper() {
-            Some(upper) => at.point(upper),
-            None => steering_point.zero(),
-        },
-    }
-}
-
-/// The wheel in the design position.
-#[inline]
-fn designed_wheel<T: Real>(at: &Posture<T>) -> Wheel<T> {
-    let spin_axis = at.designed_spin_axis();
-    Wheel {
-        spin_axis,
-        centre: at.designed(at.mechanism.wheel_centre),
-        // No formula reads the steering axis, spring or strut in the design position.
-        steering_point: spin_axis.zero(),
-        steering_direction: spin_axis.zero(),
-        spring_length: at.rack.zero(),
-        strut_upper: spin_axis.zero(),
+impl<T: Real> Inputs<T> {
+    /// What can be read off a posture without its rates, which are left unknown like everything that
+    /// is not among the slots.
+    #[inline]
+    pub fn standing(at: &Posture<T>, constants: Constants, slots: Slots) -> Self {
+        let reads = |now: Slot, rate: Slot| slots.contains(now) || slots.contains(rate);
+        let mechanism = at.mechanism;
+        let unknown = at.pose.origin.map(|c| c.lit(f64::NAN));
+        let nothing = Wheel {
+            spin_axis: unknown,
+            centre: unknown,
+            steering_point: unknown,
+            steering_direction: unknown,
+            spring_length: unknown.x,
+            strut_upper: unknown,
+        };
+        let (mut now, mut design) = (nothing, nothing);
+        if reads(Slot::SpinAxis, Slot::SpinAxisRate) {
+            now.spin_axis = at.spin_axis();
+        }
+        if reads(Slot::Centre, Slot::CentreRate) {
+            now.centre = at.point(mechanism.wheel_centre);
+        }
+        if slots.contain_steering_axis()
+            && let Some(axis) = at.steering_axis()
+        {
+            (now.steering_point, now.steering_direction) = axis;
+        }
+        if reads(Slot::SpringLength, Slot::SpringLengthRate)
+            && let Some(spring) = mechanism.spring
+        {
+            now.spring_length = (at.point(spring.upper) - at.point(spring.lower)).norm();
+        }
+        if slots.contains(Slot::StrutUpper)
+            && let Some(upper) = mechanism.strut_upper()
+        {
+            now.strut_upper = at.point(upper);
+        }
+        if slots.contains(Slot::DesignSpinAxis) {
+            design.spin_axis = at.designed_spin_axis();
+        }
+        if slots.contains(Slot::DesignCentre) {
+            design.centre = at.designed(mechanism.wheel_centre);
+        }
+        Inputs {
+            now,
+            rate: nothing,
+            turn: unknown,
+            design,
+            constants,
+        }
     }
 }
 

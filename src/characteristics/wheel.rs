@@ -80,6 +80,33 @@ pub enum Slot {
     DesignCentre,
 }
 
+/// Some of the slots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Slots(u16);
+
+impl Slots {
+    /// Every slot.
+    pub const ALL: Slots = Slots(u16::MAX);
+
+    /// Whether a slot is among them.
+    #[inline]
+    pub fn contains(self, slot: Slot) -> bool {
+        self.0 & (1 << slot as u16) != 0
+    }
+
+    /// Whether they need the steering axis.
+    pub fn contain_steering_axis(self) -> bool {
+        Slot::ALL
+            .iter()
+            .any(|slot| slot.is_of_steering_axis() && self.contains(*slot))
+    }
+
+    /// With these slots.
+    pub fn with(self, slots: &[Slot]) -> Self {
+        Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u16))
+    }
+}
+
 impl Slot {
     /// Every slot.
     pub const ALL: &'static [Slot] = &[
@@ -110,6 +137,14 @@ impl Slot {
                 | Slot::SteeringDirectionRate
                 | Slot::SpringLengthRate
                 | Slot::Turn
+        )
+    }
+
+    /// Whether the slot is a part of the steering axis.
+    pub fn is_of_steering_axis(self) -> bool {
+        matches!(
+            self,
+            Slot::SteeringPoint | Slot::SteeringDirection | Slot::SteeringDirectionRate
         )
     }
 

@@ -5,7 +5,6 @@ use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::curves::curves;
 use crate::kinematics::{DesignFault, March, PaperTheta};
-use crate::model::PointId;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
 use crate::study::{Drive, Formulation, Study};
@@ -30,13 +29,18 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let format = arguments.format.into();
     if format == crate::report::Format::Text {
         writeln!(out, "{}: valid\n", path.display())?;
+        writeln!(out, "{}\n", motion(&study, &plan))?;
         write!(out, "{}", plan_table(&study, &plan).render(format))?;
+        writeln!(
+            out,
+            "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures \
+             them."
+        )?;
         match plan.outputs.iter().any(|o| o.highest > 0) {
-            true => writeln!(
-                out,
-                "\nDesign position, derivatives by {}:",
-                drive_name(&plan)
-            )?,
+            true => {
+                let drive = drive_name(&plan);
+                writeln!(out, "\nDesign position, derivatives by {drive}:")?;
+            }
             false => writeln!(out, "\nDesign position:")?,
         }
     }
@@ -64,78 +68,47 @@ fn drive_name(plan: &Plan) -> &'static str {
     }
 }
 
-/// What will be computed, and what in the study asks for it.
-fn plan_table(study: &Study, plan: &Plan) -> Table {
-    let mechanism = &study.suspension.mechanism;
-    let mut table = Table::new(["will compute", "because of", "in all"]);
+/// What the motion asks for, in a sentence.
+fn motion(study: &Study, plan: &Plan) -> String {
     let drive = drive_name(plan);
     let formulation = match plan.formulation {
-        Formulation::KnucklePose => "positions",
-        Formulation::PointCoordinates => "positions, in point coordinates",
+        Formulation::KnucklePose => "",
+        Formulation::PointCoordinates => ", in point coordinates",
     };
-    let stations = plan.stations();
-    table.push([
-        formulation.to_owned(),
-        format!(
-            "[motion]: {} of {drive} x {} of rack",
-            stations / plan.racks.len(),
-            plan.racks.len()
-        ),
-        format!("{stations} poses"),
-    ]);
-    if plan.coefficients > 1 {
-        let depth = plan
-            .outputs
-            .iter()
-            .map(|o| o.quantity.depth())
-            .max()
-            .unwrap_or(0);
-        let mut reasons = Vec::new();
-        if study.outputs.order as usize > 0 {
-            reasons.push(format!(
-                "outputs.order = \"{}\"",
-                study.outputs.order.name()
-            ));
-        }
-        if depth > 0 {
-            reasons.push("characteristics made of velocities".to_owned());
-        }
-        table.push([
-            format!("derivatives up to order {}", plan.coefficients - 1),
-            reasons.join(", "),
-            format!("{} right-hand sides", stations * (plan.coefficients - 1)),
-        ]);
-    }
-    if !plan.sensitivities.is_empty() {
-        let names: Vec<&str> = plan
-            .sensitivities
-            .iter()
-            .map(|id: &PointId| mechanism.name(*id))
-            .collect();
-        table.push([
-            "sensitivities".to_owned(),
-            format!("outputs.sensitivities: {}", names.join(", ")),
-            format!("{} adjoints", stations * plan.outputs.len()),
-        ]);
-    }
+    let racks = plan.racks.len();
+    let mut text = format!(
+        "{} values of {drive} x {racks} of rack{formulation}",
+        plan.stations() / racks
+    );
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
-    table.push([
-        "outputs".to_owned(),
-        format!("[outputs]: {}", outputs.join(", ")),
-        format!(
-            "{} values",
-            stations * plan.outputs.iter().map(|o| o.highest + 1).sum::<usize>()
-        ),
-    ]);
+    text += &format!("; outputs: {}.", outputs.join(", "));
     if let Some(optimise) = &study.optimise {
+        text += &format!(
+            " Tuning (optimise only): {} variables, {} targets, {} starts.",
+            optimise.variables.len(),
+            optimise.targets.len(),
+            optimise.starts
+        );
+    }
+    text
+}
+
+/// Every effect, on or off, what in the study asks for it and about what it costs.
+fn plan_table(study: &Study, plan: &Plan) -> Table {
+    let mut table = Table::new(["effect", "state", "cost", "because of", "what"]);
+    for effect in plan.effects(study) {
+        let state = if effect.on { "on" } else { "off" };
+        let cost = match effect.cost {
+            _ if !effect.on => String::new(),
+            cost if effect.name == "position" => format!("{cost}"),
+            cost => format!("+{cost:.1}"),
+        };
         table.push([
-            "tuning (optimise only)".to_owned(),
-            format!(
-                "[optimise]: {} variables, {} targets",
-                optimise.variables.len(),
-                optimise.targets.len()
-            ),
-            format!("{} starts", optimise.starts),
+            effect.name.to_owned(),
+            state.to_owned(),
+            cost,
+            effect.because,
+            effect.what,
         ]);
     }
     table

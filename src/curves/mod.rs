@@ -9,8 +9,8 @@ pub use column::Column;
 pub use course::Course;
 pub use run::curves;
 
-use crate::kinematics::Failure;
 use crate::kinematics::point_coordinates::Refusal;
+use crate::kinematics::{Failure, Work};
 use crate::model::{Axis, PointId};
 
 /// What came of a station.
@@ -83,6 +83,8 @@ pub struct Curves {
     pub stations: Vec<Station>,
     /// Station by station, where asked for.
     pub sensitivities: Vec<Sensitivity>,
+    /// What was done.
+    pub work: Work,
 }
 
 impl Curves {

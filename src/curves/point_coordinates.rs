@@ -77,6 +77,7 @@ impl<const N: usize> Run<'_, N> {
                 self.note(i, number, found);
             });
         }
+        self.work = driven.equations.work();
         Ok(())
     }
 

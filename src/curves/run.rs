@@ -2,13 +2,13 @@
 
 use super::course::Course;
 use super::{Column, Curves, Sensitivity, Station, Status};
-use crate::characteristics::View;
+use crate::characteristics::{Quantity, View};
 use crate::kinematics::{
-    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, Posture, Solver,
+    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, Posture, Solver, Tally, Work,
 };
 use crate::model::{Axis, Suspension};
 use crate::number::{Jet, Vector3};
-use crate::plan::Plan;
+use crate::plan::{Output, Plan};
 use crate::study::{Drive, Formulation};
 use std::ops::ControlFlow;
 
@@ -30,6 +30,10 @@ pub(super) struct Run<'a, const N: usize> {
     columns: Vec<Column>,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
+    /// Of the solver.
+    pub(super) work: Work,
+    /// Of reading.
+    tally: Tally,
 }
 
 /// What is found at one station.
@@ -61,12 +65,15 @@ impl<'a, const N: usize> Run<'a, N> {
             suspension,
             plan,
             lifted: Lifted::new(&suspension.mechanism, &suspension.design)
-                .with_steering_axis(plan.reads_steering_axis()),
+                .with_steering_axis(plan.reads_steering_axis())
+                .with_sensitivities_to(&suspension.mechanism, &plan.sensitivities),
             stations: stations
                 .map(|(rack, number, value)| at(rack, number, value))
                 .collect(),
             columns,
             sensitivities: Vec::new(),
+            work: Work::default(),
+            tally: Tally::default(),
         }
     }
 
@@ -81,6 +88,7 @@ impl<'a, const N: usize> Run<'a, N> {
             columns: self.columns,
             stations: self.stations,
             sensitivities: self.sensitivities,
+            work: self.work + self.tally.work(),
         })
     }
 
@@ -99,6 +107,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 ControlFlow::Continue(())
             })?;
         }
+        self.work = solver.work();
         Ok(())
     }
 
@@ -144,37 +153,53 @@ impl<'a, const N: usize> Run<'a, N> {
     pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
-        let view = View::of(at, plan.constants);
-        let values = self.columns.iter().map(|column| {
-            let output = &plan.outputs[column.of];
+        let view = View::reading(at, plan.constants, plan.reads);
+        let mut values = Vec::with_capacity(self.columns.len());
+        for (columns, output) in self.columns_by_output() {
+            let counts = matches!(output.quantity, Quantity::Characteristic(_));
+            self.tally
+                .note(|w| w.characteristic_evaluations += u64::from(counts));
             let series = view.value(at, output.quantity);
             let mut orders = [0.0; 3];
             for (order, value) in orders.iter_mut().enumerate().take(output.highest + 1) {
                 *value = series.derivative(order);
             }
-            let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
-            let printed = value * column.factor;
-            printed.is_finite().then_some(printed)
-        });
+            for column in columns {
+                let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
+                let printed = value * column.factor;
+                values.push(printed.is_finite().then_some(printed));
+            }
+        }
         let centre = at.mechanism.wheel_centre;
         Findings {
             travel: (at.point(centre).z - at.designed(centre).z)[0],
-            values: values.collect(),
+            values,
             gradients: Vec::new(),
         }
+    }
+
+    /// The columns of each output, in the plan's order.
+    fn columns_by_output(&self) -> impl Iterator<Item = (&[Column], &Output)> {
+        let columns = self.columns.chunk_by(|a, b| a.of == b.of);
+        columns.map(|columns| (columns, &self.plan.outputs[columns[0].of]))
     }
 
     /// The sensitivities of every column.
     fn gradients(&self, linearised: &Linearised<'_, N>, number: usize) -> Vec<Sensitivity> {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
-        let view = View::of(&linearised.at, plan.constants);
+        let view = View::reading(&linearised.at, plan.constants, plan.reads);
         let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         let mut buffer = vec![zero; self.suspension.design.len()];
-        let mut gradients = Vec::new();
-        for (of, output) in plan.outputs.iter().enumerate() {
-            // By order, point and axis, before the change to derivatives by time.
-            let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
+        let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();
+        let mut gradients = Vec::with_capacity(count);
+        // By order, point and axis, before the change to derivatives by time.
+        let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
+        let mut index = 0;
+        for (columns, output) in self.columns_by_output() {
+            let counts = matches!(output.quantity, Quantity::Characteristic(_));
+            self.tally
+                .note(|w| w.characteristic_gradients += u64::from(counts));
             view.gradients(
                 linearised,
                 output.quantity,
@@ -182,7 +207,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 &mut buffer,
                 |order, id, gradient| found[id.0][order] = gradient,
             );
-            for (index, column) in self.columns.iter().enumerate().filter(|(_, c)| c.of == of) {
+            for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {
                         let orders = found[id.0].map(|g| g.to_array()[axis as usize]);
@@ -196,6 +221,7 @@ impl<'a, const N: usize> Run<'a, N> {
                         });
                     }
                 }
+                index += 1;
             }
         }
         gradients

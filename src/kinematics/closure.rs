@@ -8,7 +8,7 @@ use super::constraint::{ArmAngle, Row};
 use super::lu::{Lu6, Matrix6, Vector6};
 use super::pose::{Pose, Posture, Sink};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Real, Vector3};
+use crate::number::{Matrix3, Real, Vector3};
 
 /// The sixth equation: what drives the mechanism, with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +60,39 @@ impl<T: Real> Sink<T> for Wrench<T> {
     #[inline]
     fn rack(&mut self, gradient: T) {
         self.rack = self.rack + gradient;
+    }
+}
+
+/// Some of the six closure equations; the sixth in each of its kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RowSet(u8);
+
+impl RowSet {
+    /// Every equation.
+    pub(super) const ALL: RowSet = RowSet(0xff);
+
+    #[inline]
+    fn holds(self, row: usize) -> bool {
+        self.0 & (1 << row) != 0
+    }
+
+    /// How many there are with this driver.
+    #[inline]
+    pub(super) fn count<T>(self, driver: Driver<T>) -> u64 {
+        u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
+    }
+}
+
+/// Notes whether something depends on one of some hardpoints.
+struct Touches<'a> {
+    points: &'a [PointId],
+    found: bool,
+}
+
+impl<T> Sink<T> for Touches<'_> {
+    fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
+    fn hardpoint(&mut self, id: PointId, _: Vector3<T>) {
+        self.found |= self.points.contains(&id);
     }
 }
 
@@ -122,6 +155,74 @@ impl<T: Real> Closure<T> {
         wrenches
     }
 
+    /// The equations that depend on one of these hardpoints, at some pose.
+    pub(super) fn rows_holding(
+        &self,
+        mechanism: &Mechanism,
+        design: &[Vector3<T>],
+        points: &[PointId],
+    ) -> RowSet {
+        let origin = design[mechanism.origin.0];
+        let like = origin.x.one();
+        let at = Posture {
+            mechanism,
+            design,
+            pose: Pose {
+                origin,
+                rotation: Matrix3::identity(like),
+            },
+            rack: like.zero(),
+            steering: None,
+        };
+        let drivers = [
+            Driver::Travel(like.zero()),
+            Driver::ArmAngle {
+                sine: like.zero(),
+                cosine: like,
+            },
+        ];
+        let mut set = RowSet(0);
+        let mut touches = Touches {
+            points,
+            found: false,
+        };
+        for (number, row) in self.rows.iter().enumerate() {
+            touches.found = false;
+            row.differential(&at, like, &mut touches);
+            set.0 |= u8::from(touches.found) << number;
+        }
+        for driver in drivers {
+            // The angle of an arm is a drive only where there is an arm.
+            if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
+                continue;
+            }
+            touches.found = false;
+            driver.differential(&at, like, &mut touches);
+            set.0 |= u8::from(touches.found) << driver.row();
+        }
+        set
+    }
+
+    /// As [`Closure::differential`], of some of the equations.
+    #[inline]
+    pub(super) fn differential_of(
+        &self,
+        rows: RowSet,
+        at: &Posture<T>,
+        driver: Driver<T>,
+        weights: &Vector6<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        for (number, (row, weight)) in self.rows.iter().zip(weights).enumerate() {
+            if rows.holds(number) {
+                row.differential(at, *weight, sink);
+            }
+        }
+        if rows.holds(driver.row()) {
+            driver.differential(at, weights[5], sink);
+        }
+    }
+
     /// Adds `weights` times the differentials of the six equations to the sink.
     #[inline]
     pub(super) fn differential(
@@ -131,10 +232,7 @@ impl<T: Real> Closure<T> {
         weights: &Vector6<T>,
         sink: &mut impl Sink<T>,
     ) {
-        for (row, weight) in self.rows.iter().zip(weights) {
-            row.differential(at, *weight, sink);
-        }
-        driver.differential(at, weights[5], sink);
+        self.differential_of(RowSet::ALL, at, driver, weights, sink);
     }
 }
 
@@ -152,6 +250,17 @@ impl Closure<f64> {
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let pose = at.pose.moved(shift, turn * 0.5);
         Some((pose, shift.norm().max(turn.norm() * size), lu))
+    }
+}
+
+impl<T> Driver<T> {
+    /// The number of its equation in a [`RowSet`].
+    #[inline]
+    fn row(&self) -> usize {
+        match self {
+            Driver::Travel(_) => 5,
+            Driver::ArmAngle { .. } => 6,
+        }
     }
 }
 

@@ -20,6 +20,7 @@ use super::closure::Closure;
 use super::motion::{Lifted, MotionPoint};
 use super::path::GOOD_PREDICTION;
 use super::pose::{Pose, Posture};
+use super::work::{Tally, Work};
 use crate::model::{Drive, Mechanism};
 use crate::number::{Jet, Vector3};
 
@@ -41,6 +42,7 @@ pub(super) struct Curve<'a> {
     pub size: f64,
     /// Rounding of the equations, in sizes.
     pub rounding: f64,
+    pub work: &'a Tally,
     pub moving: Moving,
     /// Kind of drive and the value of what is held.
     pub held: MotionPoint<f64>,
@@ -239,6 +241,10 @@ impl Curve<'_> {
         if turned {
             tangent = tangent.map(|c| -c);
         }
+        self.work.note(|w| {
+            w.factorisations += 2;
+            w.right_hand_sides += 2;
+        });
         let factors = Lu7::bordered(&matrix, &tangent)?;
         let mut series = pose.map(Jet::constant);
         let mut moved = Jet::constant(value);
@@ -288,6 +294,7 @@ impl Curve<'_> {
                 steering: None,
             };
             let residuals = self.closure.residuals(&at, motion.driver());
+            self.work.note(Work::note_newton);
             let factors = Lu7::bordered(&self.matrix(&pose, value), &from.tangent)?;
             let y = factors.solve(std::array::from_fn(|i| match i {
                 0..6 => -residuals[i] / self.size,

@@ -26,6 +26,7 @@ mod pose;
 mod rates;
 mod sensitivity;
 mod steering;
+mod work;
 
 pub use assemblies::{Assemblies, Assembly};
 pub use certificate::{Certificate, Certifier, Unproven};
@@ -38,3 +39,5 @@ pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist};
 pub use sensitivity::{Linearised, Seeds};
+pub(crate) use work::Tally;
+pub use work::Work;

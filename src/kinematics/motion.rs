@@ -1,12 +1,13 @@
 //! A design lifted to power series, to be evaluated pose by pose.
 
-use super::closure::{Closure, Driver};
+use super::closure::{Closure, Driver, RowSet};
 use super::lu::{Lu6, Vector6};
 use super::pose::{Pose, Posture};
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
 use super::steering::{Steered, twist_by_rack};
-use crate::model::{Drive, Mechanism, SteeringAxis};
+use super::work::Tally;
+use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Jet, Vector3};
 
 /// Where the motion is: the drive with its kind, and the rack.
@@ -43,6 +44,15 @@ impl MotionPoint<f64> {
 }
 
 impl<const N: usize> MotionPoint<Jet<f64, N>> {
+    /// Where it is now.
+    pub(super) fn value_point(&self) -> MotionPoint<f64> {
+        MotionPoint {
+            drive: self.drive,
+            value: self.value[0],
+            rack: self.rack[0],
+        }
+    }
+
     /// The drive equation along the motion.
     pub(super) fn driver(&self) -> Driver<Jet<f64, N>> {
         match self.drive {
@@ -65,6 +75,8 @@ pub struct Lifted<const N: usize> {
     closure: Closure<Jet<f64, N>>,
     /// Where the steering axis is an instantaneous one.
     steered: Option<Steered<N>>,
+    /// The equations that hold the points sensitivities are formed by.
+    rows: RowSet,
 }
 
 impl<const N: usize> Lifted<N> {
@@ -78,7 +90,14 @@ impl<const N: usize> Lifted<N> {
             design,
             closure,
             steered,
+            rows: RowSet::ALL,
         }
+    }
+
+    /// Forms sensitivities by these points only: the gradient by the others is not to be used.
+    pub fn with_sensitivities_to(mut self, mechanism: &Mechanism, points: &[PointId]) -> Self {
+        self.rows = self.closure.rows_holding(mechanism, &self.design, points);
+        self
     }
 
     /// Leaves out the steering axis if it is not `wanted` and takes more than the position of two
@@ -102,8 +121,9 @@ impl<const N: usize> Lifted<N> {
     }
 
     /// The posture in a solved pose, as a series along `motion`, with the factors of its Jacobian if
-    /// there was a need for them (a series beyond its constant part, or `linearise`). `None` where the
-    /// Jacobian is singular.
+    /// there was a need for them (a series beyond its constant part, or `linearise`). `known` are these
+    /// factors, where they are there already. `None` where the Jacobian is singular.
+    #[expect(clippy::too_many_arguments, reason = "a solver's state, part by part")]
     pub(super) fn posture<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -111,25 +131,29 @@ impl<const N: usize> Lifted<N> {
         design: &[Vector3<f64>],
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
+        known: Option<&Lu6<f64>>,
+        work: &Tally,
         linearise: bool,
     ) -> Option<Factorised<'a, N>> {
         let mut series = pose.map(Jet::constant);
         let mut factors = None;
         if N > 1 || linearise || self.steered.is_some() {
-            let rack = motion.rack[0];
-            let at = Posture {
-                mechanism,
-                design,
-                pose: *pose,
-                rack,
-                steering: None,
+            let point = motion.value_point();
+            let lu = match known {
+                Some(factors) => *factors,
+                None => {
+                    let at = Posture {
+                        mechanism,
+                        design,
+                        pose: *pose,
+                        rack: point.rack,
+                        steering: None,
+                    };
+                    work.note(|w| w.factorisations += 1);
+                    Lu6::new(closure.jacobian(&at, point.driver()), 1.0)?
+                }
             };
-            let point = MotionPoint {
-                drive: motion.drive,
-                value: motion.value[0],
-                rack,
-            };
-            let lu = Lu6::new(closure.jacobian(&at, point.driver()), 1.0)?;
+            work.note(|w| w.right_hand_sides += N as u64 - 1);
             series = self.series(mechanism, &lu, pose, motion);
             factors = Some(lu);
         }
@@ -141,6 +165,7 @@ impl<const N: usize> Lifted<N> {
             steering: None,
         };
         if let (Some(_), Some(lu)) = (&self.steered, &factors) {
+            work.note(|w| w.right_hand_sides += N as u64);
             let twist = twist_by_rack(&posture, &self.closure, motion.driver(), lu);
             posture.steering = Some(twist);
         }
@@ -205,13 +230,16 @@ impl<const N: usize> Lifted<N> {
         posture: Posture<'a, Jet<f64, N>>,
         factors: Lu6<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
+        work: &'a Tally,
     ) -> Linearised<'a, N> {
         Linearised::new(
             posture,
             &self.closure,
+            self.rows,
             self.steered.as_ref(),
             motion.driver(),
             factors,
+            work,
         )
     }
 }

@@ -17,6 +17,7 @@ use super::motion::{Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
+use super::work::{Tally, Work};
 use crate::model::{Constraint, Drive, Mechanism, PointId, SpinAxis};
 use crate::number::{Jet, Matrix3, Vector3};
 use std::fmt;
@@ -257,6 +258,17 @@ pub struct Solver<'m> {
     size: f64,
     /// The largest coordinate, at least the size: what positions are rounded at.
     reach: f64,
+    /// The last pose that Newton's method settled at, with its factors.
+    settled: Option<Settled>,
+    work: Tally,
+}
+
+/// A pose whose Jacobian is factorised already.
+#[derive(Clone, Copy, Debug)]
+struct Settled {
+    pose: Pose<f64>,
+    point: MotionPoint<f64>,
+    factors: Lu6<f64>,
 }
 
 /// A pose with the motion point it was found at.
@@ -293,6 +305,8 @@ impl<'m> Solver<'m> {
             lifted_is_current: false,
             size: 1.0,
             reach: 1.0,
+            settled: None,
+            work: Tally::default(),
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -312,6 +326,7 @@ impl<'m> Solver<'m> {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
         self.lifted_is_current = false;
+        self.settled = None;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -366,9 +381,22 @@ impl<'m> Solver<'m> {
         self.mechanism
     }
 
+    /// What was done since the solver was made.
+    pub fn work(&self) -> Work {
+        self.work.work()
+    }
+
     /// The design being solved.
     pub fn design(&self) -> &[Vector3<f64>] {
         &self.design
+    }
+
+    /// The pose of the knuckle in the design position.
+    pub fn design_pose(&self) -> Pose<f64> {
+        Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(0.0),
+        }
     }
 
     /// The size of the mechanism: the largest distance of a point from the knuckle's origin.
@@ -440,10 +468,7 @@ impl<'m> Solver<'m> {
 
     /// Pose and motion point of the design position.
     pub(super) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
-        let pose = Pose {
-            origin: self.design[self.mechanism.origin.0],
-            rotation: Matrix3::identity(0.0),
-        };
+        let pose = self.design_pose();
         let point = MotionPoint {
             drive,
             value: 0.0,
@@ -477,6 +502,7 @@ impl<'m> Solver<'m> {
             lifted: self.lifted.as_ref().expect("just made"),
             size: self.size,
             rounding: ROUNDING * self.reach / self.size,
+            work: &self.work,
             moving,
             held,
         }
@@ -494,13 +520,18 @@ impl<'m> Solver<'m> {
     }
 
     /// The design position, if the drive can move the mechanism from there.
-    fn start(&self, drive: Drive) -> Result<Place, DesignFault> {
+    fn start(&mut self, drive: Drive) -> Result<Place, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
             .ok_or(DesignFault::Singular)?;
         debug_assert!(lu.determinant().is_finite());
+        self.settled = Some(Settled {
+            pose,
+            point,
+            factors: lu,
+        });
         Ok(Place {
             point,
             pose,
@@ -519,7 +550,16 @@ impl<'m> Solver<'m> {
     }
 
     fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
-        self.factorised(pose, point).map(|(_, lu)| lu)
+        match self.factors_at(pose, point) {
+            Some(factors) => Some(*factors),
+            None => self.factorised(pose, point).map(|(_, lu)| lu),
+        }
+    }
+
+    /// The factors of the Jacobian, where they are known.
+    fn factors_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Lu6<f64>> {
+        let settled = self.settled.as_ref()?;
+        (settled.pose == *pose && settled.point == *point).then_some(&settled.factors)
     }
 
     /// The Jacobian and its factors.
@@ -530,6 +570,7 @@ impl<'m> Solver<'m> {
     ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
         let at = self.posture(pose, point.rack);
         let jacobian = self.closure.jacobian(&at, point.driver());
+        self.work.note(|w| w.factorisations += 1);
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
@@ -604,6 +645,7 @@ impl<'m> Solver<'m> {
                 let mut margins = quick.margins;
                 let mut settled = false;
                 for iteration in 0..4 {
+                    self.work.note(|w| w.closed_form_evaluations += 1);
                     let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
                     let rise = lifted.travel(&state);
                     let correction = (end - rise[0]) / rise[1];
@@ -631,6 +673,7 @@ impl<'m> Solver<'m> {
         };
         let step = tangent - quick.tangent;
         let state = form.at_half_tangent(tangent, to.rack);
+        self.work.note(|w| w.closed_form_evaluations += 1);
         // Half an angle's tangent grows by at least half of the angle.
         if !(step.abs() <= 0.5 * LONGEST_TURN
             && tangent.abs() < 1.0
@@ -639,6 +682,7 @@ impl<'m> Solver<'m> {
         {
             return None;
         }
+        self.work.note(|w| w.closed_form_solves += 1);
         Some(Place {
             point: *to,
             pose: form.pose(&state),
@@ -678,6 +722,7 @@ impl<'m> Solver<'m> {
                 rack: Jet([here.rack, to.rack - start.rack, 0.0]),
             };
             let accepted = lu.as_ref().and_then(|lu| {
+                self.work.note(|w| w.right_hand_sides += 2);
                 let series = lifted.series(self.mechanism, lu, &pose, &direction);
                 let predicted = predict(&series, target - reached);
                 let point = if target == 1.0 { *to } else { between(target) };
@@ -697,6 +742,13 @@ impl<'m> Solver<'m> {
                     }
                 }
             }
+        }
+        if let Some(factors) = lu {
+            self.settled = Some(Settled {
+                pose,
+                point: *to,
+                factors,
+            });
         }
         Ok(pose)
     }
@@ -739,6 +791,7 @@ impl<'m> Solver<'m> {
         let (mut pose, mut last) = (*pose, f64::INFINITY);
         for _ in 0..60 {
             let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
             if correction >= last || correction.is_nan() {
                 // Corrections that no longer shrink are rounding, amplified by the condition.
@@ -769,6 +822,7 @@ impl<'m> Solver<'m> {
         let mut last = f64::INFINITY;
         for iteration in 0..12 {
             let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
             let rounding = ROUNDING * self.reach;
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
@@ -810,6 +864,8 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
+                self.factors_at(pose, &motion.value_point()),
+                &self.work,
                 false,
             )
             .map(|(posture, _)| posture)
@@ -844,11 +900,13 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
+                self.factors_at(pose, &motion.value_point()),
+                &self.work,
                 true,
             )
             .ok_or(Failure::Singular)?;
         let factors = factors.ok_or(Failure::Singular)?;
-        Ok(lifted.linearised(posture, factors, motion))
+        Ok(lifted.linearised(posture, factors, motion, &self.work))
     }
 }
 

@@ -13,10 +13,11 @@
 //! Run on power series in the drive, the same lines give d/ds(dy/dp), which is d/dp(dy/ds): the
 //! sensitivities of rates and curvatures.
 
-use super::closure::{Closure, Driver, Wrench};
+use super::closure::{Closure, Driver, RowSet, Wrench};
 use super::lu::{Lu6, Matrix6};
 use super::pose::{Posture, Sink, Twist};
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
+use super::work::Tally;
 use crate::model::{PointId, SpinAxis, SteeringAxis};
 use crate::number::{Jet, Real, Vector3};
 
@@ -55,27 +56,33 @@ pub struct Linearised<'a, const N: usize> {
     /// The posture, as a series.
     pub at: Posture<'a, Jet<f64, N>>,
     closure: &'a Closure<Jet<f64, N>>,
+    rows: RowSet,
     steered: Option<&'a Steered<N>>,
     driver: Driver<Jet<f64, N>>,
     jacobian: Matrix6<Jet<f64, N>>,
     lu: Lu6<f64>,
+    work: &'a Tally,
 }
 
 impl<'a, const N: usize> Linearised<'a, N> {
     pub(super) fn new(
         at: Posture<'a, Jet<f64, N>>,
         closure: &'a Closure<Jet<f64, N>>,
+        rows: RowSet,
         steered: Option<&'a Steered<N>>,
         driver: Driver<Jet<f64, N>>,
         lu: Lu6<f64>,
+        work: &'a Tally,
     ) -> Self {
         Linearised {
             jacobian: closure.jacobian(&at, driver),
             at,
             closure,
+            rows,
             steered,
             driver,
             lu,
+            work,
         }
     }
 
@@ -105,6 +112,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
         if let (Some(by_twist), Some(twist), Some(steered)) =
             (by_twist, &self.at.steering, self.steered)
         {
+            self.work.note(|w| w.right_hand_sides += N as u64);
             let multipliers = self
                 .lu
                 .solve_transposed_series(&self.jacobian, &by_twist.into_array());
@@ -118,8 +126,13 @@ impl<'a, const N: usize> Linearised<'a, N> {
             );
         }
         let wrench = wrench.to_row();
+        self.work.note(|w| {
+            w.right_hand_sides += N as u64;
+            w.gradient_rows += self.rows.count(self.driver);
+        });
         let multipliers = self.lu.solve_transposed_series(&self.jacobian, &wrench);
-        self.closure.differential(
+        self.closure.differential_of(
+            self.rows,
             &self.at,
             self.driver,
             &multipliers.map(|m| -m),

@@ -11,7 +11,7 @@
 //! factorisation, and one adjoint for each target.
 
 use super::{Evaluation, Infeasible, LeastSquares};
-use crate::characteristics::{Characteristic, Constants, Quantity, View};
+use crate::characteristics::{Characteristic, Constants, Quantity, Slots, View};
 use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Solver};
 use crate::model::{Axis, Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
@@ -42,6 +42,8 @@ pub struct Wishes {
     /// Residual per deviation in tolerances, by target.
     shares: Vec<f64>,
     depth: usize,
+    /// What of wheel and steering axis the targets are made of.
+    reads: Slots,
 }
 
 impl Wishes {
@@ -110,6 +112,9 @@ impl Wishes {
                 .map(|t| Quantity::Characteristic(t.characteristic).depth())
                 .max()
                 .unwrap_or(0),
+            reads: optimise.targets.iter().fold(Slots::default(), |slots, t| {
+                slots.with(t.characteristic.info().reads)
+            }),
             by_station,
             rows,
             shares,
@@ -184,6 +189,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         wishes: &'a Wishes,
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
+        let points: Vec<PointId> = variables.iter().map(|v| v.point).collect();
         Ok(Objective {
             frame: suspension.frame,
             variables,
@@ -192,7 +198,9 @@ impl<'a, const N: usize> Objective<'a, N> {
             design,
             moved: design.clone(),
             solver: Solver::new(&suspension.mechanism, design)?,
-            lifted: Lifted::new(&suspension.mechanism, design),
+            lifted: Lifted::new(&suspension.mechanism, design)
+                .with_steering_axis(wishes.reads.contain_steering_axis())
+                .with_sensitivities_to(&suspension.mechanism, &points),
             buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
         })
     }
@@ -265,7 +273,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                             return ControlFlow::Break(());
                         }
                     };
-                let view = View::of(&linearised.at, *constants);
+                let view = View::reading(&linearised.at, *constants, wishes.reads);
                 for wish in &wishes.by_station[station] {
                     let quantity = Quantity::Characteristic(wish.characteristic);
                     let found = view.value(&linearised.at, quantity)[0];

@@ -2,6 +2,7 @@
 
 use super::Table;
 use crate::curves::{Curves, Station, Status};
+use crate::kinematics::Work;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,9 @@ pub struct SolveSummary {
     stations: usize,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
+    /// What was done for it.
+    #[serde(default)]
+    work: Work,
 }
 
 /// A station without a pose.
@@ -73,6 +77,7 @@ impl SolveSummary {
             stations: curves.stations.len(),
             failed: failed.collect(),
             outputs: outputs.collect(),
+            work: curves.work,
         }
     }
 

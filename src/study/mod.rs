@@ -18,6 +18,7 @@ mod optimise;
 mod outputs;
 mod overrides;
 mod parse;
+mod place;
 mod resolve;
 mod solver;
 mod source;

@@ -54,6 +54,10 @@ impl PointCoordinates {
     pub fn motion(&self, pose: &Pose, rates: Rates) -> Result<Motion, Refusal> {
         let (station, points) = (pose.station(), pose.moving());
         let fixed = self.fixed.with_rack(station.rack);
+        self.work.note(|w| {
+            w.factorisations += 1;
+            w.right_hand_sides += 2;
+        });
         let lu = self
             .factorised(self.jacobian(pose))
             .ok_or_else(|| Refusal::Singular(self.diagnosis(pose)))?;

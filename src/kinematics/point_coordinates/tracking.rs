@@ -6,6 +6,7 @@ use super::equations::{
     Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, quadratic, residual,
 };
 use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
+use crate::kinematics::work::{Tally, Work};
 use crate::number::Vector3;
 use nalgebra::{Const, LU};
 
@@ -55,7 +56,7 @@ impl Pose {
 }
 
 /// The fifteen equations of one strut with one drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PointCoordinates {
     pub(super) fixed: Fixed,
     pub(super) driving: Driving,
@@ -66,6 +67,7 @@ pub struct PointCoordinates {
     smallest_spread: f64,
     /// What the left-hand sides are at a solution, by rounding alone.
     rounding: f64,
+    pub(super) work: Tally,
 }
 
 impl PointCoordinates {
@@ -101,6 +103,7 @@ impl PointCoordinates {
             },
             smallest_spread: 0.0,
             rounding: rounding(&all, &lengths_squared),
+            work: Tally::default(),
         };
         let jacobian = mechanism.jacobian(&mechanism.design);
         let condition = condition(&jacobian);
@@ -132,6 +135,11 @@ impl PointCoordinates {
     pub fn knuckle_point(&self, design: Vector3<f64>) -> KnucklePoint {
         KnucklePoint::new(design, &self.design.moving)
             .expect("the knuckle of a regular design position is not flat")
+    }
+
+    /// What was done since the equations were made.
+    pub fn work(&self) -> Work {
+        self.work.work()
     }
 
     /// The pose at another station, on the branch of `from`.
@@ -199,6 +207,7 @@ impl PointCoordinates {
             if let Some(lu) = factors.take_if(|_| solved && contracted) {
                 break lu;
             }
+            self.work.note(|w| w.factorisations += 1);
             let lu = self.factorised(jacobian(fixed, &moving, driver))?;
             let determinant = lu.determinant();
             if determinant * orientation < 0.0 {
@@ -207,6 +216,10 @@ impl PointCoordinates {
             if solved && last.is_finite() {
                 break lu;
             }
+            self.work.note(|w| {
+                w.newton_iterations += 1;
+                w.right_hand_sides += 1;
+            });
             lu.solve_mut(&mut left);
             let length = left.amax();
             if length.is_nan() || length > CONTRACTION * last {

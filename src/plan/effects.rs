@@ -1,0 +1,225 @@
+//! The effects a study may ask for, one by one: on or off, why, and what each costs.
+
+use super::Plan;
+use crate::characteristics::{Quantity, Slot};
+use crate::model::SteeringAxis;
+use crate::study::{Order, Study};
+
+/// Something that can be computed with a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// What it is.
+    pub name: &'static str,
+    /// Whether it is computed.
+    pub on: bool,
+    /// What of it, in words; empty where it is off.
+    pub what: String,
+    /// What in the study turned it on; empty where it is off.
+    pub because: String,
+    /// Estimated cost, in poses without anything else: 0.5 makes a run half as long again. Zero where
+    /// the effect is off, whatever else is on.
+    pub cost: f64,
+}
+
+/// What effects cost per pose, in poses, as `hardpoint bench effects` measures them on the template of
+/// a strut. Good to a factor of two: what a pose costs depends on the topology, and on the machine.
+mod cost {
+    /// Factorising the Jacobian of a pose that the closed form gave.
+    pub const FACTORS: f64 = 0.4;
+    /// The power series one coefficient further, and the outputs on it.
+    pub const DERIVATIVE: f64 = 0.7;
+    /// One output's gradient by all hardpoints, with a coefficient of its series.
+    pub const GRADIENT: f64 = 0.6;
+    /// What is left of it where only one equation in six has to be differentiated.
+    pub const LEAST_GRADIENT: f64 = 0.4;
+    /// The steering axis as an instantaneous one.
+    pub const SCREW_AXIS: f64 = 0.6;
+}
+
+impl Plan {
+    /// Every effect the program knows, in the order in which they build on each other. `study` is the
+    /// study the plan was made of.
+    pub fn effects(&self, study: &Study) -> Vec<Effect> {
+        let off = |name| Effect {
+            name,
+            on: false,
+            what: String::new(),
+            because: String::new(),
+            cost: 0.0,
+        };
+        let on = |name, what: String, because: String, cost| Effect {
+            name,
+            on: true,
+            what,
+            because,
+            cost,
+        };
+        let written = |path: &[&str], text: &str| match study.line_of(path) {
+            Some(line) => format!("{text} (line {line})"),
+            None => text.to_owned(),
+        };
+        let mut effects = vec![on(
+            "position",
+            format!("{} poses", self.stations()),
+            written(&["motion"], "[motion]"),
+            1.0,
+        )];
+
+        effects.push(match self.rack_moves {
+            true => on(
+                "rack",
+                format!("{} displacements", self.racks.len()),
+                written(&["motion", "rack"], "motion.rack"),
+                self.racks.len() as f64 - 1.0,
+            ),
+            false => off("rack"),
+        });
+        effects.push(match &self.time {
+            Some(law) => on(
+                "time",
+                format!("{} times", law.times.len()),
+                written(&["motion", "time"], "motion.time"),
+                0.0,
+            ),
+            None => off("time"),
+        });
+
+        effects.extend(self.derivatives(study, &written, &on, &off));
+
+        let reasons = |reads: &dyn Fn(Slot) -> bool| {
+            let names = self.outputs.iter().filter_map(|o| {
+                let used = o.quantity.reads().iter().any(|slot| reads(*slot));
+                used.then_some(o.name.as_str())
+            });
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let characteristics = ["outputs", "characteristics"];
+        effects.push(match self.reads_steering_axis() {
+            true => {
+                let axis = study.suspension.mechanism.steering_axis;
+                let (what, cost) = match axis {
+                    Some(SteeringAxis::Instantaneous) => (
+                        "by a velocity analysis of the rack",
+                        cost::SCREW_AXIS + self.factors_cost(1),
+                    ),
+                    _ => ("through two joints", 0.0),
+                };
+                let names = reasons(&Slot::is_of_steering_axis);
+                on(
+                    "steering axis",
+                    what.to_owned(),
+                    written(&characteristics, &names),
+                    cost,
+                )
+            }
+            false => off("steering axis"),
+        });
+        let is_spring = |slot: Slot| matches!(slot, Slot::SpringLength | Slot::SpringLengthRate);
+        let names = reasons(&is_spring);
+        effects.push(match names.is_empty() {
+            false => on(
+                "spring",
+                "length".to_owned(),
+                written(&characteristics, &names),
+                0.0,
+            ),
+            true => off("spring"),
+        });
+        // The library balances loads; no key of a study asks for it.
+        effects.push(off("loads"));
+        effects.push(off("certificate"));
+        effects
+    }
+
+    fn derivatives(
+        &self,
+        study: &Study,
+        written: &dyn Fn(&[&str], &str) -> String,
+        on: &dyn Fn(&'static str, String, String, f64) -> Effect,
+        off: &dyn Fn(&'static str) -> Effect,
+    ) -> Vec<Effect> {
+        let order = study.outputs.order;
+        let mut effects = Vec::new();
+        for (k, name) in ["rates", "curvature", "third derivatives"]
+            .into_iter()
+            .enumerate()
+        {
+            let derivative = k + 1;
+            if self.coefficients <= derivative {
+                effects.push(off(name));
+                continue;
+            }
+            // What is made of velocities takes one derivative more than the order that is reported.
+            let of_velocities = self
+                .outputs
+                .iter()
+                .filter(|o| o.quantity.depth() > 0 && o.highest + 1 >= derivative)
+                .map(|o| o.name.as_str());
+            let because = if order as usize >= derivative {
+                let key = format!("outputs.order = \"{}\"", order.name());
+                written(&["outputs", "order"], &key)
+            } else {
+                let names: Vec<_> = of_velocities.collect();
+                let names = match order {
+                    Order::Position => names.join(", "),
+                    _ => format!("{} with order \"{}\"", names.join(", "), order.name()),
+                };
+                written(&["outputs", "characteristics"], &names)
+            };
+            let one = format!("right-hand side {derivative} of each pose");
+            effects.push(on(
+                name,
+                one,
+                because,
+                cost::DERIVATIVE + self.factors_cost(derivative),
+            ));
+        }
+        effects.push(match self.sensitivities.is_empty() {
+            true => off("sensitivities"),
+            false => {
+                let mechanism = &study.suspension.mechanism;
+                let points: Vec<_> = self
+                    .sensitivities
+                    .iter()
+                    .map(|id| mechanism.name(*id))
+                    .collect();
+                let outputs: Vec<_> = self.outputs.iter().map(|o| o.name.as_str()).collect();
+                let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
+                let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
+                let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
+                let factors = match self.coefficients {
+                    1 => cost::FACTORS,
+                    _ => 0.0,
+                };
+                on(
+                    "sensitivities",
+                    format!(
+                        "of {} by {} ({} coordinates)",
+                        outputs.join(", "),
+                        points.join(", "),
+                        3 * points.len()
+                    ),
+                    written(&["outputs", "sensitivities"], "outputs.sensitivities"),
+                    factors + each * (passes * self.coefficients) as f64,
+                )
+            }
+        });
+        effects
+    }
+
+    /// Adjoint passes that the gradients of an output take.
+    fn adjoints(&self, quantity: Quantity) -> usize {
+        match quantity.depth() {
+            0 => 1,
+            _ => self.coefficients - 1,
+        }
+    }
+
+    /// The Jacobian is factorised for the first derivative, and then there for the rest.
+    fn factors_cost(&self, derivative: usize) -> f64 {
+        match derivative {
+            1 => cost::FACTORS,
+            _ => 0.0,
+        }
+    }
+}

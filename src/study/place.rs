@@ -1,0 +1,35 @@
+//! Where in a study something is written.
+
+use super::Study;
+use toml_edit::{Document, Item};
+
+impl Study {
+    /// The line of the study's text, counted from 1, on which the value at a path of keys begins; of a
+    /// section, the line of its header.
+    pub fn line_of(&self, path: &[&str]) -> Option<usize> {
+        let document = Document::parse(self.text.as_str()).ok()?;
+        let item = path
+            .iter()
+            .try_fold(document.as_item(), |item: &Item, key| item.get(key))?;
+        let start = item.span()?.start;
+        Some(1 + self.text[..start].matches('\n').count())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Topology;
+    use std::path::Path;
+
+    #[test]
+    fn a_key_is_found_where_it_is_written() {
+        let text = Topology::named("macpherson").unwrap().template;
+        let study = Study::from_text("s.toml", text, Path::new(".")).unwrap();
+        let line = |n: usize| text.lines().nth(n - 1).unwrap();
+        let of = |path: &[&str]| study.line_of(path).map(line);
+        assert!(of(&["motion", "travel"]).unwrap().starts_with("travel"));
+        assert_eq!(of(&["motion"]).unwrap(), "[motion]");
+        assert_eq!(of(&["motion", "nowhere"]), None);
+    }
+}

@@ -1,0 +1,265 @@
+//! Only the effects a study asks for are computed: the counts of what was done say so.
+
+use hardpoint::characteristics::{Characteristic, Constants, Slots, View};
+use hardpoint::curves::{Curves, curves};
+use hardpoint::kinematics::{Lifted, MotionPoint, Solver, Work};
+use hardpoint::model::Drive;
+use hardpoint::plan::Plan;
+use hardpoint::study::Study;
+use std::path::Path;
+
+fn study(name: &str, overrides: &[&str]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(study: &Study) -> Curves {
+    let found = curves(&study.suspension, &Plan::of(study)).unwrap();
+    assert_eq!(found.failed(), 0);
+    found
+}
+
+/// What a sample study does for these characteristics at 41 travels and nothing else.
+fn work(name: &str, characteristics: &str, more: &[&str]) -> Work {
+    let characteristics = format!("outputs.characteristics={characteristics}");
+    let mut overrides = vec![
+        "motion.rack=0.0",
+        "motion.travel={from=-60.0,to=60.0,steps=41}",
+        "outputs.points=[]",
+        "outputs.order=\"position\"",
+        "outputs.sensitivities=false",
+        &characteristics,
+    ];
+    overrides.extend(more);
+    run(&study(name, &overrides)).work
+}
+
+const STRUT: &str = "macpherson_solve.toml";
+const WISHBONE: &str = "double_wishbone_solve.toml";
+const FIVE_LINK: &str = "five_link_solve.toml";
+const STATIONS: u64 = 41;
+
+/// With the closed form a position takes no linear algebra at all: what there is belongs to the design
+/// position, which is looked at once.
+#[test]
+fn camber_alone_takes_no_velocity_analysis() {
+    for name in [STRUT, WISHBONE] {
+        let work = work(name, "[\"camber\"]", &[]);
+        assert_eq!(work.factorisations, 1, "{name}");
+        assert_eq!(work.right_hand_sides, 0, "{name}");
+        assert_eq!(work.newton_iterations, 0, "{name}");
+        assert_eq!(work.gradient_rows, 0, "{name}");
+        assert_eq!(work.characteristic_gradients, 0, "{name}");
+        assert_eq!(work.characteristic_evaluations, STATIONS, "{name}");
+        // The design position is one of the stations and solved already.
+        assert_eq!(work.closed_form_solves, STATIONS - 1, "{name}");
+    }
+}
+
+#[test]
+fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
+    for name in [STRUT, WISHBONE, FIVE_LINK] {
+        let without = work(name, "[\"camber\"]", &[]);
+        let with = work(name, "[\"camber_gain\"]", &[]);
+        assert_eq!(
+            with.right_hand_sides - without.right_hand_sides,
+            STATIONS,
+            "{name}"
+        );
+        // Newton's method leaves its factors behind, the closed form has none; nor has the design
+        // position of the closed form to be factorised again.
+        let factorisations = match name {
+            FIVE_LINK => 0,
+            _ => STATIONS - 1,
+        };
+        assert_eq!(
+            with.factorisations - without.factorisations,
+            factorisations,
+            "{name}"
+        );
+        assert_eq!(with.newton_iterations, without.newton_iterations, "{name}");
+        assert_eq!(
+            with.closed_form_evaluations, without.closed_form_evaluations,
+            "{name}"
+        );
+    }
+}
+
+/// Each order of derivatives is one right-hand side more, with the same factors.
+#[test]
+fn orders_share_one_factorisation() {
+    let at = |order: &str| {
+        work(
+            STRUT,
+            "[\"camber\"]",
+            &[&format!("outputs.order=\"{order}\"")],
+        )
+    };
+    let [position, velocity, acceleration] = ["position", "velocity", "acceleration"].map(at);
+    assert_eq!(
+        velocity.right_hand_sides,
+        position.right_hand_sides + STATIONS
+    );
+    assert_eq!(
+        acceleration.right_hand_sides,
+        position.right_hand_sides + 2 * STATIONS
+    );
+    assert_eq!(acceleration.factorisations, velocity.factorisations);
+    // A value and its derivatives are one evaluation.
+    assert_eq!(
+        acceleration.characteristic_evaluations,
+        position.characteristic_evaluations
+    );
+}
+
+/// An adjoint costs what it does whatever the variables; what follows it is as much as they need.
+#[test]
+fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
+    let by = |points: &str| {
+        let sensitivities = format!("outputs.sensitivities={points}");
+        work(STRUT, "[\"camber\", \"toe\"]", &[&sensitivities])
+    };
+    let all = by("true");
+    let one = by("[\"tie_rod_inner\"]");
+    let none = by("false");
+    assert_eq!(all.gradient_rows, 2 * 6 * STATIONS);
+    // The tie rod alone knows of its inner end.
+    assert_eq!(one.gradient_rows, 2 * STATIONS);
+    assert_eq!(none.gradient_rows, 0);
+    // One right-hand side for each output, however many coordinates.
+    for work in [all, one] {
+        assert_eq!(work.right_hand_sides, 2 * STATIONS);
+        assert_eq!(work.factorisations, STATIONS);
+    }
+}
+
+/// Leaving equations out leaves nothing out: the same bits as among all sensitivities.
+#[test]
+fn sensitivities_to_some_points_are_those_among_all() {
+    for name in [STRUT, WISHBONE, FIVE_LINK, "semi_trailing_arm_solve.toml"] {
+        let of = |what: &str| {
+            study(
+                name,
+                &[
+                    "outputs.characteristics=[\"camber\", \"toe\", \"bump_steer\"]",
+                    "outputs.order=\"velocity\"",
+                    &format!("outputs.sensitivities={what}"),
+                ],
+            )
+        };
+        let all = run(&of("true")).sensitivities;
+        let mechanism = of("true").suspension.mechanism;
+        for (id, point) in mechanism.points.iter().enumerate() {
+            if !mechanism
+                .topology
+                .hardpoints
+                .iter()
+                .any(|h| h.name == point.name)
+            {
+                continue;
+            }
+            let some = run(&of(&format!("[\"{}\"]", point.name))).sensitivities;
+            let same: Vec<_> = all.iter().filter(|s| s.point.0 == id).collect();
+            assert!(!some.is_empty());
+            assert_eq!(some.iter().collect::<Vec<_>>(), same, "{}", point.name);
+        }
+    }
+}
+
+/// A study without a rack, a spring or a steering axis to read runs no code of theirs.
+#[test]
+fn what_nothing_reads_is_not_computed() {
+    for name in [STRUT, FIVE_LINK] {
+        let study = study(name, &["outputs.characteristics=[\"camber\"]"]);
+        let suspension = &study.suspension;
+        let plan = Plan::of(&study);
+        assert_eq!(
+            plan.reads,
+            Slots::default().with(Characteristic::Camber.info().reads)
+        );
+        let solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
+        let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design)
+            .with_steering_axis(plan.reads_steering_axis());
+        let point = MotionPoint {
+            drive: Drive::Travel,
+            value: 0.0,
+            rack: 0.0,
+        };
+        let pose = solver.design_pose();
+        let motion = point.along_drive();
+        let at = solver.posture_series(&lifted, &pose, &motion).unwrap();
+        assert!(at.steering.is_none());
+        let view = View::reading(&at, Constants::default(), plan.reads);
+        for c in Characteristic::ALL {
+            let value = view.characteristic(*c)[0];
+            let is_known = c.info().reads.iter().all(|slot| plan.reads.contains(*slot));
+            assert_eq!(value.is_finite(), is_known, "{}", c.info().name);
+        }
+    }
+}
+
+/// Declared but off is the same as never mentioned.
+#[test]
+fn what_is_declared_but_off_costs_nothing() {
+    let declared = study(
+        STRUT,
+        &[
+            "outputs={characteristics=[\"camber\"], order=\"position\", sensitivities=false, certify=false, points=[], knuckle=false}",
+            "motion.rack=0.0",
+            "vehicle={wheelbase=2600.0, track=1520.0, cg_height=500.0, brake_share_front=0.65}",
+        ],
+    );
+    let plain = study(
+        STRUT,
+        &["outputs={characteristics=[\"camber\"]}", "motion.rack=0.0"],
+    );
+    assert_eq!(run(&declared).work, run(&plain).work);
+    let (a, b) = (Plan::of(&declared), Plan::of(&plain));
+    assert_eq!((a.coefficients, a.reads), (b.coefficients, b.reads));
+    let on = |s: &Study| {
+        let effects = Plan::of(s).effects(s).into_iter();
+        effects.filter(|e| e.on).map(|e| e.name).collect::<Vec<_>>()
+    };
+    assert_eq!(on(&declared), ["position"]);
+    assert_eq!(on(&plain), ["position"]);
+}
+
+/// The plan names the line that turned an effect on.
+#[test]
+fn effects_are_on_for_a_reason() {
+    let study = study(
+        STRUT,
+        &[
+            "outputs={characteristics=[\"camber\", \"camber_gain\", \"caster\", \"motion_ratio\"], sensitivities=[\"strut_top\"]}",
+            "motion.rack={from=-5.0, to=5.0, steps=3}",
+        ],
+    );
+    let effects = Plan::of(&study).effects(&study);
+    let effect = |name: &str| effects.iter().find(|e| e.name == name).unwrap();
+    for (name, reason) in [
+        ("rack", "motion.rack"),
+        ("rates", "camber_gain, motion_ratio"),
+        ("sensitivities", "outputs.sensitivities"),
+        ("steering axis", "caster"),
+        ("spring", "motion_ratio"),
+    ] {
+        let effect = effect(name);
+        assert!(effect.on, "{name}");
+        assert!(effect.because.starts_with(reason), "{}", effect.because);
+        let line = effect.because.split("(line ").nth(1).unwrap();
+        let line: usize = line.trim_end_matches(')').parse().unwrap();
+        let key = reason.split('.').next_back().unwrap();
+        let written = study.text.lines().nth(line - 1).unwrap();
+        assert!(
+            written.contains(key.split(',').next().unwrap()),
+            "{written}"
+        );
+    }
+    for name in ["time", "curvature", "loads", "certificate"] {
+        assert!(!effect(name).on, "{name}");
+        assert_eq!(effect(name).cost, 0.0);
+    }
+}

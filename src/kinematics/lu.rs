@@ -60,6 +60,18 @@ impl<T: Real> Lu6<T> {
         self.determinant
     }
 
+    /// Row `i` of the matrix, multiplied out again, in an order of its own.
+    pub(super) fn row(&self, i: usize) -> Vector6<T> {
+        let f = &self.factors;
+        from_fn(|j| {
+            let mut sum = if i <= j { f[i][j] } else { f[i][j] * f[j][j] };
+            for k in 0..i.min(j) {
+                sum = sum + f[i][k] * f[k][j];
+            }
+            sum
+        })
+    }
+
     /// x with A x = b.
     #[inline]
     pub(super) fn solve(&self, b: Vector6<T>) -> Vector6<T> {

@@ -31,7 +31,7 @@ mod work;
 pub use assemblies::{Assemblies, Assembly};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
-pub use conditioning::Conditioning;
+pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
 pub use loads::{Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};

@@ -13,7 +13,7 @@ use super::continuation::{Curve, Moving, PathEnd};
 use super::limits::LimitCause;
 use super::loads::{Load, Reactions, Support};
 use super::lu::{Lu6, Matrix6};
-use super::motion::{Lifted, MotionPoint};
+use super::motion::{Factorised, Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
@@ -549,7 +549,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+    pub(super) fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
         match self.factors_at(pose, point) {
             Some(factors) => Some(*factors),
             None => self.factorised(pose, point).map(|(_, lu)| lu),
@@ -849,14 +849,27 @@ impl<'m> Solver<'m> {
         None
     }
 
-    /// The posture in a pose found by this solver, as a power series along the motion; with
-    /// `linearise`, ready for sensitivities.
+    /// The posture in a pose found by this solver, as a power series along the motion.
     pub fn posture_series<'a, const N: usize>(
         &'a self,
         lifted: &'a Lifted<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
+        let (posture, _) = self.factorised_series(lifted, pose, motion, false)?;
+        Ok(posture)
+    }
+
+    /// The posture with the factors of its Jacobian, if there was a need for them; with `linearise` there
+    /// is.
+    pub(super) fn factorised_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+        linearise: bool,
+    ) -> Result<Factorised<'a, N>, Failure> {
+        let known = self.factors_at(pose, &motion.value_point());
         lifted
             .posture(
                 self.mechanism,
@@ -864,11 +877,10 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
-                self.factors_at(pose, &motion.value_point()),
+                known,
                 &self.work,
-                false,
+                linearise,
             )
-            .map(|(posture, _)| posture)
             .ok_or(Failure::Singular)
     }
 
@@ -893,18 +905,7 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Linearised<'a, N>, Failure> {
-        let (posture, factors) = lifted
-            .posture(
-                self.mechanism,
-                &self.closure,
-                &self.design,
-                pose,
-                motion,
-                self.factors_at(pose, &motion.value_point()),
-                &self.work,
-                true,
-            )
-            .ok_or(Failure::Singular)?;
+        let (posture, factors) = self.factorised_series(lifted, pose, motion, true)?;
         let factors = factors.ok_or(Failure::Singular)?;
         Ok(lifted.linearised(posture, factors, motion, &self.work))
     }

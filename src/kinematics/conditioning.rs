@@ -47,25 +47,18 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// From the factors of the Jacobian, a few solves more.
+    /// From the factors of the Jacobian: about as much work again as making them.
     fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
-        let row_sum = |i: usize| {
-            let row = lu.row(i);
-            let force: f64 = row[..3].iter().map(|c| c.abs()).sum();
-            let moment: f64 = row[3..].iter().map(|c| c.abs()).sum();
-            force + moment / size
-        };
-        let norm = (0..6).map(row_sum).fold(0.0, f64::max);
-        let mut inverse = [0.0; 6];
-        for k in 0..6 {
-            let mut unit = [0.0; 6];
-            unit[k] = size;
-            for (i, c) in lu.solve(unit).into_iter().enumerate() {
-                inverse[i] += c.abs() * if i < 3 { 1.0 / size } else { 1.0 };
-            }
-        }
-        let inverse_norm = inverse.into_iter().fold(0.0, f64::max);
+        let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
+            norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
+        });
+        let inverse = lu.inverse();
+        let [shifts, turns] = [&inverse[..3], &inverse[3..]].map(|rows| {
+            let sums = rows.iter().map(|row| magnitude(row));
+            sums.fold(0.0, f64::max)
+        });
+        let inverse_norm = shifts.max(turns * size);
         let number = norm * inverse_norm;
         if !number.is_finite() {
             return Conditioning::SINGULAR;
@@ -75,6 +68,10 @@ impl Conditioning {
             distance: size / inverse_norm,
         }
     }
+}
+
+fn magnitude(row: &[f64]) -> f64 {
+    row.iter().map(|c| c.abs()).sum()
 }
 
 /// Decimal digits that rates and sensitivities can be trusted to where the equations have this condition

@@ -35,7 +35,7 @@ mod cost {
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
     /// Proving the pose and the step to it on intervals.
-    pub const CERTIFICATE: f64 = 0.0;
+    pub const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Plan {

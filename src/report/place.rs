@@ -1,6 +1,6 @@
 //! Where on the motion a station is.
 
-use super::shortest;
+use super::failures::whole;
 use crate::curves::Station;
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
@@ -31,14 +31,14 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.arm_angle_deg, self.theta_deg, self.travel) {
-            (Some(angle), _, _) => write!(f, "arm angle {} deg", shortest(angle))?,
-            (None, Some(theta), _) => write!(f, "theta {} deg", shortest(theta))?,
-            (None, None, Some(travel)) => write!(f, "travel {}", shortest(travel))?,
+            (Some(angle), _, _) => write!(f, "arm angle {} deg", whole(angle))?,
+            (None, Some(theta), _) => write!(f, "theta {} deg", whole(theta))?,
+            (None, None, Some(travel)) => write!(f, "travel {}", whole(travel))?,
             (None, None, None) => f.write_str("unknown travel")?,
         }
         match self.rack {
             0.0 => Ok(()),
-            rack => write!(f, ", rack {}", shortest(rack)),
+            rack => write!(f, ", rack {}", whole(rack)),
         }
     }
 }

@@ -90,7 +90,7 @@ impl CertificateSummary {
     }
 
     /// The same in words.
-    pub fn remark(&self, stations: usize) -> String {
+    pub fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += match (self.one_branch, self.unproved) {
             (true, _) => "; the whole curve is one branch",
@@ -99,8 +99,9 @@ impl CertificateSummary {
         };
         if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
             let error = brief(error);
-            text +=
-                &format!("; no point of the wheel carrier is off by more than {error} (at {at})");
+            text += &format!(
+                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {at})"
+            );
         }
         text
     }

@@ -113,8 +113,11 @@ impl SolveSummary {
     }
 
     /// What has to be said of the accuracy, a line each.
-    pub fn remarks(&self) -> Vec<String> {
-        let certificate = self.certificate.as_ref().map(|c| c.remark(self.stations));
+    pub fn remarks(&self, length_unit: &str) -> Vec<String> {
+        let certificate = self
+            .certificate
+            .as_ref()
+            .map(|c| c.remark(self.stations, length_unit));
         let condition = self.condition.as_ref().and_then(ConditionSummary::warning);
         certificate.into_iter().chain(condition).collect()
     }

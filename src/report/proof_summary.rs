@@ -92,10 +92,10 @@ impl CertificateSummary {
     /// The same in words.
     pub fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
-        text += match (self.one_branch, self.unproved) {
-            (true, _) => "; the whole curve is one branch",
-            (false, 0) => "; what can be reached is one branch",
-            (false, _) => "; beyond what could not be proved nothing is",
+        text += &match (self.one_branch, self.unproved) {
+            (true, _) => "; the whole curve is one branch".to_owned(),
+            (false, 0) => "; what can be reached is one branch".to_owned(),
+            (false, n) => format!("; {n} with a pose that could not be proved"),
         };
         if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
             let error = brief(error);

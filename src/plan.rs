@@ -54,6 +54,8 @@ pub struct Plan {
     pub coefficients: usize,
     /// Points by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
+    /// Whether each pose is proved.
+    pub certify: bool,
     /// Figures that formulas read.
     pub constants: Constants,
 }
@@ -132,6 +134,7 @@ impl Plan {
             outputs,
             coefficients,
             sensitivities: study.outputs.sensitivities.clone(),
+            certify: study.outputs.certify,
             constants: Constants::of(suspension),
         }
     }

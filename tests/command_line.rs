@@ -422,3 +422,87 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
         serde_json::from_str(&fs::read_to_string(summary).unwrap()).unwrap();
     assert!(summary["misfit_after"].is_null());
 }
+
+/// Every station of an ordinary study is proved, to rounding, as one branch; `check` says what asked for
+/// it.
+#[test]
+fn a_certificate_covers_the_whole_curve() {
+    let certify = ["--set", "outputs.certify=true"];
+    let (directory, said) = run("solve", "macpherson_solve.toml", &certify);
+    let proved = "certificate: 41 of 41 stations proved; the whole curve is one branch";
+    assert!(said.contains(proved), "{said}");
+    let table = csv(&directory, "curves.csv");
+    let errors = column(&table, "position_error_mm");
+    let apart = column(&table, "uniqueness_mm");
+    // A strut of about 700 mm.
+    assert!(errors.iter().all(|e| *e > 0.0 && *e < 1e-10), "{errors:?}");
+    assert!(apart.iter().all(|u| *u > 1.0), "{apart:?}");
+    let summary = json(&directory, "summary.json");
+    let certificate = &summary["certificate"];
+    assert_eq!(certificate["proved"], 41);
+    assert_eq!(certificate["one_branch"], true);
+    let worst = errors.iter().copied().fold(0.0, f64::max);
+    assert_eq!(certificate["largest_position_error"], worst);
+
+    let study = studies().join("macpherson_solve.toml");
+    let assert = hardpoint(&["check", study.to_str().unwrap(), certify[0], certify[1]]).success();
+    let said = text(&assert.get_output().stdout);
+    let row = said
+        .lines()
+        .find(|line| line.contains("certificate"))
+        .unwrap();
+    assert!(
+        row.contains(" on ") && row.contains("outputs.certify (line "),
+        "{row}"
+    );
+    let (directory, said) = run("solve", "macpherson_solve.toml", &[]);
+    assert!(!said.contains("certificate"), "{said}");
+    assert!(json(&directory, "summary.json")["certificate"].is_null());
+}
+
+/// The fold of travel is at 349.66780703583492 mm: a station so close to it that its assemblies cannot be
+/// told apart is solved without a certificate and refused with one; before it, derivatives are flagged.
+#[test]
+fn stations_at_a_fold_are_flagged_or_not_proved() {
+    let study = studies().join("macpherson_solve.toml");
+    let solved = |travels: &str, more: &[&str]| {
+        let travel = format!("motion.travel={travels}");
+        let upper = "suspension.hardpoints.strut_upper=[-17, 611, 490]";
+        let mut arguments = vec![
+            "solve",
+            study.to_str().unwrap(),
+            "--out",
+            "-",
+            "--set",
+            &travel,
+        ];
+        for set in [upper].iter().chain(more) {
+            arguments.extend(["--set", set]);
+        }
+        let output = hardpoint(&arguments).get_output().clone();
+        let rows = text(&output.stdout);
+        let status = |row: &str| row.rsplit(',').next().unwrap().to_owned();
+        let status: Vec<_> = rows.lines().skip(1).map(status).collect();
+        (output.status.code(), status, rows, text(&output.stderr))
+    };
+    let near = "[0, 349.667, 349.66780703583]";
+    let (code, status, _, said) = solved(near, &["outputs.order=velocity"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(status, ["ok", "ok", "ill_conditioned"], "{said}");
+    assert!(
+        said.contains("warning: 1 station has fewer than six digits"),
+        "{said}"
+    );
+    assert!(said.contains("at travel 349.66780703583"), "{said}");
+
+    let at_fold = "[0, 300, 349.667807035834]";
+    let (code, status, rows, said) = solved(at_fold, &["outputs.certify=true"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert_eq!(status, ["ok", "ok", "uncertified"], "{said}");
+    assert!(rows.lines().last().unwrap().contains(",,,"), "{rows}");
+    assert!(
+        said.contains("travel 349.667807035834: the pose is not proved"),
+        "{said}"
+    );
+    assert!(said.contains("2 of 3 stations proved"), "{said}");
+}

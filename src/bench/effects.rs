@@ -137,6 +137,7 @@ impl Effects {
             knuckle: false,
             order: Order::Position,
             sensitivities: Vec::new(),
+            certify: false,
         };
         base.suspension.vehicle = Vehicle::default();
         let mut added = base.clone();

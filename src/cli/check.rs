@@ -4,7 +4,7 @@ use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::curves::curves;
-use crate::kinematics::March;
+use crate::kinematics::{DesignFault, March, PaperTheta};
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
 use crate::study::{Drive, Formulation, Study};
@@ -15,23 +15,15 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.set)?;
     let plan = Plan::of(&study);
 
-    // The design position alone, whatever the motion is.
-    let mut design_study = study.clone();
-    design_study.motion.time = None;
-    design_study.motion.rack = vec![0.0];
+    let fault = |fault: DesignFault| design_fault(&study, path, &fault);
     let design_plan = Plan {
-        drive: match plan.drive {
-            Drive::PaperTheta => Drive::ArmAngle,
-            drive => drive,
-        },
-        march: March::through(&[0.0]),
+        march: March::through(&[design_value(&study).map_err(fault)?]),
         racks: vec![0.0],
         time: None,
         ..plan.clone()
     };
-    let design = curves(&study.suspension, &design_plan)
-        .map_err(|fault| design_fault(&study, path, &fault))?;
-    let values = SolveSummary::of(&design_study, &design).design_table();
+    let design = curves(&study.suspension, &design_plan).map_err(fault)?;
+    let values = SolveSummary::design_table(&design);
 
     let mut out = std::io::stdout().lock();
     let format = arguments.format.into();
@@ -42,20 +34,43 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         writeln!(
             out,
             "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures \
-             them.\n\nDesign position:"
+             them."
         )?;
+        match plan.outputs.iter().any(|o| o.highest > 0) {
+            true => {
+                let drive = drive_name(&plan);
+                writeln!(out, "\nDesign position, derivatives by {drive}:")?;
+            }
+            false => writeln!(out, "\nDesign position:")?,
+        }
     }
     write!(out, "{}", values.render(format))?;
     Ok(Exit::Done)
 }
 
-/// What the motion asks for, in a sentence.
-fn motion(study: &Study, plan: &Plan) -> String {
-    let drive = match plan.drive {
+/// The study's drive in the design position, whatever the motion is.
+fn design_value(study: &Study) -> Result<f64, DesignFault> {
+    let suspension = &study.suspension;
+    match study.motion.drive {
+        Drive::Travel | Drive::ArmAngle => Ok(0.0),
+        Drive::PaperTheta => {
+            let drive = PaperTheta::of(&suspension.mechanism, &suspension.design)?;
+            Ok(drive.design_value())
+        }
+    }
+}
+
+fn drive_name(plan: &Plan) -> &'static str {
+    match plan.drive {
         Drive::Travel => "wheel travel",
         Drive::ArmAngle => "arm angle",
         Drive::PaperTheta => "the seed paper's theta",
-    };
+    }
+}
+
+/// What the motion asks for, in a sentence.
+fn motion(study: &Study, plan: &Plan) -> String {
+    let drive = drive_name(plan);
     let formulation = match plan.formulation {
         Formulation::KnucklePose => "",
         Formulation::PointCoordinates => ", in point coordinates",

@@ -45,6 +45,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         summary.headline()
     ))?;
     output.table(&summary.table())?;
+    for remark in summary.remarks(length.symbol()) {
+        output.say(&format!("\n{remark}\n"))?;
+    }
     for failure in Stretch::all(&curves, plan.drive) {
         output.say(&format!("\nnot solved: {failure}\n"))?;
     }

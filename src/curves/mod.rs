@@ -3,6 +3,7 @@
 mod column;
 mod course;
 mod point_coordinates;
+mod prover;
 mod run;
 
 pub use column::Column;
@@ -18,6 +19,9 @@ use crate::model::{Axis, PointId};
 pub enum Status {
     /// Solved; every value that exists is there.
     Ok,
+    /// Solved, but so close to a singular pose that fewer than six digits of derivatives and
+    /// sensitivities can be trusted.
+    IllConditioned,
     /// Not solved, and why.
     Failed(Failure),
 }
@@ -27,6 +31,7 @@ impl Status {
     pub fn word(&self) -> &'static str {
         match self {
             Status::Ok => "ok",
+            Status::IllConditioned => "ill_conditioned",
             Status::Failed(failure) => match failure {
                 Failure::Unreachable { .. }
                 | Failure::RackUnreachable { .. }
@@ -57,6 +62,20 @@ pub struct Station {
     pub status: Status,
     /// A value for each column; `None` where there is none.
     pub values: Vec<Option<f64>>,
+    /// Condition number of the equations, where derivatives or sensitivities are computed.
+    pub condition: Option<f64>,
+    /// What is proved, where that is asked for.
+    pub proof: Option<Proof>,
+}
+
+/// What is proved of a station's pose, as lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// No point of the wheel carrier is further than this from its exact position.
+    pub position_error: f64,
+    /// Any other pose differs by more than this in a coordinate of its origin or, counted at the
+    /// mechanism's size, in an entry of its rotation.
+    pub uniqueness: f64,
 }
 
 /// The derivative of an output, or of its derivative, by a hardpoint coordinate.
@@ -94,7 +113,7 @@ impl Curves {
     pub fn failed(&self) -> usize {
         self.stations
             .iter()
-            .filter(|s| s.status != Status::Ok)
+            .filter(|s| matches!(s.status, Status::Failed(_)))
             .count()
     }
 }

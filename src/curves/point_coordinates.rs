@@ -1,6 +1,6 @@
 //! Running a plan with the formulation in point coordinates.
 
-use super::run::Run;
+use super::run::{Findings, Run};
 use crate::kinematics::point_coordinates::{
     self, PointCoordinates, Pose, Rates, Refusal, Strut, StrutPoints,
 };
@@ -70,7 +70,13 @@ impl<const N: usize> Run<'_, N> {
                 }
             };
             driven.equations.march(&start, &values, |number, pose| {
-                let read = |pose: &Pose| Ok(self.values(&self.posture(&driven, pose)?, number));
+                let read = |pose: &Pose| {
+                    let posture = self.posture(&driven, pose)?;
+                    Ok(Findings {
+                        condition: (N > 1).then(|| driven.equations.condition(pose)),
+                        ..self.values(&posture, number)
+                    })
+                };
                 let found = pose
                     .and_then(read)
                     .map_err(|refusal| driven.failure(refusal));

@@ -1,11 +1,12 @@
 //! Running a plan: march, read, differentiate.
 
 use super::course::Course;
-use super::{Column, Curves, Sensitivity, Station, Status};
+use super::prover::Prover;
+use super::{Column, Curves, Proof, Sensitivity, Station, Status};
 use crate::characteristics::{Quantity, View};
 use crate::kinematics::{
-    DesignFault, Failure, Lifted, Linearised, MotionPoint, Pose, PoseError, Posture, Solver, Tally,
-    Work,
+    DesignFault, Failure, LEAST_DIGITS, Lifted, Linearised, MotionPoint, Pose, PoseError, Posture,
+    Solver, Tally, Work, rate_digits,
 };
 use crate::model::{Axis, Suspension};
 use crate::number::{Jet, Vector3};
@@ -40,9 +41,11 @@ pub(super) struct Run<'a, const N: usize> {
 
 /// What is found at one station.
 pub(super) struct Findings {
-    travel: f64,
-    values: Vec<Option<f64>>,
-    gradients: Vec<Sensitivity>,
+    pub(super) travel: f64,
+    pub(super) values: Vec<Option<f64>>,
+    pub(super) gradients: Vec<Sensitivity>,
+    pub(super) condition: Option<f64>,
+    pub(super) proof: Option<Proof>,
 }
 
 impl<'a, const N: usize> Run<'a, N> {
@@ -56,6 +59,8 @@ impl<'a, const N: usize> Run<'a, N> {
             // Of what is not on the course nothing more will be known.
             status: Status::Failed(Failure::DeadCentre),
             values: vec![None; columns.len()],
+            condition: None,
+            proof: None,
         };
         let along = |rack: &f64| {
             let rack = *rack;
@@ -103,16 +108,36 @@ impl<'a, const N: usize> Run<'a, N> {
         if let Some(allowed) = plan.accuracy {
             solver = solver.with_accuracy(allowed);
         }
+        let prover = plan.certify.then(|| Prover::new(suspension));
         for (i, rack) in plan.racks.iter().enumerate() {
             let drive = plan.drive.in_kernel();
             let rack = rack * plan.rack_sign;
-            solver.march(drive, &course.march, rack, |solver, place, pose| {
-                let number = course.stations[place];
-                let motion = course.motion(plan.march.values()[number], rack);
-                let found = pose.and_then(|pose| self.read(solver, pose, number, &motion));
-                self.note(i, number, found);
-                ControlFlow::Continue(())
-            })?;
+            let mut take =
+                |solver: &Solver, place: usize, pose: Result<&Pose<f64>, Failure>, proof| {
+                    let number = course.stations[place];
+                    let motion = course.motion(plan.march.values()[number], rack);
+                    let found = pose.and_then(|pose| self.read(solver, pose, number, &motion));
+                    self.note(i, number, found.map(|f| Findings { proof, ..f }));
+                    ControlFlow::Continue(())
+                };
+            match &prover {
+                None => solver.march(drive, &course.march, rack, |solver, place, pose| {
+                    take(solver, place, pose, None)
+                })?,
+                Some(prover) => {
+                    let certifier = &prover.certifier;
+                    solver.march_certified(
+                        certifier,
+                        drive,
+                        &course.march,
+                        rack,
+                        |solver, place, proved| {
+                            let proof = proved.as_ref().ok().map(|(_, c)| prover.proof(c));
+                            take(solver, place, proved.map(|(pose, _)| pose), proof)
+                        },
+                    )?;
+                }
+            }
         }
         self.work = solver.work();
         self.error_bound = plan.accuracy.map(|_| solver.error_bound());
@@ -125,7 +150,13 @@ impl<'a, const N: usize> Run<'a, N> {
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
-                station.status = Status::Ok;
+                let digits = findings.condition.map(rate_digits);
+                station.status = match digits {
+                    Some(digits) if digits < LEAST_DIGITS => Status::IllConditioned,
+                    _ => Status::Ok,
+                };
+                station.condition = findings.condition;
+                station.proof = findings.proof;
                 station.travel = station.travel.or(Some(findings.travel));
                 station.values = findings.values;
                 let gradients = findings.gradients.into_iter();
@@ -147,12 +178,16 @@ impl<'a, const N: usize> Run<'a, N> {
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Findings, Failure> {
         if self.plan.sensitivities.is_empty() {
-            let posture = solver.posture_series(&self.lifted, pose, motion)?;
-            return Ok(self.values(&posture, number));
+            let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
+            return Ok(Findings {
+                condition: condition.map(|c| c.number),
+                ..self.values(&posture, number)
+            });
         }
         let linearised = solver.linearised(&self.lifted, pose, motion)?;
         Ok(Findings {
             gradients: self.gradients(&linearised, number),
+            condition: Some(linearised.conditioning(solver.size()).number),
             ..self.values(&linearised.at, number)
         })
     }
@@ -183,6 +218,8 @@ impl<'a, const N: usize> Run<'a, N> {
             travel: (at.point(centre).z - at.designed(centre).z)[0],
             values,
             gradients: Vec::new(),
+            condition: None,
+            proof: None,
         }
     }
 

@@ -14,9 +14,13 @@
 //! the nearest singular matrix; times the size it is a length: the mechanism is singular no closer than
 //! that.
 
-use super::motion::MotionPoint;
-use super::path::Solver;
+use super::Posture;
+use super::lu::Lu6;
+use super::motion::{Lifted, MotionPoint};
+use super::path::{Failure, Solver};
 use super::pose::Pose;
+use super::sensitivity::Linearised;
+use crate::number::Jet;
 
 /// The condition of one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,53 +32,87 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
+    const SINGULAR: Conditioning = Conditioning {
+        number: f64::INFINITY,
+        distance: 0.0,
+    };
+
     /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
     pub fn digits(&self) -> f64 {
-        (-(self.number * self.number * f64::EPSILON).log10()).clamp(0.0, 15.0)
+        rate_digits(self.number)
     }
 
     /// Whether fewer than six digits are left in rates and sensitivities.
     pub fn is_poor(&self) -> bool {
-        self.digits() < 6.0
+        self.digits() < LEAST_DIGITS
     }
-}
 
-impl Solver<'_> {
-    /// The condition of a pose found by this solver.
-    pub fn conditioning(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Conditioning {
-        let singular = Conditioning {
-            number: f64::INFINITY,
-            distance: 0.0,
-        };
-        let size = self.size();
-        let Some((matrix, lu)) = self.factorised(pose, point) else {
-            return singular;
-        };
+    /// From the factors of the Jacobian: about as much work again as making them.
+    fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
-        let norm = matrix
-            .iter()
-            .map(|row| {
-                let force: f64 = row[..3].iter().map(|c| c.abs()).sum();
-                let moment: f64 = row[3..].iter().map(|c| c.abs()).sum();
-                force + moment / size
-            })
-            .fold(0.0, f64::max);
-        let mut inverse = [0.0; 6];
-        for k in 0..6 {
-            let mut unit = [0.0; 6];
-            unit[k] = size;
-            for (i, c) in lu.solve(unit).into_iter().enumerate() {
-                inverse[i] += c.abs() * if i < 3 { 1.0 / size } else { 1.0 };
-            }
-        }
-        let inverse_norm = inverse.into_iter().fold(0.0, f64::max);
+        let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
+            norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
+        });
+        let inverse = lu.inverse();
+        let [shifts, turns] = [&inverse[..3], &inverse[3..]].map(|rows| {
+            let sums = rows.iter().map(|row| magnitude(row));
+            sums.fold(0.0, f64::max)
+        });
+        let inverse_norm = shifts.max(turns * size);
         let number = norm * inverse_norm;
         if !number.is_finite() {
-            return singular;
+            return Conditioning::SINGULAR;
         }
         Conditioning {
             number,
             distance: size / inverse_norm,
         }
+    }
+}
+
+fn magnitude(row: &[f64]) -> f64 {
+    row.iter().map(|c| c.abs()).sum()
+}
+
+/// Decimal digits that rates and sensitivities can be trusted to where the equations have this condition
+/// number, at most 15.
+pub fn rate_digits(number: f64) -> f64 {
+    (-(number * number * f64::EPSILON).log10()).clamp(0.0, 15.0)
+}
+
+/// Rates and sensitivities with fewer digits are flagged.
+pub const LEAST_DIGITS: f64 = 6.0;
+
+impl Solver<'_> {
+    /// The condition of a pose found by this solver.
+    pub fn conditioning(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Conditioning {
+        let lu = self.factorise(pose, point);
+        lu.map_or(Conditioning::SINGULAR, |lu| {
+            Conditioning::of(&lu, self.size())
+        })
+    }
+
+    /// As [`Solver::posture_series`], with the condition where the Jacobian had to be factorised.
+    pub fn conditioned_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<(Posture<'a, Jet<f64, N>>, Option<Conditioning>), Failure> {
+        if let Some(series) = self.formed_series(lifted, pose, motion) {
+            return Ok((lifted.at(self.mechanism(), series, motion.rack), None));
+        }
+        let (posture, factors) = self.factorised_series(lifted, pose, motion, false)?;
+        Ok((
+            posture,
+            factors.map(|lu| Conditioning::of(&lu, self.size())),
+        ))
+    }
+}
+
+impl<const N: usize> Linearised<'_, N> {
+    /// The condition of the pose of a mechanism of this size (see [`Solver::size`]).
+    pub fn conditioning(&self, size: f64) -> Conditioning {
+        Conditioning::of(self.factors(), size)
     }
 }

@@ -151,6 +151,56 @@ impl<T: Scalar> Lu6<T> {
     }
 }
 
+impl Lu6<f64> {
+    /// The matrix, multiplied out again, its rows in an order of their own.
+    pub(super) fn matrix(&self) -> Matrix6<f64> {
+        let f = &self.factors;
+        let mut rows = *f;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[..i].fill(0.0);
+        }
+        for i in (1..6).rev() {
+            for j in 0..i {
+                let upper = rows[j];
+                add(&mut rows[i], f[i][j], &upper);
+            }
+        }
+        rows
+    }
+
+    /// The inverse, its columns in an order of their own.
+    pub(super) fn inverse(&self) -> Matrix6<f64> {
+        let f = &self.factors;
+        let mut rows = [[0.0; 6]; 6];
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        for i in 1..6 {
+            for j in 0..i {
+                let known = rows[j];
+                add(&mut rows[i], -f[i][j], &known);
+            }
+        }
+        for i in (0..6).rev() {
+            for j in i + 1..6 {
+                let known = rows[j];
+                add(&mut rows[i], -f[i][j], &known);
+            }
+            let inverse = 1.0 / f[i][i];
+            rows[i].iter_mut().for_each(|c| *c *= inverse);
+        }
+        rows
+    }
+}
+
+/// Adds a multiple of a row to another.
+#[inline]
+fn add(row: &mut Vector6<f64>, factor: f64, other: &Vector6<f64>) {
+    for j in 0..6 {
+        row[j] += factor * other[j];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,6 +218,23 @@ mod tests {
     /// Backward stability: the residual is of the order of eps |A| |x|, whatever the condition number.
     /// Partial pivoting lets entries grow by at most 2^5.
     const BOUND: f64 = 36.0 * 32.0 * f64::EPSILON;
+
+    /// Rows, and the columns of the inverse, are out of order alike: their product is the identity.
+    #[test]
+    fn the_inverse_is_that_of_the_matrix() {
+        let lu = Lu6::new(A, 1.0).unwrap();
+        let (matrix, inverse) = (lu.matrix(), lu.inverse());
+        let largest = |m: &Matrix6<f64>| m.iter().flatten().map(|c| c.abs()).fold(0.0, f64::max);
+        for (i, row) in matrix.iter().enumerate() {
+            let found = A[lu.order[i]].iter().zip(row);
+            assert!(found.into_iter().all(|(a, b)| (a - b).abs() < BOUND * 5.0));
+            for k in 0..6 {
+                let product: f64 = (0..6).map(|j| row[j] * inverse[j][k]).sum();
+                let error = product - if i == k { 1.0 } else { 0.0 };
+                assert!(error.abs() < BOUND * 5.0 * largest(&inverse), "{error:e}");
+            }
+        }
+    }
 
     #[test]
     fn solves_both_ways() {

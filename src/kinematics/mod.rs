@@ -36,7 +36,7 @@ pub use assemblies::{Assemblies, Assembly};
 pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Visit};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
-pub use conditioning::Conditioning;
+pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
 pub use loads::{Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};

@@ -14,7 +14,7 @@ use super::continuation::{Curve, Moving, PathEnd};
 use super::limits::LimitCause;
 use super::loads::{Load, Reactions, Support};
 use super::lu::{Lu6, Matrix6};
-use super::motion::{Lifted, MotionPoint};
+use super::motion::{Factorised, Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
 use super::pose::{Pose, Posture};
 use super::sensitivity::Linearised;
@@ -440,7 +440,10 @@ impl<'m> Solver<'m> {
                     let quick = at.quick?;
                     // Newton's pose agrees with the closed form's to less than all digits.
                     let is_design = at.point.value == 0.0 && at.point.rack == 0.0;
-                    if quick.before.is_none() && !is_design {
+                    // Near a fold rates lose digits: there the factors of the Jacobian tell how many.
+                    let is_steep =
+                        at.point.drive == Drive::Travel && quick.slope.abs() * self.size > STEEP;
+                    if quick.before.is_none() && !is_design || is_steep {
                         return None;
                     }
                     Some((at.pose, at.point, quick.tangent))
@@ -565,7 +568,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+    pub(super) fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
         match self.factors_at(pose, point) {
             Some(factors) => Some(*factors),
             None => self.factorised(pose, point).map(|(_, lu)| lu),
@@ -909,8 +912,7 @@ impl<'m> Solver<'m> {
         None
     }
 
-    /// The posture in a pose found by this solver, as a power series along the motion; with
-    /// `linearise`, ready for sensitivities.
+    /// The posture in a pose found by this solver, as a power series along the motion.
     pub fn posture_series<'a, const N: usize>(
         &'a self,
         lifted: &'a Lifted<N>,
@@ -920,6 +922,20 @@ impl<'m> Solver<'m> {
         if let Some(series) = self.formed_series(lifted, pose, motion) {
             return Ok(lifted.at(self.mechanism, series, motion.rack));
         }
+        let (posture, _) = self.factorised_series(lifted, pose, motion, false)?;
+        Ok(posture)
+    }
+
+    /// The posture with the factors of its Jacobian, if there was a need for them; with `linearise` there
+    /// is.
+    pub(super) fn factorised_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+        linearise: bool,
+    ) -> Result<Factorised<'a, N>, Failure> {
+        let known = self.factors_at(pose, &motion.value_point());
         lifted
             .posture(
                 self.mechanism,
@@ -927,16 +943,15 @@ impl<'m> Solver<'m> {
                 &self.design,
                 pose,
                 motion,
-                self.factors_at(pose, &motion.value_point()),
+                known,
                 &self.work,
-                false,
+                linearise,
             )
-            .map(|(posture, _)| posture)
             .ok_or(Failure::Singular)
     }
 
     /// The series of a pose that the closed form gave, by the closed form.
-    fn formed_series<const N: usize>(
+    pub(super) fn formed_series<const N: usize>(
         &self,
         lifted: &Lifted<N>,
         pose: &Pose<f64>,
@@ -977,18 +992,7 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Linearised<'a, N>, Failure> {
-        let (posture, factors) = lifted
-            .posture(
-                self.mechanism,
-                &self.closure,
-                &self.design,
-                pose,
-                motion,
-                self.factors_at(pose, &motion.value_point()),
-                &self.work,
-                true,
-            )
-            .ok_or(Failure::Singular)?;
+        let (posture, factors) = self.factorised_series(lifted, pose, motion, true)?;
         let factors = factors.ok_or(Failure::Singular)?;
         Ok(lifted.linearised(posture, factors, motion, &self.work))
     }
@@ -1007,6 +1011,8 @@ const SHORTEST_STEP: f64 = 1.0 / 16.0;
 const PIECE: f64 = 0.01;
 /// How many sizes from the origin the closed form keeps its accuracy.
 const FAR: f64 = 1e3;
+/// Slope of the half tangent by the travel, in sizes, beyond which a fold is near.
+const STEEP: f64 = 50.0;
 /// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
 /// closed form is not used.
 const SAME: f64 = 1e-9;

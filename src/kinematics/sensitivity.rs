@@ -86,6 +86,11 @@ impl<'a, const N: usize> Linearised<'a, N> {
         }
     }
 
+    /// The factors of the Jacobian.
+    pub(super) fn factors(&self) -> &Lu6<f64> {
+        &self.lu
+    }
+
     /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
     /// once and says how the output depends on the posture, through the methods of [`Seeds`].
     #[inline]

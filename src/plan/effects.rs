@@ -37,6 +37,8 @@ mod cost {
     pub const LEAST_GRADIENT: f64 = 1.0;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
+    /// Proving the pose and the step to it on intervals.
+    pub const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Plan {
@@ -129,7 +131,15 @@ impl Plan {
         });
         // The library balances loads; no key of a study asks for it.
         effects.push(off("loads"));
-        effects.push(off("certificate"));
+        effects.push(match self.certify {
+            true => on(
+                "certificate",
+                "proof of every pose, and that they are one branch".to_owned(),
+                written(&["outputs", "certify"], "outputs.certify"),
+                cost::CERTIFICATE,
+            ),
+            false => off("certificate"),
+        });
         // Costs are in poses of this topology.
         if !has_closed_form(&study.suspension.mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";

@@ -85,7 +85,7 @@ fn place(stations: &[Station], drive: Drive) -> String {
 }
 
 /// A number without a trailing ".0".
-fn whole(value: f64) -> String {
+pub(super) fn whole(value: f64) -> String {
     let text = shortest(value);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

@@ -63,11 +63,22 @@ pub fn curves_csv(curves: &Curves, plan: &Plan, length: LengthUnit) -> Vec<u8> {
     csv_of(|writer| {
         let mut header = motion.names();
         header.extend(curves.columns.iter().map(|c| c.name.clone()));
+        let unit = length.symbol();
+        if plan.certify {
+            header.extend([
+                format!("position_error_{unit}"),
+                format!("uniqueness_{unit}"),
+            ]);
+        }
         header.push("status".to_owned());
         writer.write_record(&header)?;
         for station in &curves.stations {
             let mut record = motion.values(station);
             record.extend(station.values.iter().map(|v| optional(*v)));
+            if plan.certify {
+                record.push(optional(station.proof.map(|p| p.position_error)));
+                record.push(optional(station.proof.map(|p| p.uniqueness)));
+            }
             record.push(station.status.word().to_owned());
             writer.write_record(&record)?;
         }

@@ -47,6 +47,7 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
             coefficients: depth.unwrap_or(0) + 1,
             sensitivities: points.map(PointId).collect(),
             outputs,
+            certify: false,
             ..plan.clone()
         },
     )?;

@@ -9,6 +9,8 @@ mod files;
 mod influence;
 mod page;
 mod picture;
+mod place;
+mod proof_summary;
 mod record;
 mod run;
 mod run_directory;

@@ -1,9 +1,11 @@
 //! What a solve came to.
 
 use super::Table;
+use super::place::Place;
+use super::proof_summary::{CertificateSummary, ConditionSummary};
 use crate::curves::{Curves, Station, Status};
 use crate::kinematics::Work;
-use crate::study::{Drive, Study};
+use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
 /// `summary.json` of a solve.
@@ -19,6 +21,12 @@ pub struct SolveSummary {
     /// Where less than full double precision was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     accuracy: Option<Accuracy>,
+    /// Where derivatives or sensitivities are computed.
+    #[serde(default)]
+    condition: Option<ConditionSummary>,
+    /// Where each pose was to be proved.
+    #[serde(default)]
+    certificate: Option<CertificateSummary>,
     /// What was done for it.
     #[serde(default)]
     work: Work,
@@ -27,10 +35,8 @@ pub struct SolveSummary {
 /// A station without a pose.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FailedStation {
-    travel: Option<f64>,
-    arm_angle_deg: Option<f64>,
-    theta_deg: Option<f64>,
-    rack: f64,
+    #[serde(flatten)]
+    place: Place,
     status: String,
     reason: String,
 }
@@ -58,14 +64,11 @@ struct Range {
 impl SolveSummary {
     /// The summary of some curves.
     pub fn of(study: &Study, curves: &Curves) -> Self {
-        let angle_of = |s: &Station, drive: Drive| s.angle.filter(|_| study.motion.drive == drive);
+        let drive = study.motion.drive;
         let failed = curves.stations.iter().filter_map(|s| match s.status {
-            Status::Ok => None,
+            Status::Ok | Status::IllConditioned => None,
             Status::Failed(failure) => Some(FailedStation {
-                travel: s.travel,
-                arm_angle_deg: angle_of(s, Drive::ArmAngle),
-                theta_deg: angle_of(s, Drive::PaperTheta),
-                rack: s.rack,
+                place: Place::of(s, drive),
                 status: s.status.word().to_owned(),
                 reason: failure.to_string(),
             }),
@@ -104,6 +107,8 @@ impl SolveSummary {
                         bound_angle_deg: bound.angle.to_degrees(),
                     }
                 }),
+            condition: ConditionSummary::of(curves, drive),
+            certificate: CertificateSummary::of(study, curves),
             work: curves.work,
         }
     }
@@ -123,14 +128,25 @@ impl SolveSummary {
         table
     }
 
-    /// The values in the design position alone.
-    pub fn design_table(&self) -> Table {
+    /// The values at the first station, for curves of the design position alone.
+    pub fn design_table(design: &Curves) -> Table {
         let mut table = Table::new(["output", "at design"]);
-        for range in &self.outputs {
-            let value = range.at_design.map_or_else(String::new, brief);
-            table.push([range.output.clone(), value]);
+        let values = design.stations.iter().take(1).flat_map(|s| &s.values);
+        for (column, value) in design.columns.iter().zip(values) {
+            let value = value.map_or_else(String::new, brief);
+            table.push([column.name.clone(), value]);
         }
         table
+    }
+
+    /// What has to be said of the accuracy, a line each.
+    pub fn remarks(&self, length_unit: &str) -> Vec<String> {
+        let certificate = self
+            .certificate
+            .as_ref()
+            .map(|c| c.remark(self.stations, length_unit));
+        let condition = self.condition.as_ref().and_then(ConditionSummary::warning);
+        certificate.into_iter().chain(condition).collect()
     }
 
     /// How many stations were solved, in words.

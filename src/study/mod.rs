@@ -125,6 +125,8 @@ pub struct Outputs {
     pub order: Order,
     /// Hardpoints for which sensitivities are reported; empty for none.
     pub sensitivities: Vec<PointId>,
+    /// Whether each pose is to be proved.
+    pub certify: bool,
 }
 
 /// An optimisation.

@@ -32,6 +32,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
             knuckle: false,
             order: Order::Position,
             sensitivities: Vec::new(),
+            certify: false,
         });
     };
     let characteristics = distinct(&section.characteristics, problems, |text, problems| {
@@ -50,16 +51,6 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
             hardpoint(text, suspension, problems)
         }),
     };
-    if let Some(certify) = section
-        .certify
-        .as_ref()
-        .filter(|certify| *certify.get_ref())
-    {
-        problems.add(
-            certify.span(),
-            "certify is not available in this version; expected false",
-        );
-    }
     let order = order?;
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
@@ -73,6 +64,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
         knuckle: knuckle.is_some_and(|k| *k.get_ref()),
         order,
         sensitivities: sensitivities?,
+        certify: section.certify.as_ref().is_some_and(|c| *c.get_ref()),
     })
 }
 

@@ -111,6 +111,15 @@ fn kind(expected: &str) -> &str {
     }
 }
 
+fn is_number(text: &str) -> bool {
+    let word = text.trim_start_matches(['+', '-']);
+    let starts = word.starts_with(|c: char| c.is_ascii_digit()) || ["nan", "inf"].contains(&word);
+    starts
+        && word
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || "._+-".contains(c))
+}
+
 /// What serde found at a place.
 fn value(found: &str, place: &str) -> String {
     let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
@@ -118,6 +127,10 @@ fn value(found: &str, place: &str) -> String {
         "sequence" => "a list".to_owned(),
         "map" if place.starts_with(|c: char| c.is_ascii_digit()) => format!("the date {place}"),
         "map" => "a table".to_owned(),
+        // As it is written there.
+        _ if quoted("integer ").or(quoted("floating point ")).is_some() && is_number(place) => {
+            place.to_owned()
+        }
         _ => quoted("integer ")
             .or(quoted("floating point "))
             .or(quoted("boolean "))

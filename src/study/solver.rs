@@ -117,6 +117,7 @@ pub fn check_outputs(
 ) {
     check_derivatives(file, formulation, outputs, problems);
     let drive = motion.map(|motion| motion.drive);
+    check_certificate(file, formulation, drive, outputs, problems);
     let written = &file.motion.get_ref().drive;
     let (text, what, help) = match (formulation, drive) {
         (Formulation::PointCoordinates, _) => (
@@ -144,6 +145,33 @@ pub fn check_outputs(
             error.related(place, "asked for here");
         }
     }
+}
+
+/// Refuses to prove what has no certificates.
+fn check_certificate(
+    file: &File,
+    formulation: Formulation,
+    drive: Option<Drive>,
+    outputs: &Outputs,
+    problems: &mut Problems,
+) {
+    let certify = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
+    let Some(certify) = certify.filter(|_| outputs.certify) else {
+        return;
+    };
+    let (message, help) = match (formulation, drive) {
+        (Formulation::PointCoordinates, _) => (
+            "there are no certificates for the formulation in point coordinates",
+            "formulation = \"knuckle_pose\" has them",
+        ),
+        (Formulation::KnucklePose, Some(Drive::PaperTheta)) => (
+            "there are no certificates for the drive \"paper_theta\": the arm angle that belongs to theta \
+             is rounded before a pose is found",
+            "drive = \"arm_angle\" has them",
+        ),
+        _ => return,
+    };
+    problems.add(certify.span(), message).help(help);
 }
 
 fn sensitivities(file: &File) -> Option<Span<usize>> {

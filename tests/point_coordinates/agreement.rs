@@ -70,38 +70,34 @@ fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     ((a.origin - b.origin).norm() / size).max(turned)
 }
 
-/// Ten thousand struts, each hardpoint of a road car moved by up to 20 mm along every axis, over
-/// +-80 mm: both formulations find the same poses to 1e-11 of the strut's size, wherever the paper's is
-/// fit to be used (a condition number up to 1e4; the road car's is about a hundred).
+/// Ten thousand sensible struts over +-80 mm: both formulations find the same poses to 1e-11 of the
+/// strut's size.
+///
+/// Each hardpoint of a road car is moved by up to 20 mm along every axis. Those for which the paper's
+/// equations have a condition number of 1e4 or more do not count (the road car's is about a hundred):
+/// they are one or two in a hundred, mostly with the ball joint close to the strut's axis, and
+/// production solves them like the others.
 #[test]
 fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
     let mut scatter = Scatter(2003);
-    let (mut worst, mut worst_condition, mut compared, mut unfit) = (0.0_f64, 0.0_f64, 0, 0);
-    for case in 0..10_000 {
+    let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
+    while compared < 10_000 {
         let strut = scatter.strut(0.02);
-        let (ours, size) = production(&strut).unwrap_or_else(|| panic!("{case}: {strut:?}"));
-        let Some((theirs, condition)) = paper(&strut) else {
-            assert!(ours.iter().all(Option::is_some), "{case}");
+        let (ours, size) = production(&strut).unwrap_or_else(|| panic!("{strut:?}"));
+        let ours = ours.map(|pose| pose.unwrap_or_else(|| panic!("{strut:?}")));
+        let Some((theirs, _)) = paper(&strut).filter(|(_, condition)| *condition < 1e4) else {
             unfit += 1;
             continue;
         };
-        worst_condition = worst_condition.max(condition);
         for (ours, theirs) in ours.iter().zip(&theirs) {
-            let ours = ours.unwrap_or_else(|| panic!("{case}: {strut:?}"));
-            let Some(theirs) = theirs.as_ref().filter(|_| condition < 1e4) else {
-                unfit += 1;
-                continue;
-            };
-            worst = worst.max(distance(&ours, theirs, size));
-            compared += 1;
+            let theirs = theirs.unwrap_or_else(|| panic!("{strut:?}"));
+            worst = worst.max(distance(ours, &theirs, size));
         }
+        compared += 1;
     }
-    println!(
-        "{compared} poses, {worst:.1e} apart at most, {unfit} unfit, condition up to {worst_condition:.1e}"
-    );
+    println!("poses are {worst:.1e} apart at most; {unfit} struts left out");
     assert!(worst < 1e-11, "{worst:e}");
-    // The paper's equations serve for all but a few poses of sensible struts.
-    assert!(unfit * 50 < compared, "{unfit} of {compared}");
+    assert!(unfit < 200, "{unfit}");
 }
 
 /// Where the paper's equations are singular though the suspension is sound, it refuses by name and the
@@ -113,8 +109,6 @@ fn production_solves_what_the_paper_s_equations_cannot_describe() {
         // A level strut is on its way out of reach: its length stays, the travel is short.
         let travels = match what {
             Singular::HorizontalStrut => [-0.01, 0.01],
-            // The flat knuckle is 2.2 mm of travel from its tie rod's toggle.
-            Singular::CoplanarKnuckle => [-0.002, 0.08],
             _ => [-0.08, 0.08],
         };
         let (mechanism, design) = mechanism_of(&strut);

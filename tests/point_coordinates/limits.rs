@@ -1,8 +1,8 @@
 //! Singular designs, dead centres and the ends of the travel.
 
-use super::{at, nominal, reference, strut, unsuitable};
+use super::{at, bound, nominal, reference, size, strut, unsuitable, with_points};
 use hardpoint::kinematics::point_coordinates::{
-    Drive, PointCoordinates, Refusal, Singular, Strut, StrutPoints, solve_travel,
+    Drive, PointCoordinates, Pose, Refusal, Singular, Station, Strut, StrutPoints, solve_travel,
 };
 use hardpoint::number::Vector3;
 use std::f64::consts::PI;
@@ -71,6 +71,111 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
         }
     }
     assert!(last.station().value > PI && last.moving()[0].y > strut.lower_arm_front.y);
+}
+
+/// Beside the end of a branch the equations hold to rounding beyond it as well, the further the larger
+/// the coordinates are: no pose there, however little beyond and however near the start. Before the end,
+/// where there is an answer it is right to what the conditioning leaves.
+#[test]
+fn what_rounding_alone_solves_is_refused() {
+    for distance in [0.0, 1.0, 128.0, 8192.0] {
+        // The coordinates, and so the limits, are known to this.
+        let rounding = 4.0 * f64::EPSILON * (1.0 + distance);
+        let far =
+            |strut: Strut| with_points(&strut, |p| p + Vector3::new(distance, -distance, distance));
+
+        // A paper's drive with d51 above the arm's radius: its end is not where the sine of theta is zero.
+        let mut strut = strut(&reference("attia-example"));
+        strut.lower_arm_front.x += 0.5;
+        let d51 = (strut.lower_ball_joint - strut.lower_arm_front).norm();
+        let limit = (-0.3643199727801098 / d51).acos();
+        let strut = far(strut);
+        let mechanism =
+            PointCoordinates::new(&strut, StrutPoints::Spread, Drive::PaperTheta).unwrap();
+        check_end(&mechanism, at, limit, rounding, |pose| {
+            let depth = strut.lower_arm_front.z + d51 * pose.station().value.cos();
+            (pose.moving()[0].z - depth).abs()
+        });
+
+        // The folds of travel of a road car, up and down, to 110 digits.
+        let strut = far(nominal());
+        let mechanism = PointCoordinates::new(&strut, StrutPoints::Spread, Drive::Travel).unwrap();
+        for limit in [0.3496678070358349, -0.3657959368312455] {
+            check_end(&mechanism, at, limit, rounding, |pose| {
+                let height = mechanism.wheel_centre().of(pose.moving()).z;
+                (height - strut.wheel_centre.z - pose.station().value).abs()
+            });
+        }
+
+        // The toggle of its tie rod, by the rack with the arm held.
+        let mechanism =
+            PointCoordinates::new(&strut, StrutPoints::Spread, Drive::ArmAngle).unwrap();
+        let by_rack = |rack| Station { value: 0.0, rack };
+        check_end(&mechanism, by_rack, rack_at_toggle(), rounding, |pose| {
+            let inner = strut.tie_rod_inner + Vector3::new(0.0, pose.station().rack, 0.0);
+            let length = (pose.moving()[3] - inner).norm();
+            (length - (strut.tie_rod_outer - strut.tie_rod_inner).norm()).abs()
+        });
+    }
+}
+
+/// Refused from `rounding` beyond the limit on, solved from a thousand times that before it inward, with
+/// an `error` no more than the conditioning explains.
+fn check_end(
+    mechanism: &PointCoordinates,
+    station: impl Fn(f64) -> Station,
+    limit: f64,
+    rounding: f64,
+    error: impl Fn(&Pose) -> f64,
+) {
+    let largest = size(mechanism.design().moving());
+    for near in [0.9, 0.99, 1.0 - 1e-7] {
+        let start = mechanism
+            .track(&mechanism.design(), station(limit * near))
+            .unwrap();
+        for doubling in 0..20 {
+            let offset = limit.signum() * rounding * f64::from(1 << doubling);
+            let beyond = mechanism.track(&start, station(limit + offset));
+            assert!(
+                matches!(beyond, Err(Refusal::Unreachable { .. })),
+                "{offset:e} beyond {limit}: {beyond:?}"
+            );
+            match mechanism.track(&start, station(limit - offset)) {
+                Ok(pose) => {
+                    let (error, bound) = (error(&pose), bound(mechanism, &pose, 0, largest));
+                    assert!(error < bound, "{offset:e} before {limit}: {error:e}");
+                }
+                Err(refusal) => assert!(doubling < 10, "{offset:e} before {limit}: {refusal}"),
+            }
+        }
+    }
+}
+
+/// The rack's displacement inward at which the nominal car's tie rod is just long enough to reach the
+/// circle of its outer end about the steering axis.
+fn rack_at_toggle() -> f64 {
+    let s = nominal();
+    let axis = (s.strut_top - s.lower_ball_joint).normalised();
+    let radius_and_height = |p: Vector3<f64>| {
+        let arm = p - s.lower_ball_joint;
+        (arm.cross(axis).norm(), arm.dot(axis))
+    };
+    let (radius, height) = radius_and_height(s.tie_rod_outer);
+    let length = (s.tie_rod_outer - s.tie_rod_inner).norm();
+    let gap = |rack: f64| {
+        let (r, h) = radius_and_height(s.tie_rod_inner + Vector3::new(0.0, rack, 0.0));
+        length - (r - radius).hypot(h - height)
+    };
+    let (mut solved, mut beyond) = (0.0, -0.25);
+    for _ in 0..60 {
+        let middle = 0.5 * (solved + beyond);
+        if gap(middle) > 0.0 {
+            solved = middle
+        } else {
+            beyond = middle
+        }
+    }
+    solved
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn strut(case: &Value) -> Strut {
         strut_top: p(4),
         lower_ball_joint: p(5),
         strut_lower: p(6),
-        strut_upper: (case["strut_model"] != "axis46").then(|| p(7)),
+        strut_upper: Some(p(7)),
         tie_rod_outer: p(8),
         rod_point: Some(p(9)),
         wheel_centre: p(10),
@@ -50,7 +50,12 @@ fn strut(case: &Value) -> Strut {
 /// Sound suspensions that the paper's equations cannot describe, and why.
 fn unsuitable() -> [(Singular, Strut); 3] {
     let (s, nominal) = (nominal(), nominal());
-    let (steering, axis) = (s.strut_top - s.lower_ball_joint, s.axis());
+    let (p5, steering, axis) = (
+        s.lower_ball_joint,
+        s.strut_top - s.lower_ball_joint,
+        s.axis(),
+    );
+    let offset = (steering - axis * steering.dot(axis)).normalised();
     [
         // A strut as horizontal as one can be with its top mount above the arm: its line level.
         (
@@ -64,19 +69,37 @@ fn unsuitable() -> [(Singular, Strut); 3] {
         (
             Singular::BallJointOnStrutAxis,
             Strut {
-                strut_lower: s.lower_ball_joint + steering * 0.3,
+                strut_lower: p5 + steering * 0.3,
                 strut_upper: None,
                 ..nominal
             },
         ),
+        // A steering arm towards the strut, and a tie rod along the car.
         (
             Singular::CoplanarKnuckle,
             Strut {
-                tie_rod_outer: s.lower_ball_joint + steering * 0.4 + axis * -0.3,
+                tie_rod_inner: p5 + Vector3::new(-0.3, -0.13, 0.05),
+                tie_rod_outer: p5 + offset * 0.12 + axis * 0.05,
                 ..nominal
             },
         ),
     ]
+}
+
+/// The strut with each of its points put somewhere else.
+fn with_points(strut: &Strut, to: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Strut {
+    Strut {
+        lower_arm_front: to(strut.lower_arm_front),
+        lower_arm_rear: to(strut.lower_arm_rear),
+        tie_rod_inner: to(strut.tie_rod_inner),
+        strut_top: to(strut.strut_top),
+        lower_ball_joint: to(strut.lower_ball_joint),
+        strut_lower: to(strut.strut_lower),
+        strut_upper: strut.strut_upper.map(&to),
+        tie_rod_outer: to(strut.tie_rod_outer),
+        rod_point: strut.rod_point.map(&to),
+        wheel_centre: to(strut.wheel_centre),
+    }
 }
 
 fn at(value: f64) -> Station {

@@ -1,6 +1,6 @@
 //! Many struts, and one in another unit.
 
-use super::{at, bound, nominal, size};
+use super::{at, bound, nominal, size, with_points};
 use hardpoint::kinematics::point_coordinates::{
     Drive, PointCoordinates, Pose, Strut, StrutPoints, solve_travel,
 };
@@ -116,19 +116,11 @@ fn check_assembly(strut: &Strut, mechanism: &PointCoordinates, pose: &Pose) {
 /// In millimetres it is the same computation: exactly so for a unit that is a power of two.
 #[test]
 fn the_unit_of_length_does_not_matter() {
-    let s = nominal();
-    let scaled = |k: f64| Strut {
-        lower_arm_front: s.lower_arm_front * k,
-        lower_arm_rear: s.lower_arm_rear * k,
-        tie_rod_inner: s.tie_rod_inner * k,
-        strut_top: s.strut_top * k,
-        lower_ball_joint: s.lower_ball_joint * k,
-        strut_lower: s.strut_lower * k,
-        strut_upper: s.strut_upper.map(|p| p * k),
-        tie_rod_outer: s.tie_rod_outer * k,
+    let s = Strut {
         rod_point: None,
-        wheel_centre: s.wheel_centre * k,
+        ..nominal()
     };
+    let scaled = |k: f64| with_points(&s, |p| p * k);
     for travel in [-0.08, 0.05] {
         let metres = solve_travel(&s, travel, 0.01).unwrap();
         let large = solve_travel(&scaled(1024.0), travel * 1024.0, 0.01 * 1024.0).unwrap();

@@ -104,15 +104,6 @@ impl Driving {
         }
     }
 
-    /// What the condition number of the equations grows with the inverse of, where the drive alone makes
-    /// them singular: d(z5 - z1)/d(theta) = -d51 sin(theta) for the paper's drive.
-    pub(super) fn leverage(&self, value: f64) -> f64 {
-        match self.kind {
-            Drive::PaperTheta => value.sin().abs(),
-            Drive::ArmAngle | Drive::Travel => 1.0,
-        }
-    }
-
     /// The drive's value for which `parameter` is this number.
     pub(super) fn value(&self, parameter: f64) -> f64 {
         match self.kind {

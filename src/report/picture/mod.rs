@@ -6,6 +6,7 @@ mod scale;
 use super::curve_table::CurveTable;
 use super::record::OutputRecord;
 use super::run::Run;
+use crate::curves::Status;
 use panel::{Band, Line, Look, Panel, SIZE};
 
 /// A picture and the name of its file.
@@ -91,7 +92,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
             });
         }
         let motion = table.column(abscissa).unwrap_or_default();
-        let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| *status != "ok");
+        let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| !is_solved(status));
         failed.extend(missing.filter_map(|(value, _)| *value));
     }
     failed.sort_by(f64::total_cmp);
@@ -150,4 +151,9 @@ fn file_name(column: &str) -> String {
     };
     let name: String = column.chars().map(kept).collect();
     name.trim_start_matches('.').to_owned()
+}
+fn is_solved(status: &str) -> bool {
+    [Status::Ok, Status::IllConditioned]
+        .map(|s| s.word())
+        .contains(&status)
 }

@@ -1,0 +1,41 @@
+//! Proofs of poses as lengths a user can read.
+
+use super::Proof;
+use crate::kinematics::{Certificate, Certifier};
+use crate::model::{Body, Suspension};
+
+/// Proves the poses of one suspension.
+pub(super) struct Prover<'a> {
+    pub(super) certifier: Certifier<'a>,
+    /// The largest distance of a point of the wheel carrier from the carrier's origin.
+    lever: f64,
+    /// What forming a point from a pose rounds, at most.
+    rounding: f64,
+}
+
+impl<'a> Prover<'a> {
+    pub(super) fn new(suspension: &'a Suspension) -> Self {
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let origin = design[mechanism.origin.0];
+        let points = mechanism.points.iter().zip(design);
+        let levers = points
+            .filter(|(point, _)| point.body == Body::Knuckle)
+            .map(|(_, at)| (*at - origin).norm());
+        let farthest = design.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let lever = levers.fold(0.0, f64::max);
+        Prover {
+            certifier: Certifier::new(mechanism, design),
+            lever,
+            // p = o + R b: a rounded b, three products and three sums in each of three components come
+            // to less than eps (4.2 |b| + 0.9 |p|), and |p| is below |o| + |b|.
+            rounding: 8.0 * f64::EPSILON * (farthest + lever),
+        }
+    }
+
+    pub(super) fn proof(&self, certificate: &Certificate) -> Proof {
+        Proof {
+            position_error: certificate.point_error(self.lever) + self.rounding,
+            uniqueness: certificate.uniqueness,
+        }
+    }
+}

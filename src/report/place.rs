@@ -1,0 +1,44 @@
+//! Where on the motion a station is.
+
+use super::failures::whole;
+use crate::curves::Station;
+use crate::study::Drive;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The drive and the rack at a station.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    travel: Option<f64>,
+    arm_angle_deg: Option<f64>,
+    theta_deg: Option<f64>,
+    rack: f64,
+}
+
+impl Place {
+    /// Of a station of a motion with this drive.
+    pub fn of(station: &Station, drive: Drive) -> Self {
+        let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
+        Place {
+            travel: station.travel,
+            arm_angle_deg: angle_of(Drive::ArmAngle),
+            theta_deg: angle_of(Drive::PaperTheta),
+            rack: station.rack,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.arm_angle_deg, self.theta_deg, self.travel) {
+            (Some(angle), _, _) => write!(f, "arm angle {} deg", whole(angle))?,
+            (None, Some(theta), _) => write!(f, "theta {} deg", whole(theta))?,
+            (None, None, Some(travel)) => write!(f, "travel {}", whole(travel))?,
+            (None, None, None) => f.write_str("unknown travel")?,
+        }
+        match self.rack {
+            0.0 => Ok(()),
+            rack => write!(f, ", rack {}", whole(rack)),
+        }
+    }
+}

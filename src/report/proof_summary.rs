@@ -1,0 +1,108 @@
+//! What is known of the accuracy of some curves: their conditioning and their certificate.
+
+use super::place::Place;
+use super::solve_summary::brief;
+use crate::curves::{Curves, Station, Status};
+use crate::kinematics::Failure;
+use crate::study::{Drive, Study};
+use serde::{Deserialize, Serialize};
+
+/// The conditioning along the motion.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ConditionSummary {
+    /// The largest condition number.
+    worst: f64,
+    /// Where.
+    at: Place,
+    /// Stations whose derivatives and sensitivities have fewer than six digits.
+    ill_conditioned: Vec<Place>,
+}
+
+impl ConditionSummary {
+    /// Of curves with derivatives or sensitivities.
+    pub fn of(curves: &Curves, drive: Drive) -> Option<Self> {
+        let known = |s: &Station| {
+            s.condition
+                .map(|condition| (condition, Place::of(s, drive)))
+        };
+        let all = curves.stations.iter().filter_map(known);
+        let (worst, at) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let poor = |s: &&Station| s.status == Status::IllConditioned;
+        let poor = curves.stations.iter().filter(poor);
+        Some(ConditionSummary {
+            worst,
+            at,
+            ill_conditioned: poor.map(|s| Place::of(s, drive)).collect(),
+        })
+    }
+
+    /// What is to be warned of.
+    pub fn warning(&self) -> Option<String> {
+        let stations = match self.ill_conditioned.len() {
+            0 => return None,
+            1 => "1 station has".to_owned(),
+            n => format!("{n} stations have"),
+        };
+        Some(format!(
+            "warning: {stations} fewer than six digits left in derivatives and sensitivities; the worst at {} \
+             (condition number {})",
+            self.at,
+            brief(self.worst)
+        ))
+    }
+}
+
+/// What was proved.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CertificateSummary {
+    /// Number of stations whose pose is proved, and that it is on the branch of the design position.
+    proved: usize,
+    /// Number of stations with a pose that could not be proved.
+    unproved: usize,
+    /// Whether every station is proved, so that the whole curve is one branch.
+    one_branch: bool,
+    /// The largest of the proved bounds on the position of points of the wheel carrier.
+    largest_position_error: Option<f64>,
+    /// Where.
+    at: Option<Place>,
+    /// The smallest distance within which there is proved to be no other pose.
+    smallest_uniqueness: Option<f64>,
+}
+
+impl CertificateSummary {
+    /// Of curves that were to be proved.
+    pub fn of(study: &Study, curves: &Curves) -> Option<Self> {
+        if !study.outputs.certify {
+            return None;
+        }
+        let proofs = || curves.stations.iter().filter_map(|s| Some((s, s.proof?)));
+        let refused = |s: &&Station| matches!(s.status, Status::Failed(Failure::Uncertified(_)));
+        let worst = proofs().max_by(|a, b| a.1.position_error.total_cmp(&b.1.position_error));
+        let uniqueness = proofs().map(|(_, proof)| proof.uniqueness);
+        Some(CertificateSummary {
+            proved: proofs().count(),
+            unproved: curves.stations.iter().filter(refused).count(),
+            one_branch: proofs().count() == curves.stations.len(),
+            largest_position_error: worst.map(|(_, proof)| proof.position_error),
+            at: worst.map(|(station, _)| Place::of(station, study.motion.drive)),
+            smallest_uniqueness: uniqueness.min_by(f64::total_cmp),
+        })
+    }
+
+    /// The same in words.
+    pub fn remark(&self, stations: usize, length_unit: &str) -> String {
+        let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
+        text += &match (self.one_branch, self.unproved) {
+            (true, _) => "; the whole curve is one branch".to_owned(),
+            (false, 0) => "; what can be reached is one branch".to_owned(),
+            (false, n) => format!("; {n} with a pose that could not be proved"),
+        };
+        if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
+            let error = brief(error);
+            text += &format!(
+                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {at})"
+            );
+        }
+        text
+    }
+}

@@ -3,6 +3,7 @@
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
     Motion, Study, edit, motion, optimise, outputs, overrides, parse, solver, source, suspension,
+    sweep,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -75,8 +76,19 @@ fn resolve(
         Some(section) => optimise::optimise(section, &context, &mut problems)
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };
-    let resolved = motion.zip(formulation).zip(outputs).zip(optimise);
-    let (((motion, formulation), outputs), (optimise, curves)) = problems.finish(resolved)?;
+    let sweep = match &file.sweep {
+        None => Some(None),
+        Some(section) => {
+            sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
+        }
+    };
+    let resolved = motion
+        .zip(formulation)
+        .zip(outputs)
+        .zip(optimise)
+        .zip(sweep);
+    let ((((motion, formulation), outputs), (optimise, curves)), sweep) =
+        problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -89,5 +101,6 @@ fn resolve(
         formulation,
         outputs,
         optimise,
+        sweep,
     })
 }

@@ -11,7 +11,7 @@
 //! together). From other samples it is the correlation ratio by levels of equal width, less what chance
 //! alone would make of it (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935); what is
 //! lost within a level is about 1/levels^2 of the share. From Saltelli's samples it is the mean of
-//! y_B (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
+//! (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
 //! as half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999): that
 //! part of the variance that stays when everything but this variable is known.
 
@@ -136,8 +136,10 @@ fn exchanged(tally: &Tally, variable: usize, k: usize, width: usize) -> (Option<
     let mean = sums.sum[k] / (2.0 * n);
     let variance = sums.squares[k] / (2.0 * n) - mean * mean;
     let at = variable * width + k;
-    let [first, total] = [sums.first[at] / n, 0.5 * sums.total[at] / n].map(|v| v / variance);
-    (Some(first), Some(total))
+    // y_B about the mean: the same in the limit, with less noise.
+    let first = (sums.first[at] - mean * sums.steps[at]) / n;
+    let total = 0.5 * sums.total[at] / n;
+    (Some(first / variance), Some(total / variance))
 }
 
 /// The plane of least squares through all designs.

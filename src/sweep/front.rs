@@ -1,5 +1,7 @@
 //! The Pareto front: designs that cannot be bettered in one target without losing in another.
 
+use super::Failing;
+
 /// A design worth keeping, with its row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
@@ -9,6 +11,8 @@ pub struct Candidate {
     pub variables: Vec<f64>,
     /// Its outputs, NaN where there is no value.
     pub outputs: Vec<f64>,
+    /// What became of it, where not every station was solved.
+    pub failing: Option<Failing>,
 }
 
 /// Designs of which none is at least as good as another in every target.
@@ -75,6 +79,7 @@ mod tests {
                         design: i as u64,
                         variables: Vec::new(),
                         outputs: point.clone(),
+                        failing: None,
                     });
                 }
                 for c in own.sorted() {

@@ -171,6 +171,8 @@ pub struct Exchanges {
     pub sum: Vec<f64>,
     /// Sums of y_A^2 + y_B^2.
     pub squares: Vec<f64>,
+    /// [variable][output]: sums of y_C - y_A.
+    pub steps: Vec<f64>,
     /// [variable][output]: sums of y_B (y_C - y_A).
     pub first: Vec<f64>,
     /// [variable][output]: sums of (y_A - y_C)^2.
@@ -188,6 +190,7 @@ impl Exchanges {
                 groups: 0,
                 sum: none(),
                 squares: none(),
+                steps: none(),
                 first: none(),
                 total: none(),
                 group: none(),
@@ -199,6 +202,7 @@ impl Exchanges {
             groups: 0,
             sum: vec![0.0; c],
             squares: vec![0.0; c],
+            steps: vec![0.0; d * c],
             first: vec![0.0; d * c],
             total: vec![0.0; d * c],
             group: vec![0.0; group as usize * c],
@@ -224,14 +228,12 @@ impl Exchanges {
             self.sum[k] += a[k] + b[k];
             self.squares[k] += a[k] * a[k] + b[k] * b[k];
         }
-        let sums = self
-            .first
-            .chunks_mut(width)
-            .zip(self.total.chunks_mut(width));
-        for (c, (first, total)) in exchanged.chunks(width).zip(sums) {
+        for (variable, c) in exchanged.chunks(width).enumerate() {
             for k in 0..width {
-                first[k] += b[k] * (c[k] - a[k]);
-                total[k] += (a[k] - c[k]) * (a[k] - c[k]);
+                let (at, step) = (variable * width + k, c[k] - a[k]);
+                self.steps[at] += step;
+                self.first[at] += b[k] * step;
+                self.total[at] += step * step;
             }
         }
     }
@@ -240,6 +242,7 @@ impl Exchanges {
         self.groups += next.groups;
         add_to(&mut self.sum, &next.sum);
         add_to(&mut self.squares, &next.squares);
+        add_to(&mut self.steps, &next.steps);
         add_to(&mut self.first, &next.first);
         add_to(&mut self.total, &next.total);
     }

@@ -114,6 +114,7 @@ impl Tally {
                 design: number,
                 variables: variables.to_vec(),
                 outputs: outputs.to_vec(),
+                failing: rows.failing[place].clone(),
             };
             if let Some(misfit) = misfit.filter(|m| !outputs[*m].is_nan()) {
                 keep_best(&mut tally.best, misfit, outputs[misfit], candidate);

@@ -36,7 +36,5 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
             MergeError::Unwritten(error) => Stop::unwritten(error),
         })?;
     }
-    let mut names = vec!["designs.csv"];
-    names.extend(parts.record.curves.then_some("curves.csv"));
-    finish(&output, &parts.record, &tally, names)
+    finish(&output, &parts.record, &tally)
 }

@@ -5,7 +5,7 @@ use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
 use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
-use crate::study::Study;
+use crate::study::{FileFormat, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, Tally, in_order};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -44,6 +44,11 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             "--resume goes on with the files of a directory; with --out - there are none",
         ));
     }
+    if sweep.format == FileFormat::Parquet && out == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
+        ));
+    }
     let output = Output::at(&out, arguments.study.format.into())?;
     let record = &plan.record;
     let text = SweepText::of(&plan, &study, output.directory().is_some());
@@ -57,11 +62,9 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         }
     };
     pool.install(|| sweep_blocks(&plan, &text, &mut files, &mut tally, next))
+        .and_then(|()| files.finish())
         .map_err(unwritten)?;
-
-    let mut names = vec!["designs.csv"];
-    names.extend(record.curves.then_some("curves.csv"));
-    finish(&output, record, &tally, names)
+    finish(&output, record, &tally)
 }
 
 /// Does the blocks from `next` on, until the end or Ctrl-C.
@@ -96,19 +99,16 @@ fn sweep_blocks(
 }
 
 /// Writes and says what a sweep, or all of its shards together, came to.
-pub(super) fn finish(
-    output: &Output,
-    record: &SweepRecord,
-    tally: &Tally,
-    mut files: Vec<&str>,
-) -> Result<Exit, Stop> {
+pub(super) fn finish(output: &Output, record: &SweepRecord, tally: &Tally) -> Result<Exit, Stop> {
     let summary = SweepSummary::of(record, tally);
+    let mut files = vec![record.file_name("designs")];
+    files.extend(record.curves.then(|| record.file_name("curves")));
     if let Some(pareto) = pareto_csv(record, tally) {
         output.file("pareto.csv", &pareto)?;
-        files.push("pareto.csv");
+        files.push("pareto.csv".to_owned());
     }
     output.json("summary.json", &summary)?;
-    files.extend(["summary.json", "sweep.json"]);
+    files.extend(["summary.json", "sweep.json"].map(str::to_owned));
 
     output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
     let failures = summary.failures_table();
@@ -128,6 +128,7 @@ pub(super) fn finish(
             record.targets.len()
         ))?;
     }
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
     output.farewell(&files)?;
     Ok(match summary.is_complete() {
         true => Exit::Done,

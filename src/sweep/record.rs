@@ -170,6 +170,11 @@ impl SweepRecord {
         columns
     }
 
+    /// The name of a file of results: `designs` -> `designs.csv`.
+    pub fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.{}", self.format)
+    }
+
     /// The outputs that are deviations from targets, by number.
     pub fn deviations(&self) -> Vec<usize> {
         self.outputs_of(Kind::Rms).collect()

@@ -62,7 +62,7 @@ fn permuted(index: u64, count: u64, key: u64) -> u64 {
     loop {
         let (mut left, mut right) = (place >> bits, place & mask);
         for round in 0..6 {
-            let turned = mixed(right ^ key ^ (round * STRIDE)) & mask;
+            let turned = mixed(right ^ key ^ STRIDE.wrapping_mul(round)) & mask;
             (left, right) = (right, left ^ turned);
         }
         place = left << bits | right;

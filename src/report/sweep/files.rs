@@ -4,12 +4,12 @@
 //! run, its files hold whole rows, and `--resume` goes on after the last whole block.
 
 use super::curves_csv::CurvesCsv;
+use super::table_file::{TableFile, open_lines};
 use super::{rows_csv, unwritten};
 use crate::report::{RunDirectory, WriteError};
 use crate::study::Study;
 use crate::sweep::{FORM, SweepPlan, SweepRecord, Tally, Worker};
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
 /// Why a directory is not that of a sweep, or not of this one.
@@ -74,8 +74,8 @@ pub struct Finished {
 
 /// The files of a sweep that is running.
 pub struct SweepFiles {
-    designs: Growing,
-    curves: Option<Growing>,
+    designs: TableFile,
+    curves: Option<TableFile>,
 }
 
 /// A sweep taken up again: its files, the tally of what is there and the number of the next block.
@@ -90,10 +90,8 @@ impl SweepFiles {
     ) -> Result<Self, WriteError> {
         let header = rows_csv::header(record);
         let Some(directory) = directory else {
-            let mut designs = Growing::standard_output();
-            designs.append(&header)?;
             return Ok(SweepFiles {
-                designs,
+                designs: TableFile::standard_output(&header)?,
                 curves: None,
             });
         };
@@ -101,14 +99,12 @@ impl SweepFiles {
         let json = serde_json::to_string_pretty(record).expect("records are plain data");
         directory.write("sweep.json", (json + "\n").as_bytes())?;
         let begin = |name: &str, header: &[u8]| {
-            let mut file = Growing::create(directory.path().join(name))?;
-            file.append(header)?;
-            Ok(file)
+            TableFile::begin(directory.path().join(record.file_name(name)), header)
         };
         let curves = text.curves.as_ref();
-        let curves = curves.map(|csv| begin("curves.csv", &csv.header));
+        let curves = curves.map(|csv| begin("curves", &csv.header));
         Ok(SweepFiles {
-            designs: begin("designs.csv", &header)?,
+            designs: begin("designs", &header)?,
             curves: curves.transpose()?,
         })
     }
@@ -136,12 +132,13 @@ impl SweepFiles {
             path: path.to_owned(),
             reason: format!("cannot be taken up again: {e}"),
         };
-        let path = directory.path().join("designs.csv");
-        let file = File::open(&path).map_err(|e| failed(&path, e))?;
-        let mut length = rows_csv::header(record).len() as u64;
-        let mut reader =
-            rows_csv::Reader::new(record, BufReader::new(file)).map_err(|e| failed(&path, e))?;
-        let curves_path = directory.path().join("curves.csv");
+        let path = directory.path().join(record.file_name("designs"));
+        let header = rows_csv::header(record);
+        let mut length = header.len() as u64;
+        let mut reader = open_lines(&path)
+            .and_then(|lines| rows_csv::Reader::new(record, lines))
+            .map_err(|e| failed(&path, e))?;
+        let curves_path = directory.path().join(record.file_name("curves"));
         let curves = text.curves.as_ref().map(|csv| {
             let lines = Lines::open(&curves_path, &csv.header)?;
             Ok((lines, csv.rows_of_design() as u64))
@@ -163,9 +160,11 @@ impl SweepFiles {
             next += 1;
         }
         clear(directory)?;
-        let curves = curves.map(|(lines, _)| Growing::reopen(curves_path, lines.length));
+        let curves = curves.zip(text.curves.as_ref());
+        let curves = curves
+            .map(|((lines, _), csv)| TableFile::reopen(curves_path, &csv.header, lines.length));
         let files = SweepFiles {
-            designs: Growing::reopen(path, length)?,
+            designs: TableFile::reopen(path, &header, length)?,
             curves: curves.transpose()?,
         };
         Ok((files, tally, next))
@@ -178,6 +177,14 @@ impl SweepFiles {
             curves.append(&finished.curves)?;
         }
         self.designs.append(&finished.designs)
+    }
+
+    /// Ends the files, wherever the sweep is.
+    pub fn finish(self) -> Result<(), WriteError> {
+        if let Some(curves) = self.curves {
+            curves.finish()?;
+        }
+        self.designs.finish()
     }
 }
 
@@ -252,7 +259,7 @@ fn difference(begun: &SweepRecord, record: &SweepRecord) -> String {
 
 /// Counts its way through the lines of a file.
 struct Lines {
-    lines: BufReader<File>,
+    lines: Box<dyn BufRead>,
     line: Vec<u8>,
     /// Bytes of whole lines passed.
     length: u64,
@@ -261,7 +268,7 @@ struct Lines {
 impl Lines {
     fn open(path: &Path, header: &[u8]) -> io::Result<Self> {
         let mut lines = Lines {
-            lines: BufReader::new(File::open(path)?),
+            lines: open_lines(path)?,
             line: Vec::new(),
             length: 0,
         };
@@ -286,62 +293,5 @@ impl Lines {
         }
         self.length += length;
         Ok(true)
-    }
-}
-
-/// A file that grows by whole blocks.
-struct Growing {
-    path: PathBuf,
-    /// `None` for standard output.
-    file: Option<File>,
-    length: u64,
-}
-
-impl Growing {
-    fn standard_output() -> Self {
-        Growing {
-            path: PathBuf::from("standard output"),
-            file: None,
-            length: 0,
-        }
-    }
-
-    fn create(path: PathBuf) -> Result<Self, WriteError> {
-        let file = File::create(&path).map_err(unwritten(&path))?;
-        Ok(Growing {
-            path,
-            file: Some(file),
-            length: 0,
-        })
-    }
-
-    /// Opens a file to go on after so many bytes; the rest is dropped.
-    fn reopen(path: PathBuf, length: u64) -> Result<Self, WriteError> {
-        let open = || -> io::Result<File> {
-            let mut file = OpenOptions::new().write(true).open(&path)?;
-            file.set_len(length)?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(file)
-        };
-        let file = open().map_err(unwritten(&path))?;
-        Ok(Growing {
-            path,
-            file: Some(file),
-            length,
-        })
-    }
-
-    fn append(&mut self, bytes: &[u8]) -> Result<(), WriteError> {
-        let written = match &mut self.file {
-            None => io::stdout().write_all(bytes),
-            Some(file) => file.write_all(bytes).inspect_err(|_| {
-                // A disk that is full: what there is of the block goes. If that fails as well,
-                // resuming will find the torn row.
-                let _ = file.set_len(self.length);
-            }),
-        };
-        written.map_err(unwritten(&self.path))?;
-        self.length += bytes.len() as u64;
-        Ok(())
     }
 }

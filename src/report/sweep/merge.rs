@@ -1,11 +1,11 @@
 //! Joining the shards of a sweep to the bytes of one run.
 
 use super::files::{NotThisSweep, read_record};
-use super::{rows_csv, unwritten};
+use super::rows_csv;
+use super::table_file::{TableFile, open_lines};
 use crate::report::{RunDirectory, WriteError};
 use crate::sweep::{SweepRecord, Tally};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, Write};
+use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
 /// All the shards of a sweep, in order.
@@ -92,11 +92,11 @@ impl Parts {
     pub fn tally(&self, mut watch: impl FnMut(u64)) -> Result<Tally, NotThisSweep> {
         let mut tally = Tally::empty(&self.record);
         for (directory, part) in &self.parts {
-            let path = directory.join("designs.csv");
+            let path = directory.join(part.file_name("designs"));
             let unreadable = |e: io::Error| wrong(&path, e.to_string());
-            let file = File::open(&path).map_err(unreadable)?;
-            let mut reader =
-                rows_csv::Reader::new(part, BufReader::new(file)).map_err(unreadable)?;
+            let mut reader = open_lines(&path)
+                .and_then(|lines| rows_csv::Reader::new(part, lines))
+                .map_err(unreadable)?;
             for block in part.blocks() {
                 let Some((rows, _)) = reader.block(block).map_err(unreadable)? else {
                     let reason = "not finished; `hardpoint sweep` with --resume goes on with it";
@@ -113,30 +113,31 @@ impl Parts {
     pub fn join(&self, into: &RunDirectory) -> Result<(), MergeError> {
         let json = serde_json::to_string_pretty(&self.record).expect("records are plain data");
         into.write("sweep.json", (json + "\n").as_bytes())?;
-        self.join_files("designs.csv", into)?;
+        self.join_files("designs", into)?;
         if self.record.curves {
-            self.join_files("curves.csv", into)?;
+            self.join_files("curves", into)?;
         }
         Ok(())
     }
 
     /// One header, then the rows of all shards.
     fn join_files(&self, name: &str, into: &RunDirectory) -> Result<(), MergeError> {
-        let target = into.path().join(name);
-        let file = File::create(&target).map_err(unwritten(&target))?;
-        let mut out = BufWriter::new(file);
-        for (number, (directory, _)) in self.parts.iter().enumerate() {
-            let path = directory.join(name);
+        let name = self.record.file_name(name);
+        let mut joined: Option<TableFile> = None;
+        for (directory, _) in &self.parts {
+            let path = directory.join(&name);
             let unreadable = |e: io::Error| wrong(&path, e.to_string());
-            let mut lines = BufReader::new(File::open(&path).map_err(unreadable)?);
+            let mut lines = open_lines(&path).map_err(unreadable)?;
             let mut header = Vec::new();
             lines.read_until(b'\n', &mut header).map_err(unreadable)?;
-            if number == 0 {
-                out.write_all(&header).map_err(unwritten(&target))?;
-            }
-            io::copy(&mut lines, &mut out).map_err(unwritten(&target))?;
+            let mut file = match joined.take() {
+                Some(file) => file,
+                None => TableFile::begin(into.path().join(&name), &header)?,
+            };
+            file.copy_rows(&mut lines)?;
+            joined = Some(file);
         }
-        out.flush().map_err(unwritten(&target))?;
+        joined.map_or(Ok(()), TableFile::finish)?;
         Ok(())
     }
 }

@@ -3,13 +3,17 @@
 //! A sweep's directory has `sweep.json` ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how
 //! designs were sampled, targets), the rows in `designs.csv`, the rows of the Pareto front in
 //! `pareto.csv`, with `curves = true` every curve in `curves.csv`, and [`SweepSummary`] in `summary.json`:
-//! all that a page of the sweep needs.
+//! all that a page of the sweep needs. With
+//! `format = "parquet"` designs and curves end in `.parquet`.
 
 mod curves_csv;
 mod files;
 mod merge;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod rows_csv;
 mod summary;
+mod table_file;
 
 pub use files::{Finished, NotThisSweep, Resumed, SweepFiles, SweepText};
 pub use merge::{MergeError, Parts};

@@ -74,7 +74,8 @@ pub fn append_whole(value: u64, to: &mut Vec<u8>) {
     write!(to, "{value}").expect("memory takes everything");
 }
 
-fn append_text(text: &str, to: &mut Vec<u8>) {
+/// Adds a text, in quotes where it needs them.
+pub fn append_text(text: &str, to: &mut Vec<u8>) {
     if text.contains([',', '"', '\n']) {
         to.push(b'"');
         to.extend_from_slice(text.replace('"', "\"\"").as_bytes());

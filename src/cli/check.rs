@@ -8,7 +8,7 @@ use crate::kinematics::March;
 use crate::model::PointId;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
-use crate::study::{Drive, Formulation, Study};
+use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
@@ -112,6 +112,21 @@ fn plan_table(study: &Study, plan: &Plan) -> Table {
             stations * plan.outputs.iter().map(|o| o.highest + 1).sum::<usize>()
         ),
     ]);
+    if let Some(sweep) = &study.sweep {
+        let (what, designs) = match &sweep.designs {
+            Designs::Sampled(sampled) => (
+                format!(
+                    "{} of {} variables",
+                    sampled.method.name(),
+                    sampled.variables.len()
+                ),
+                format!("{} designs", sampled.designs()),
+            ),
+            Designs::File(path) => (path.display().to_string(), "its rows".to_owned()),
+        };
+        let what = format!("[sweep]: {what}");
+        table.push(["sweep (sweep only)".to_owned(), what, designs]);
+    }
     if let Some(optimise) = &study.optimise {
         table.push([
             "tuning (optimise only)".to_owned(),

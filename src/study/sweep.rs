@@ -17,6 +17,9 @@ use toml::Spanned;
 /// The most designs of a sweep: years of work for the fastest machine.
 const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
+/// The most variables that are exchanged one by one: a group of such designs stays within a block.
+const MOST_EXCHANGED: usize = crate::sweep::BLOCK - 2;
+
 impl Sampling {
     const ALL: [(&str, Sampling); 5] = [
         ("grid", Sampling::Grid),
@@ -179,6 +182,14 @@ fn sampled(
     let resolved: Vec<SweepVariable> = resolved.into_iter().collect::<Option<_>>()?;
     distinct(listed, &resolved, suspension, problems);
     let method = method?;
+    if method == Sampling::Saltelli && resolved.len() > MOST_EXCHANGED {
+        let message = format!(
+            "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
+            resolved.len()
+        );
+        problems.add(variables.span(), message);
+        return None;
+    }
     let samples = match method {
         Sampling::Grid => grid_points(variables, &resolved, problems)?,
         _ => {

@@ -5,7 +5,7 @@
 const SOBOL_POINTS: u64 = 1 << 16;
 
 /// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with so many
-/// `dimensions`. The sequence has 2^16 points of 256 dimensions; beyond either, one with another seed
+/// `dimensions`, in steps of 2^-24. The sequence has 2^16 points of 256 dimensions; beyond either, one with another seed
 /// follows, independent of it.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;

@@ -117,6 +117,7 @@ impl SweepFiles {
     ) -> Result<Resumed, NotThisSweep> {
         let mut tally = Tally::empty(record);
         let mut next = record.blocks().start;
+        let path = directory.path().join(record.file_name("designs"));
         if !directory.path().join("sweep.json").is_file() {
             let files = SweepFiles::begin(record, text, Some(directory))?;
             return Ok((files, tally, next));
@@ -132,7 +133,11 @@ impl SweepFiles {
             path: path.to_owned(),
             reason: format!("cannot be taken up again: {e}"),
         };
-        let path = directory.path().join(record.file_name("designs"));
+        // Nothing is there of a Parquet file whose writing was cut short.
+        if !path.is_file() {
+            let files = SweepFiles::begin(record, text, Some(directory))?;
+            return Ok((files, tally, next));
+        }
         let header = rows_csv::header(record);
         let mut length = header.len() as u64;
         let mut reader = open_lines(&path)

@@ -141,3 +141,51 @@ pub fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
         "this program was built without Parquet; cargo build --release --features parquet",
     ))
 }
+
+#[cfg(all(test, feature = "parquet"))]
+mod tests {
+    use super::*;
+
+    /// Rows of several groups come back as they were written, and after a part of them is kept.
+    #[test]
+    fn parquet_gives_the_text_back() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("designs.parquet");
+        let header = b"design,a+b_dz_mm,camber_min_deg,failed_stations,reason,status\n";
+        let row = |i: u64| {
+            let camber = if i.is_multiple_of(3) {
+                String::new()
+            } else {
+                format!("{:?}", 1.0 / i as f64)
+            };
+            let reason = if i.is_multiple_of(5) {
+                ""
+            } else {
+                "\"it ends, \"\"there\"\"\""
+            };
+            format!("{i},{:?},{camber},{},{reason},ok\n", i as f64 - 7.5, i % 4)
+        };
+        let rows: Vec<String> = (0..70_000).map(row).collect();
+        let read = || {
+            let mut text = String::new();
+            open_lines(&path)
+                .unwrap()
+                .read_to_string(&mut text)
+                .unwrap();
+            text
+        };
+        let mut file = TableFile::begin(path.clone(), header).unwrap();
+        for block in rows.chunks(128) {
+            file.append(block.concat().as_bytes()).unwrap();
+        }
+        file.finish().unwrap();
+        let whole = String::from_utf8(header.to_vec()).unwrap() + &rows.concat();
+        assert!(read() == whole);
+        let bytes = std::fs::read(&path).unwrap();
+        let kept = header.len() + rows[..1000].concat().len();
+        let mut file = TableFile::reopen(path.clone(), header, kept as u64).unwrap();
+        file.append(rows[1000..].concat().as_bytes()).unwrap();
+        file.finish().unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes);
+    }
+}

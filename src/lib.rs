@@ -29,6 +29,7 @@
 //! | [`kinematics`] | poses, rates, sensitivities |
 //! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
 //! | [`curves`] | a plan carried out over a motion |
+//! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`report`] | files and tables |
 //! | [`cli`] | the command line |
@@ -61,3 +62,4 @@ pub mod optimise;
 pub mod plan;
 pub mod report;
 pub mod study;
+pub mod sweep;

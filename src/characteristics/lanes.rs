@@ -6,13 +6,13 @@
 use super::{Characteristic, Constants, Inputs, Slot, Wheel};
 use crate::kinematics::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates};
 use crate::model::{Body, Mechanism, PointId, SpinAxis};
-use crate::number::{Bundle, Jet, Vector3};
+use crate::number::{Bundle, Jet, MOST_LANES, Vector3};
 
 /// Reads characteristics off poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
-    characteristics: &'a [Characteristic],
+    characteristics: Vec<Characteristic>,
     constants: Constants,
     reads: Reads,
 }
@@ -50,7 +50,7 @@ impl<'a> LaneReader<'a> {
         mechanism: &'a Mechanism,
         batch: &Batch,
         constants: Constants,
-        characteristics: &'a [Characteristic],
+        characteristics: Vec<Characteristic>,
     ) -> Option<Self> {
         let mut reads = Reads::default();
         for slot in characteristics.iter().flat_map(|c| c.info().reads) {
@@ -88,7 +88,7 @@ impl<'a> LaneReader<'a> {
 
     /// The characteristics, in the order of the values.
     pub fn characteristics(&self) -> &[Characteristic] {
-        self.characteristics
+        &self.characteristics
     }
 
     /// What is to be read off the poses of designs, given as their points.
@@ -148,13 +148,19 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// What the formulas read in a pose.
+    /// Whether the formulas read velocities.
+    pub fn reads_rates(&self) -> bool {
+        self.reads.rates
+    }
+
+    /// What the formulas read in a pose; with `rates`, the velocities of all of it.
     #[inline(always)]
     pub fn read<B: Bundle>(
         &self,
         lanes: &LaneDesign<B>,
         wheels: &LaneWheels<B>,
         at: &LanePose<B>,
+        rates: bool,
         inputs: &mut Inputs<B>,
     ) {
         let reads = self.reads;
@@ -174,7 +180,7 @@ impl<'a> LaneReader<'a> {
         if let Some((upper, lower)) = &wheels.spring {
             now.spring_length = (upper.now(at) - lower.now(at)).norm();
         }
-        if !reads.rates {
+        if !rates {
             return;
         }
         let rates = at.rates(lanes);
@@ -200,29 +206,65 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// The inputs as series in the drive, for the slopes of characteristics that are not made of
-    /// velocities themselves. The inputs must have been read with their rates.
+    /// The inputs of one lane as series in the drive, for the slopes of characteristics that are not made
+    /// of velocities themselves. The inputs must have been read with their rates.
     #[inline(always)]
-    pub fn series<B: Bundle>(inputs: &Inputs<B>) -> Inputs<Jet<B, 2>> {
+    pub fn series<B: Bundle>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
+        let of = |number: B| {
+            let mut lanes = [0.0; MOST_LANES];
+            number.store(&mut lanes);
+            lanes[lane]
+        };
         let (now, rate) = (&inputs.now, &inputs.rate);
-        let series = |value: Vector3<B>, slope: Vector3<B>| {
+        let pair = |value: B, slope: B| Jet([of(value), of(slope)]);
+        let pairs = |value: Vector3<B>, slope: Vector3<B>| {
             Vector3::new(
-                Jet([value.x, slope.x]),
-                Jet([value.y, slope.y]),
-                Jet([value.z, slope.z]),
+                pair(value.x, slope.x),
+                pair(value.y, slope.y),
+                pair(value.z, slope.z),
             )
         };
-        let constant = inputs.map(Jet::<B, 2>::constant);
+        let still = inputs.design.centre.zero();
+        let nothing = pairs(still, still);
+        let design = Wheel {
+            spin_axis: pairs(inputs.design.spin_axis, still),
+            centre: pairs(inputs.design.centre, still),
+            steering_point: nothing,
+            steering_direction: nothing,
+            spring_length: nothing.x,
+            strut_upper: nothing,
+        };
         Inputs {
             now: Wheel {
-                spin_axis: series(now.spin_axis, rate.spin_axis),
-                centre: series(now.centre, rate.centre),
-                steering_point: series(now.steering_point, rate.steering_point),
-                steering_direction: series(now.steering_direction, rate.steering_direction),
-                spring_length: Jet([now.spring_length, rate.spring_length]),
-                strut_upper: series(now.strut_upper, rate.strut_upper),
+                spin_axis: pairs(now.spin_axis, rate.spin_axis),
+                centre: pairs(now.centre, rate.centre),
+                steering_point: pairs(now.steering_point, rate.steering_point),
+                steering_direction: pairs(now.steering_direction, rate.steering_direction),
+                spring_length: pair(now.spring_length, rate.spring_length),
+                strut_upper: pairs(now.strut_upper, rate.strut_upper),
             },
-            ..constant
+            rate: design,
+            turn: nothing,
+            design,
+            constants: inputs.constants,
+        }
+    }
+}
+
+/// The value of a characteristic of one lane with its slope; out of line, since there is one for each
+/// formula.
+#[inline(never)]
+fn value_and_slope(c: Characteristic, inputs: &Inputs<Jet<f64, 2>>) -> Jet<f64, 2> {
+    c.evaluate(inputs)
+}
+
+impl Characteristic {
+    /// The slope by the drive in one lane, from inputs as series. NaN for what is made of velocities: it
+    /// would take accelerations.
+    pub fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
+        match self.info().reads_rates() {
+            true => f64::NAN,
+            false => value_and_slope(self, inputs)[1],
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::model::Topology;
 use crate::report::{Format, Table};
 use crate::study::Study;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// `machine.json`
 #[derive(Serialize)]
@@ -33,7 +33,9 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         }
     };
     let name = format!("bench_{}", study.name);
-    let output = Output::at(arguments.out.as_deref(), &name, arguments.format.into())?;
+    let default = PathBuf::from("out").join(&name);
+    let out = arguments.out.as_deref().unwrap_or(&default);
+    let output = Output::at(out, arguments.format.into())?;
     let clock = Clock {
         samples: arguments.samples,
         ..Clock::default()

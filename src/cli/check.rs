@@ -7,7 +7,7 @@ use crate::curves::curves;
 use crate::kinematics::{DesignFault, March, PaperTheta};
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
-use crate::study::{Drive, Formulation, Study};
+use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
@@ -82,6 +82,17 @@ fn motion(study: &Study, plan: &Plan) -> String {
     );
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
+    if let Some(sweep) = &study.sweep {
+        text += &match &sweep.designs {
+            Designs::Sampled(sampled) => format!(
+                " Sweep (sweep only): {}, {} designs of {} variables.",
+                sampled.method.name(),
+                sampled.designs(),
+                sampled.variables.len()
+            ),
+            Designs::File(path) => format!(" Sweep (sweep only): the rows of {}.", path.display()),
+        };
+    }
     if let Some(optimise) = &study.optimise {
         text += &format!(
             " Tuning (optimise only): {} variables, {} targets, {} starts.",

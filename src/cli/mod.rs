@@ -5,12 +5,14 @@ mod bench;
 mod check;
 mod exit;
 mod limits;
+mod merge;
 mod new;
 mod optimise;
 mod output;
 mod progress;
 mod report;
 mod solve;
+mod sweep;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
@@ -40,6 +42,10 @@ enum Command {
     Check(StudyArguments),
     /// Curves over the motion
     Solve(RunArguments),
+    /// A batch of designs
+    Sweep(SweepArguments),
+    /// Join the shards of a sweep to what one run would have written
+    Merge(MergeArguments),
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
     Optimise(RunArguments),
@@ -83,6 +89,43 @@ struct RunArguments {
     /// Write the curves as SVG pictures into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+}
+
+/// What a sweep needs besides.
+#[derive(Args)]
+struct SweepArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Directory for the results, or - for the designs on standard output [default: out/STUDY, for a
+    /// shard out/STUDY/shard-I-of-N]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+    /// Go on with a sweep that was interrupted
+    #[arg(long)]
+    resume: bool,
+    /// Do only part I of N, as in --shard 3/8; `hardpoint merge` joins them
+    #[arg(long, value_name = "I/N", value_parser = sweep::shard)]
+    shard: Option<[u64; 2]>,
+    /// Print the study of one design, by its number, and do nothing else
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["out", "resume", "shard"])]
+    design: Option<u64>,
+}
+
+/// What shards are joined.
+#[derive(Args)]
+struct MergeArguments {
+    /// The directories of all shards, in any order
+    #[arg(required = true, value_name = "RUN_DIR")]
+    parts: Vec<PathBuf>,
+    /// Directory for the results
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How tables are printed
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    format: TableFormat,
 }
 
 /// Where assemblies are looked for.
@@ -182,6 +225,8 @@ pub fn run() -> ExitCode {
         Command::New { topology } => new::run(&topology),
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Optimise(arguments) => optimise::run(&arguments),
         Command::Limits(arguments) => limits::run(&arguments),
         Command::Assemblies(arguments) => assemblies::run(&arguments),

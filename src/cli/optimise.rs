@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
             path.display()
         )));
     };
-    let pool = pool(arguments)?;
+    let pool = pool(arguments.threads)?;
     // Solved first: a design that is wrong must be known before anything is written.
     let plan = Plan::with_targets(&study);
     let fault = |fault| design_fault(&study, path, &fault);

@@ -7,6 +7,7 @@ use crate::kinematics::DesignFault;
 use crate::report::{Format, RunDirectory, Table};
 use crate::study::Study;
 use std::io::{self, Write};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 pub(super) struct Output {
@@ -17,18 +18,15 @@ pub(super) struct Output {
 impl Output {
     /// Opens the output, so that a place that cannot be written is known before the work is done.
     pub(super) fn open(arguments: &RunArguments, study: &Study) -> Result<Self, Stop> {
+        let default = PathBuf::from("out").join(&study.name);
         let format = arguments.study.format.into();
-        Output::at(arguments.out.as_deref(), &study.name, format)
+        Output::at(arguments.out.as_deref().unwrap_or(&default), format)
     }
 
-    /// Opens the output at a place that was asked for, or under this name in `out`.
-    pub(super) fn at(out: Option<&Path>, name: &str, format: Format) -> Result<Self, Stop> {
-        let path = match out {
-            Some(path) if path == Path::new("-") => None,
-            Some(path) => Some(path.to_owned()),
-            None => Some(PathBuf::from("out").join(name)),
-        };
-        let directory = path.map(|path| RunDirectory::create(&path)).transpose();
+    /// Opens a directory, or standard output for `-`.
+    pub(super) fn at(path: &Path, format: Format) -> Result<Self, Stop> {
+        let path = Some(path).filter(|path| *path != Path::new("-"));
+        let directory = path.map(RunDirectory::create).transpose();
         Ok(Output {
             directory: directory.map_err(Stop::wrong_input)?,
             format,
@@ -108,8 +106,8 @@ impl Output {
 }
 
 /// The rayon pool of a run.
-pub(super) fn pool(arguments: &RunArguments) -> Result<rayon::ThreadPool, Stop> {
-    let threads = arguments.threads.map_or(0, std::num::NonZeroUsize::get);
+pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, Stop> {
+    let threads = threads.map_or(0, NonZeroUsize::get);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

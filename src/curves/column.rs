@@ -24,7 +24,7 @@ pub struct Column {
 
 impl Column {
     /// The columns of a plan, output by output, the value before its derivatives.
-    pub(super) fn all(plan: &Plan, length: LengthUnit) -> Vec<Column> {
+    pub fn all(plan: &Plan, length: LengthUnit) -> Vec<Column> {
         let mut columns = Vec::new();
         for (of, output) in plan.outputs.iter().enumerate() {
             for order in 0..=output.highest {
@@ -32,6 +32,11 @@ impl Column {
             }
         }
         columns
+    }
+
+    /// What a value in radians and length units is multiplied by to be printed.
+    pub fn factor(&self) -> f64 {
+        self.factor
     }
 
     /// The unit of this column's derivative by a hardpoint coordinate.

@@ -3,6 +3,9 @@
 use super::Real;
 use std::ops::{BitAnd, BitOr, Not};
 
+/// More lanes than any processor has.
+pub const MOST_LANES: usize = 16;
+
 /// One or more independent numbers that take the same steps at the same time.
 ///
 /// Every operation is the IEEE one, lane by lane, so a lane's bits depend neither on its neighbours nor on

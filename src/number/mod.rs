@@ -16,7 +16,7 @@ mod jet;
 mod lanes;
 mod vector;
 
-pub use bundle::Bundle;
+pub use bundle::{Bundle, MOST_LANES};
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;

@@ -2,6 +2,7 @@
 
 use super::fit::fit_start;
 use super::{Bounds, Control, Fit, Infeasible, LeastSquares, Options};
+use crate::sweep::sobol;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -70,17 +71,10 @@ pub fn starting_point(
     if index == 0 {
         return bounds.nearest(design);
     }
-    // The sequence has 2^16 points of 256 dimensions; another seed goes on where it ends.
-    let (dimensions, points) = (sobol_burley::NUM_DIMENSIONS as usize, 1 << 16);
-    let sample = index - 1;
-    let blocks = bounds.variables().div_ceil(dimensions);
     DVector::from_fn(bounds.variables(), |j, _| {
-        let block = sample / points * blocks + j / dimensions;
-        let seed = seed.wrapping_add(block as u32);
-        let dimension = (j % dimensions) as u32;
-        let fraction = sobol_burley::sample((sample % points) as u32, dimension, seed);
+        let fraction = sobol(index as u64 - 1, j, bounds.variables(), seed);
         let (lower, upper) = (bounds.lower()[j], bounds.upper()[j]);
-        (lower + bounds.width()[j] * f64::from(fraction)).min(upper)
+        (lower + bounds.width()[j] * fraction).min(upper)
     })
 }
 

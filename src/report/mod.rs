@@ -16,6 +16,7 @@ mod run;
 mod run_directory;
 mod scene;
 mod solve_summary;
+mod sweep;
 mod table;
 mod tuning_summary;
 
@@ -30,6 +31,10 @@ pub use run::{Run, RunError, Summary};
 pub use run_directory::{RunDirectory, WriteError};
 pub use scene::{Frame, Member, MemberKind, Placement, Scene};
 pub use solve_summary::SolveSummary;
+pub use sweep::{
+    Finished, MergeError, NotThisSweep, Parts, Resumed, SweepFiles, SweepSummary, SweepText,
+    pareto_csv,
+};
 pub use table::{Format, Table};
 pub use tuning_summary::TuningSummary;
 

@@ -42,10 +42,7 @@ impl RunDirectory {
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         let path = self.path.join(name);
         let written = || -> std::io::Result<()> {
-            let mut file = tempfile::Builder::new()
-                .prefix(".hardpoint-")
-                .permissions(readable())
-                .tempfile_in(&self.path)?;
+            let mut file = temporary(&self.path)?;
             file.write_all(contents)?;
             file.flush()?;
             file.persist(&path).map_err(|e| e.error)?;
@@ -56,6 +53,14 @@ impl RunDirectory {
             source,
         })
     }
+}
+
+/// A file beside the place it will take when it is whole.
+pub(super) fn temporary(directory: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    tempfile::Builder::new()
+        .prefix(".hardpoint-")
+        .permissions(readable())
+        .tempfile_in(directory)
 }
 
 /// Ordinary permissions: a temporary file would be the owner's alone.

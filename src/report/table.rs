@@ -29,6 +29,20 @@ impl Table {
         }
     }
 
+    /// An empty table whose columns depend on what is shown.
+    pub fn with_columns(header: Vec<String>) -> Self {
+        Table {
+            header,
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row, which has a cell for each column.
+    pub fn push_row(&mut self, row: Vec<String>) {
+        assert_eq!(row.len(), self.header.len());
+        self.rows.push(row);
+    }
+
     /// Adds a row, which has a cell for each column.
     pub fn push<const N: usize>(&mut self, row: [String; N]) {
         assert_eq!(N, self.header.len());

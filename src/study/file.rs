@@ -30,10 +30,8 @@ pub struct File {
     pub solver: Solver,
     /// `[outputs]`
     pub outputs: Option<Outputs>,
-    /// `[sweep]`: any table. Sweeps are not part of this version, and a study that has one is still
-    /// to be solved and optimised.
-    #[expect(dead_code, reason = "only its presence is allowed for")]
-    pub sweep: Option<toml::Table>,
+    /// `[sweep]`
+    pub sweep: Option<Spanned<Sweep>>,
     /// `[optimise]`
     pub optimise: Option<Optimise>,
 }
@@ -155,6 +153,48 @@ pub struct Outputs {
     pub sensitivities: Option<Selection>,
     /// Whether each pose is to be proved.
     pub certify: Option<Spanned<bool>>,
+}
+
+/// `[sweep]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// How the variables are sampled.
+    pub method: Option<Text>,
+    /// Number of samples.
+    pub samples: Option<Whole>,
+    /// Seed of the samples.
+    pub seed: Option<Whole>,
+    /// What moves.
+    pub variables: Option<Spanned<Vec<Spanned<SweepVariable>>>>,
+    /// A CSV file with the designs instead.
+    pub designs: Option<Text>,
+    /// Whether the curves of every design are kept.
+    pub curves: Option<bool>,
+    /// `csv` or `parquet`.
+    pub format: Option<Text>,
+}
+
+/// An element of `variables` of `[sweep]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepVariable {
+    /// Name of the hardpoint,
+    pub hardpoint: Option<Text>,
+    /// or names of several that move together.
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// How far each of them moves per unit of the variable.
+    pub factors: Option<Spanned<Vec<Number>>>,
+    /// `x`, `y` or `z`.
+    pub axis: Text,
+    /// Lowest and highest value, two numbers if they are right.
+    pub range: Spanned<Vec<Number>>,
+    /// Number of values in a grid.
+    pub steps: Option<Whole>,
+    /// Whether the values are coordinates rather than offsets.
+    pub absolute: Option<Spanned<bool>>,
+    /// Name of the variable's column.
+    pub name: Option<Text>,
 }
 
 /// `[optimise]`

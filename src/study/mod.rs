@@ -8,6 +8,7 @@
 //! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
 
 mod curve_file;
+mod designs_file;
 mod edit;
 mod error;
 mod file;
@@ -23,9 +24,11 @@ mod resolve;
 mod solver;
 mod source;
 mod suspension;
+mod sweep;
 mod targets;
 mod value;
 
+pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
@@ -53,6 +56,8 @@ pub struct Study {
     pub outputs: Outputs,
     /// The optimisation, if the study has one.
     pub optimise: Option<Optimise>,
+    /// The sweep, if the study has one.
+    pub sweep: Option<Sweep>,
 }
 
 /// What drives the mechanism.
@@ -127,6 +132,91 @@ pub struct Outputs {
     pub sensitivities: Vec<PointId>,
     /// Whether each pose is to be proved.
     pub certify: bool,
+}
+
+/// A sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Where the designs come from.
+    pub designs: Designs,
+    /// Whether the curves of every design are kept.
+    pub curves: bool,
+    /// What the results are written as.
+    pub format: FileFormat,
+}
+
+/// Where the designs of a sweep come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Designs {
+    /// Variables over their ranges.
+    Sampled(Sampled),
+    /// The rows of a CSV file, which is read by [`DesignTable::read`].
+    File(std::path::PathBuf),
+}
+
+/// Designs sampled from ranges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampled {
+    /// How.
+    pub method: Sampling,
+    /// Number of samples; in a grid, number of its points.
+    pub samples: u64,
+    /// Seed.
+    pub seed: u32,
+    /// What moves.
+    pub variables: Vec<SweepVariable>,
+}
+
+/// How designs are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// Every combination of evenly spaced values, the last variable running fastest.
+    Grid,
+    /// As many equal strata of every variable as there are samples, each met once.
+    LatinHypercube,
+    /// A low-discrepancy sequence.
+    Sobol,
+    /// Independent uniform numbers.
+    Random,
+    /// Pairs of samples with the variables exchanged one by one, from which first-order and total
+    /// Sobol indices follow (A. Saltelli et al., Variance based sensitivity analysis of model output,
+    /// Computer Physics Communications 181, 2010): `samples` times the number of variables and two.
+    Saltelli,
+}
+
+/// What the results of a sweep are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// A number that moves one or several coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepVariable {
+    /// Name, without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
+    pub name: String,
+    /// What it moves.
+    pub moves: Vec<Move>,
+    /// Whether its values are coordinates rather than offsets from the design.
+    pub absolute: bool,
+    /// Lowest and highest value, in the study's axes.
+    pub range: [f64; 2],
+    /// Number of values in a grid.
+    pub steps: Option<u64>,
+}
+
+/// A coordinate that moves with a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// How far it moves per unit of the variable.
+    pub factor: f64,
 }
 
 /// An optimisation.

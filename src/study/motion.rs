@@ -270,17 +270,22 @@ pub fn within(number: &Whole, bounds: RangeInclusive<i64>, problems: &mut Proble
     None
 }
 
-/// `count` values from `from` to `to`, both hit exactly, the values between correctly rounded where
-/// the products are exact, and symmetric (with an exact zero) where the ends are.
+/// `count` values from `from` to `to`.
 fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let last = count - 1;
     (0..count)
-        .map(|i| match i {
-            0 => from,
-            _ if i == last => to,
-            _ => (from * (last - i) as f64 + to * i as f64) / last as f64,
-        })
+        .map(|i| evenly_spaced_at(from, to, count as u64, i as u64))
         .collect()
+}
+
+/// Value number `i` of `count` from `from` to `to`, both hit exactly, the values between correctly
+/// rounded where the products are exact, and symmetric (with an exact zero) where the ends are.
+pub fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
+    let last = count - 1;
+    match i {
+        0 => from,
+        _ if i == last => to,
+        _ => (from * (last - i) as f64 + to * i as f64) / last as f64,
+    }
 }
 
 #[cfg(test)]

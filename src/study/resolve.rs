@@ -3,6 +3,7 @@
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
     Motion, Study, edit, motion, optimise, outputs, overrides, parse, solver, source, suspension,
+    sweep,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -76,9 +77,19 @@ fn resolve(
         Some(section) => optimise::optimise(section, &context, &mut problems)
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };
-    let resolved = motion.zip(formulation).zip(outputs).zip(optimise);
-    let resolved = resolved.zip(accuracy);
-    let ((((motion, formulation), outputs), (optimise, curves)), accuracy) =
+    let sweep = match &file.sweep {
+        None => Some(None),
+        Some(section) => {
+            sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
+        }
+    };
+    let resolved = motion
+        .zip(formulation)
+        .zip(outputs)
+        .zip(optimise)
+        .zip(sweep)
+        .zip(accuracy);
+    let (((((motion, formulation), outputs), (optimise, curves)), sweep), accuracy) =
         problems.finish(resolved)?;
     Ok(Study {
         name: path
@@ -93,5 +104,6 @@ fn resolve(
         accuracy,
         outputs,
         optimise,
+        sweep,
     })
 }

@@ -22,14 +22,15 @@ use super::closed_form::{Carried, Carrier, ClosedForm, Roles, State, Velocity};
 use super::path::March;
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Bundle, Jet, Vector3};
-use route::{Route, Stencil};
+use route::{Leg, Route, Stencil};
 
 /// A way to solve designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
 pub struct Batch {
     roles: Roles,
     drive: Drive,
-    route: Route,
+    /// One for each displacement of the rack.
+    routes: Vec<Route>,
     /// Pairs of points whose distance must be a length.
     distinct: Vec<(PointId, PointId)>,
     /// The square of the shortest length.
@@ -65,6 +66,12 @@ pub struct KnuckleVector<B>(Carried<B>);
 pub struct KnucklePoint<B>(Carried<B>);
 
 impl<B: Bundle> LaneDesign<B> {
+    /// Whether all rods have a length.
+    #[inline(always)]
+    pub fn is_regular(&self) -> B::Mask {
+        self.distinct
+    }
+
     /// A vector of the knuckle in the design position.
     #[inline(always)]
     pub fn vector(&self, designed: Vector3<B>) -> KnuckleVector<B> {
@@ -157,13 +164,14 @@ const FAR: f64 = 100.0;
 const MOST_CORRECTIONS: usize = 6;
 
 impl Batch {
-    /// For designs of this mechanism that are not far from `base`; `None` where there is no closed form
-    /// to run in lanes.
+    /// For designs of this mechanism that are not far from `base`, with the rack at each of `racks`
+    /// (towards the kernel's +y); `None` where there is no closed form to run in lanes.
     pub fn new(
         mechanism: &Mechanism,
         base: &[Vector3<f64>],
         drive: Drive,
         march: &March,
+        racks: &[f64],
     ) -> Option<Batch> {
         let roles = Roles::of(mechanism)?;
         let origin = base[mechanism.origin.0];
@@ -182,7 +190,10 @@ impl Batch {
         Some(Batch {
             roles,
             drive,
-            route: Route::through(march, longest)?,
+            routes: racks
+                .iter()
+                .map(|rack| Route::through(march, *rack, longest, LONGEST_STEP * size))
+                .collect::<Option<_>>()?,
             distinct: mechanism.lengths().collect(),
             shortest: (SHORTEST_LENGTH * reach).powi(2),
             tolerance: TOLERANCE * reach,
@@ -198,7 +209,8 @@ impl Batch {
 
     /// Room for the history of [`Batch::solve`].
     pub fn history<B: Bundle>(&self, like: B) -> Vec<B> {
-        vec![like.zero(); self.route.places.len()]
+        let places = self.routes.iter().map(|route| route.places.len());
+        vec![like.zero(); places.max().unwrap_or(0)]
     }
 
     /// The constants of designs, a point of all lanes after another.
@@ -220,19 +232,18 @@ impl Batch {
         }
     }
 
-    /// Visits every station; says which lanes are right throughout.
+    /// Visits every station with the rack at its `rack`-th place; says which lanes are right throughout.
     #[inline(always)]
     pub fn solve<B: Bundle>(
         &self,
         design: &LaneDesign<B>,
-        rack: f64,
+        rack: usize,
         history: &mut [B],
         visit: &mut impl Visit<B>,
     ) -> B::Mask {
         let form = &design.form;
         let like = design.ball_joint.x;
         let zero = like.zero();
-        let rack = like.lit(rack);
         let tolerance = like.lit(self.tolerance);
 
         let mut sound = design.distinct;
@@ -244,8 +255,10 @@ impl Batch {
             squares: [zero; 3],
             upper_margin: zero,
         }; 2];
-        for (number, place) in self.route.places.iter().enumerate() {
+        history[0] = zero;
+        for (number, place) in self.routes[rack].places.iter().enumerate() {
             let target = like.lit(place.value);
+            let rack = like.lit(place.rack);
             // By the arm angle there is nothing to solve: every residual will do.
             let (mut tangent, mut slope_here, tolerance) = match self.drive {
                 Drive::ArmAngle => {
@@ -253,11 +266,9 @@ impl Batch {
                     (tangent, zero, like.lit(f64::INFINITY))
                 }
                 Drive::Travel => {
-                    let tangent = match number {
-                        0 | 1 => like.lit(self.slope * place.value),
-                        _ => weighted(&place.prediction, history, like),
-                    };
-                    (tangent, last[place.side].slope, tolerance)
+                    let tangent = weighted(&place.prediction, history, like);
+                    let tangent = tangent + like.lit(self.slope * place.along_slope);
+                    (tangent, last[place.leg.side()].slope, tolerance)
                 }
             };
             let (mut step, mut missed, mut corrections) = (zero, zero, 0);
@@ -286,13 +297,17 @@ impl Batch {
             history[number] = refined;
 
             sound = sound & Watch::is_sound(&state, tangent);
-            if number == 0 {
-                last = [Watch::start(&state, tangent, slope); 2];
+            if place.leg == Leg::Rack {
+                let watch = Watch::start(&state, tangent, slope);
+                if number > 0 {
+                    sound = sound & watch.continues(&last[0]);
+                }
+                last = [watch; 2];
             } else {
-                let before = last[place.side];
+                let before = last[place.leg.side()];
                 let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
                 sound = sound & watch.continues(&before);
-                last[place.side] = watch;
+                last[place.leg.side()] = watch;
             }
             if let Some(station) = place.station {
                 let drive = self.drive;

@@ -12,36 +12,64 @@ const NEIGHBOURS: usize = 8;
 /// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
 pub(super) type Stencil = [(usize, f64); NEIGHBOURS];
 
+/// Where a place lies from the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leg {
+    /// At zero travel, the rack on its way.
+    Rack,
+    /// Above the design position.
+    Up,
+    /// Below it.
+    Down,
+}
+
+impl Leg {
+    /// The side of the design position: 0 up, 1 down.
+    #[inline(always)]
+    pub(super) fn side(self) -> usize {
+        usize::from(self == Leg::Down)
+    }
+}
+
 /// A place on the way.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     /// Value of the drive.
     pub value: f64,
+    /// Displacement of the rack.
+    pub rack: f64,
     /// The station that lies here; none where a long step is broken up.
     pub station: Option<usize>,
-    /// The side of the design position: 0 up, 1 down.
-    pub side: usize,
-    /// From the place before on this side.
+    pub leg: Leg,
+    /// From the place before on this leg.
     pub step: f64,
-    /// Predicts the value here.
+    /// Predicts the value here...
     pub prediction: Stencil,
+    /// ... together with this much of the drive along the slope of the base design: the first step has
+    /// nothing else to go by.
+    pub along_slope: f64,
 }
 
-/// The places in the order of the visit, the design position first.
+/// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
     pub places: Vec<Place>,
 }
 
 impl Route {
-    /// The way through the stations of a march in steps no longer than `longest`; `None` if two stations
-    /// coincide.
-    pub(super) fn through(march: &March, longest: f64) -> Option<Route> {
+    /// The way through the stations of a march with the rack displaced, in steps of the drive and of the
+    /// rack no longer than these; `None` if two stations coincide.
+    pub(super) fn through(
+        march: &March,
+        rack: f64,
+        longest: f64,
+        longest_of_rack: f64,
+    ) -> Option<Route> {
         let mut design_station = None;
-        let mut places: Vec<(f64, Option<usize>, usize, f64)> = Vec::new();
-        for (side, stations) in march.sides().into_iter().enumerate() {
+        let mut stations: Vec<(f64, Option<usize>, Leg, f64)> = Vec::new();
+        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(march.sides()) {
             let mut before = 0.0;
-            for &station in stations {
+            for &station in side {
                 let value = march.values()[station];
                 if value == before {
                     if value != 0.0 || design_station.is_some() {
@@ -50,36 +78,79 @@ impl Route {
                     design_station = Some(station);
                     continue;
                 }
-                let pieces = ((value - before).abs() / longest).ceil().max(1.0);
-                let step = (value - before) / pieces;
-                let mut piece = 1.0;
-                while piece < pieces {
-                    places.push((before + step * piece, None, side, step));
-                    piece += 1.0;
+                let steps = steps(before, value, longest);
+                let step = (value - before) / steps.len() as f64;
+                let last = steps.len() - 1;
+                for (k, place) in steps.into_iter().enumerate() {
+                    stations.push((place, (k == last).then_some(station), leg, step));
                 }
-                places.push((value, Some(station), side, step));
                 before = value;
             }
         }
-        places.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
-        let mut visited = Vec::new();
-        let design = (0.0, design_station, 0, 0.0);
-        let places = std::iter::once(design)
-            .chain(places)
-            .map(|(value, station, side, step)| {
-                let place = Place {
-                    value,
-                    station,
-                    side,
-                    step,
-                    prediction: stencil(&visited, value),
-                };
-                visited.push(value);
-                place
-            })
-            .collect();
+        stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
+
+        let at_zero = |rack: f64, step: f64, number: usize| Place {
+            value: 0.0,
+            rack,
+            station: None,
+            leg: Leg::Rack,
+            step,
+            prediction: straight_on(number),
+            along_slope: 0.0,
+        };
+        let mut places = vec![at_zero(0.0, 0.0, 0)];
+        if rack != 0.0 {
+            let steps = steps(0.0, rack, longest_of_rack);
+            let step = rack / steps.len() as f64;
+            for (k, displaced) in steps.into_iter().enumerate() {
+                places.push(at_zero(displaced, step, k + 1));
+            }
+        }
+        let first = places.len() - 1;
+        places[first].station = design_station;
+        let mut visited = vec![0.0];
+        for (value, station, leg, step) in stations {
+            let mut prediction = stencil(&visited, value);
+            for (place, _) in &mut prediction {
+                *place += first;
+            }
+            places.push(Place {
+                value,
+                rack,
+                station,
+                leg,
+                step,
+                prediction,
+                along_slope: if visited.len() == 1 { value } else { 0.0 },
+            });
+            visited.push(value);
+        }
         Some(Route { places })
     }
+}
+
+/// The ends of equal steps from one value to another.
+fn steps(from: f64, to: f64, longest: f64) -> Vec<f64> {
+    let count = ((to - from).abs() / longest).ceil().max(1.0);
+    let mut steps = Vec::new();
+    let mut step = 1.0;
+    while step < count {
+        steps.push(from + (to - from) * (step / count));
+        step += 1.0;
+    }
+    steps.push(to);
+    steps
+}
+
+/// The line through the two places before, equally far apart.
+fn straight_on(number: usize) -> Stencil {
+    let mut stencil = [(0, 0.0); NEIGHBOURS];
+    match number {
+        0 => {}
+        1 => stencil[0] = (0, 1.0),
+        _ => (stencil[0], stencil[1]) = ((number - 1, 2.0), (number - 2, -1.0)),
+    }
+    stencil
 }
 
 /// The `most` places nearest to a value.
@@ -116,7 +187,7 @@ mod tests {
     #[test]
     fn stencils_reproduce_polynomials() {
         let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
-        let route = Route::through(&march, 0.3).unwrap();
+        let route = Route::through(&march, 0.0, 0.3, 1.0).unwrap();
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
@@ -130,11 +201,15 @@ mod tests {
     #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
         let march = March::through(&[-2.0, 0.0, 1.0, 0.1]);
-        let route = Route::through(&march, 0.5).unwrap();
+        let route = Route::through(&march, 0.25, 0.5, 0.1).unwrap();
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
+        let racks: Vec<f64> = route.places.iter().map(|p| p.rack).take(4).collect();
+        assert_eq!(racks[0], 0.0);
+        assert_eq!(racks[3], 0.25);
+        assert_eq!(route.places[3].station, Some(1));
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
-        assert!(Route::through(&March::through(&[1.0, 1.0]), 0.5).is_none());
+        assert!(Route::through(&March::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
     }
 }

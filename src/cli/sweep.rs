@@ -1,0 +1,172 @@
+//! `hardpoint sweep`
+
+use super::SweepArguments;
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault, pool};
+use super::progress;
+use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
+use crate::study::{FileFormat, Study};
+use crate::sweep::{NotBegun, SweepPlan, SweepRecord, Tally, in_order};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read(path, &arguments.study.set)?;
+    let Some(sweep) = &study.sweep else {
+        return Err(Stop::wrong_input(format!(
+            "{}: there is no [sweep] section, which says which designs are looked at",
+            path.display()
+        )));
+    };
+    let plan = SweepPlan::of(&study, sweep, arguments.shard).map_err(|reason| match reason {
+        NotBegun::Designs(errors) => errors.into(),
+        NotBegun::Fault(fault) => design_fault(&study, path, &fault),
+        NotBegun::TwoColumns(name) => Stop::wrong_input(format!(
+            "{}: two columns of the results would be called {name}; give a variable another name",
+            path.display()
+        )),
+    })?;
+    if let Some(number) = arguments.design {
+        return print_design(&study, &plan, number);
+    }
+    let pool = pool(arguments.threads)?;
+    let out = match (&arguments.out, arguments.shard) {
+        (Some(out), _) => out.clone(),
+        (None, None) => PathBuf::from("out").join(&study.name),
+        (None, Some([i, n])) => PathBuf::from("out")
+            .join(&study.name)
+            .join(format!("shard-{i}-of-{n}")),
+    };
+    if arguments.resume && out == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "--resume goes on with the files of a directory; with --out - there are none",
+        ));
+    }
+    if sweep.format == FileFormat::Parquet && out == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
+        ));
+    }
+    let output = Output::at(&out, arguments.study.format.into())?;
+    let record = &plan.record;
+    let text = SweepText::of(&plan, &study, output.directory().is_some());
+    let (mut files, mut tally, next) = match output.directory() {
+        Some(directory) if arguments.resume => {
+            SweepFiles::resume(record, &text, directory).map_err(not_this)?
+        }
+        directory => {
+            let files = SweepFiles::begin(record, &text, directory).map_err(Stop::wrong_input)?;
+            (files, Tally::empty(record), record.blocks().start)
+        }
+    };
+    pool.install(|| sweep_blocks(&plan, &text, &mut files, &mut tally, next))
+        .and_then(|()| files.finish())
+        .map_err(unwritten)?;
+    finish(&output, record, &tally)
+}
+
+/// Does the blocks from `next` on, until the end or Ctrl-C.
+fn sweep_blocks(
+    plan: &SweepPlan,
+    text: &SweepText,
+    files: &mut SweepFiles,
+    tally: &mut Tally,
+    next: u64,
+) -> Result<(), WriteError> {
+    let record = &plan.record;
+    let line = progress::line(record.own_designs(), "designs");
+    line.set_position(tally.designs);
+    line.reset_eta();
+    let interrupt = progress::interrupt_flag();
+    let done = in_order(
+        next..record.blocks().end,
+        || plan.worker().expect("the same design was accepted before"),
+        |worker, block| {
+            let go_on = !interrupt.load(Ordering::SeqCst);
+            go_on.then(|| text.finish(record, worker, block))
+        },
+        |finished| {
+            files.append(&finished)?;
+            tally.absorb(record, &finished.tally);
+            line.set_position(tally.designs);
+            Ok(())
+        },
+    );
+    line.finish_and_clear();
+    done
+}
+
+/// Writes and says what a sweep, or all of its shards together, came to.
+pub(super) fn finish(output: &Output, record: &SweepRecord, tally: &Tally) -> Result<Exit, Stop> {
+    let summary = SweepSummary::of(record, tally);
+    let mut files = vec![record.file_name("designs")];
+    files.extend(record.curves.then(|| record.file_name("curves")));
+    if let Some(pareto) = pareto_csv(record, tally) {
+        output.file("pareto.csv", &pareto)?;
+        files.push("pareto.csv".to_owned());
+    }
+    output.json("summary.json", &summary)?;
+    files.extend(["summary.json", "sweep.json"].map(str::to_owned));
+
+    output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
+    let failures = summary.failures_table();
+    if output.is_text() && !failures.is_empty() {
+        output.table(&failures)?;
+        output.say("\n")?;
+    }
+    output.table(&summary.outputs_table())?;
+    let best = summary.best_table();
+    if output.is_text() && !best.is_empty() {
+        output.say("\nBest by misfit, in tolerances:\n\n")?;
+        output.table(&best)?;
+    }
+    if let Some(count) = summary.on_front() {
+        output.say(&format!(
+            "\nOn the Pareto front of {} targets: {count} designs\n",
+            record.targets.len()
+        ))?;
+    }
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    output.farewell(&files)?;
+    Ok(match summary.is_complete() {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}
+
+/// Prints the study with the hardpoints of one design.
+fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, Stop> {
+    let designs = plan.record.designs;
+    if number >= designs {
+        return Err(Stop::wrong_input(format!(
+            "there is no design {number}; the sweep has {designs}, numbered from 0"
+        )));
+    }
+    let text = study.with_design(&plan.design(number));
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(Exit::Done)
+}
+
+/// `3/8`, counted from 1.
+pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
+    let parts = text
+        .split_once('/')
+        .and_then(|(i, n)| Some([i.trim().parse().ok()?, n.trim().parse().ok()?]));
+    match parts {
+        Some([i, n]) if (1..=n).contains(&i) => Ok([i, n]),
+        _ => Err("expected a part and the number of parts, from 1/4 to 4/4".to_owned()),
+    }
+}
+
+pub(super) fn not_this(error: NotThisSweep) -> Stop {
+    Stop::wrong_input(error)
+}
+
+fn unwritten(error: WriteError) -> Stop {
+    match error.source.kind() {
+        ErrorKind::BrokenPipe => Stop::ClosedPipe,
+        _ => Stop::unwritten(error),
+    }
+}

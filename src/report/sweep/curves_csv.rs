@@ -1,0 +1,92 @@
+//! The curves of every design as CSV: a row for each design and station of the motion.
+
+use super::rows_csv::{append_number, append_whole};
+use crate::curves::Status;
+use crate::kinematics::Failure;
+use crate::model::Axis;
+use crate::study::Study;
+use crate::sweep::{Block, SweepPlan};
+
+/// The part of each row that is the same for all designs, and the names of the rest.
+#[derive(Clone, Debug)]
+pub struct CurvesCsv {
+    /// The first line.
+    pub header: Vec<u8>,
+    /// By station of the motion: its number in a block, and its cells.
+    stations: Vec<(usize, Vec<u8>)>,
+    factors: Vec<f64>,
+    stations_of_block: usize,
+}
+
+impl CurvesCsv {
+    /// The curves of a sweep.
+    pub fn of(plan: &SweepPlan, study: &Study) -> Self {
+        let (motion, suspension) = (&study.motion, &study.suspension);
+        let mut names = vec!["design".to_owned(), plan.record.drive.clone()];
+        names.extend(
+            motion
+                .rack_moves
+                .then(|| format!("rack_{}", suspension.length_unit.symbol())),
+        );
+        names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
+        names.extend(plan.values.iter().map(|c| c.name.clone()));
+        names.push("status".to_owned());
+        let sign = suspension.frame.sign(Axis::Y);
+        let station = |(rack, value): (usize, usize)| {
+            let mut cells = Vec::new();
+            let mut add = |number: f64| {
+                cells.push(b',');
+                append_number(number + 0.0, &mut cells);
+            };
+            add(motion.drive.printed(plan.stations.values()[value]));
+            if motion.rack_moves {
+                add(plan.stations.racks[rack] * sign);
+            }
+            if let Some(law) = &motion.time {
+                add(law.times[value]);
+            }
+            (plan.stations.number(rack, value), cells)
+        };
+        CurvesCsv {
+            header: (names.join(",") + "\n").into_bytes(),
+            stations: plan.stations.of_motion().map(station).collect(),
+            factors: plan.values.iter().map(|c| c.factor()).collect(),
+            stations_of_block: plan.stations.count(),
+        }
+    }
+
+    /// Rows of each design.
+    pub fn rows_of_design(&self) -> usize {
+        self.stations.len()
+    }
+
+    /// Adds the curves of a block whose first design has this number.
+    pub fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
+        let mut words: Vec<&'static str> = Vec::new();
+        let word = |failure: Failure| Status::Failed(failure).word();
+        for design in 0..block.designs() {
+            let degenerate = block.faults().iter().any(|(d, _)| *d == design);
+            words.clear();
+            words.resize(
+                self.stations_of_block,
+                if degenerate { "degenerate" } else { "ok" },
+            );
+            let failures = block.failures();
+            let from = failures.partition_point(|f| f.design < design);
+            for failed in failures[from..].iter().take_while(|f| f.design == design) {
+                words[failed.station] = word(failed.failure);
+            }
+            for (station, cells) in &self.stations {
+                append_whole(first + design as u64, to);
+                to.extend_from_slice(cells);
+                for (k, factor) in self.factors.iter().enumerate() {
+                    to.push(b',');
+                    append_number(block.values(design, k)[*station] * factor + 0.0, to);
+                }
+                to.push(b',');
+                to.extend_from_slice(words[*station].as_bytes());
+                to.push(b'\n');
+            }
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! What a sweep came to.
+
+use super::rows_csv;
+use crate::report::Table;
+use crate::report::solve_summary::brief;
+use crate::sweep::{Candidate, Effects, SweepRecord, Tally};
+use serde::{Deserialize, Serialize};
+
+/// `summary.json` of a sweep.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SweepSummary {
+    command: String,
+    version: String,
+    study: String,
+    topology: String,
+    method: String,
+    shard: Option<[u64; 2]>,
+    /// Designs asked for here.
+    designs: u64,
+    /// Designs done; fewer where the sweep was interrupted.
+    done: u64,
+    /// Designs solved at every station.
+    solved: u64,
+    failures: Vec<FailureSummary>,
+    variables: Vec<String>,
+    outputs: Vec<OutputSummary>,
+    /// By rising misfit.
+    best: Vec<DesignSummary>,
+    /// By number, where there are several targets; the rows are in `pareto.csv`.
+    pareto: Option<Vec<u64>>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct FailureSummary {
+    status: String,
+    reason: String,
+    designs: u64,
+    stations: u64,
+    /// The drive value nearest to the design position at which one failed.
+    nearest: Option<f64>,
+    /// The first of the designs.
+    examples: Vec<u64>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct OutputSummary {
+    column: String,
+    at_design: Option<f64>,
+    /// Designs that have it.
+    count: u64,
+    min: Option<f64>,
+    min_design: Option<u64>,
+    max: Option<f64>,
+    max_design: Option<u64>,
+    /// Over the designs that have every output.
+    mean: Option<f64>,
+    standard_deviation: Option<f64>,
+    /// The part of the variance that the plane of least squares explains.
+    r2: Option<f64>,
+    effects: Vec<EffectSummary>,
+}
+
+/// See [`crate::sweep::Effects`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct EffectSummary {
+    variable: String,
+    /// From the low to the high end of the variable's range.
+    change: Option<f64>,
+    /// First-order Sobol index.
+    share: Option<f64>,
+    /// Total Sobol index.
+    total: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct DesignSummary {
+    design: u64,
+    misfit: f64,
+    /// Target by target, in tolerances.
+    rms: Vec<f64>,
+    /// By variable.
+    variables: Vec<f64>,
+}
+
+impl SweepSummary {
+    /// The summary of a sweep or of a part of it.
+    pub fn of(record: &SweepRecord, tally: &Tally) -> Self {
+        let effects = Effects::all(record, tally);
+        let (misfit, deviations) = (record.misfit(), record.deviations());
+        let best = tally.best.iter().map(|c: &Candidate| DesignSummary {
+            design: c.design,
+            misfit: misfit.map_or(f64::NAN, |m| c.outputs[m]),
+            rms: deviations.iter().map(|k| c.outputs[*k]).collect(),
+            variables: c.variables.clone(),
+        });
+        let several = deviations.len() > 1;
+        SweepSummary {
+            command: "sweep".to_owned(),
+            version: record.version.clone(),
+            study: record.study.clone(),
+            topology: record.topology.clone(),
+            method: record.method.clone(),
+            shard: record.shard,
+            designs: record.own_designs(),
+            done: tally.designs,
+            solved: tally.solved,
+            failures: tally
+                .failures
+                .iter()
+                .map(|f| FailureSummary {
+                    status: f.status.clone(),
+                    reason: f.reason.clone(),
+                    designs: f.designs,
+                    stations: f.stations,
+                    nearest: f.nearest,
+                    examples: f.examples.clone(),
+                })
+                .collect(),
+            variables: record.variables.iter().map(|v| v.column.clone()).collect(),
+            outputs: (0..record.outputs.len())
+                .map(|k| output(record, tally, effects.as_ref().map(|e| &e[k]), k))
+                .collect(),
+            best: best.collect(),
+            pareto: several.then(|| tally.front.sorted().iter().map(|c| c.design).collect()),
+        }
+    }
+
+    /// The outcome in a sentence.
+    pub fn headline(&self) -> String {
+        let failed = match self.done - self.solved {
+            0 => "all solved".to_owned(),
+            failed => format!("{failed} not solved everywhere"),
+        };
+        let part = match self.shard {
+            None => String::new(),
+            Some([i, n]) => format!("shard {i}/{n}: "),
+        };
+        match self.done == self.designs {
+            true => format!("{part}{} designs, {failed}", self.done),
+            false => format!(
+                "{part}interrupted after {} of {} designs, {failed}; --resume goes on",
+                self.done, self.designs
+            ),
+        }
+    }
+
+    /// Whether every design was done and solved at every station.
+    pub fn is_complete(&self) -> bool {
+        self.done == self.designs && self.solved == self.done
+    }
+
+    /// Why designs failed; empty if none did.
+    pub fn failures_table(&self) -> Table {
+        let mut table = Table::new(["not solved", "designs", "nearest at", "such as", "because"]);
+        for f in &self.failures {
+            let examples: Vec<String> = f.examples.iter().map(u64::to_string).collect();
+            table.push([
+                f.status.clone(),
+                f.designs.to_string(),
+                f.nearest.map_or_else(String::new, brief),
+                examples.join(" "),
+                f.reason.clone(),
+            ]);
+        }
+        table
+    }
+
+    /// The range of every output, and the variables that matter most for it.
+    pub fn outputs_table(&self) -> Table {
+        let mut table = Table::new(["output", "at design", "min", "max", "what matters"]);
+        let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+        for output in &self.outputs {
+            table.push([
+                output.column.clone(),
+                cell(output.at_design),
+                cell(output.min),
+                cell(output.max),
+                output.what_matters(),
+            ]);
+        }
+        table
+    }
+
+    /// The best designs by misfit, with their variables; empty where there are no targets.
+    pub fn best_table(&self) -> Table {
+        let mut header = vec!["design".to_owned(), "misfit".to_owned()];
+        header.extend(self.variables.iter().cloned());
+        let mut table = Table::with_columns(header);
+        for design in &self.best {
+            let mut row = vec![design.design.to_string(), brief(design.misfit)];
+            row.extend(design.variables.iter().map(|v| brief(*v)));
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// How many designs are on the Pareto front, where there is one.
+    pub fn on_front(&self) -> Option<usize> {
+        self.pareto.as_ref().map(Vec::len)
+    }
+}
+
+/// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in
+/// another, where there are several.
+pub fn pareto_csv(record: &SweepRecord, tally: &Tally) -> Option<Vec<u8>> {
+    if record.deviations().len() < 2 {
+        return None;
+    }
+    let mut csv = rows_csv::header(record);
+    for candidate in tally.front.sorted() {
+        rows_csv::append_candidate(candidate, &mut csv);
+    }
+    Some(csv)
+}
+
+fn output(
+    record: &SweepRecord,
+    tally: &Tally,
+    effects: Option<&Effects>,
+    k: usize,
+) -> OutputSummary {
+    let (column, range) = (&record.outputs[k], tally.ranges[k]);
+    let of = effects.map_or(&[][..], |e| &e.of);
+    let named = record.variables.iter().zip(of);
+    OutputSummary {
+        column: column.column.clone(),
+        at_design: column.at_design,
+        count: range.map_or(0, |r| r.count),
+        min: range.map(|r| r.min.0),
+        min_design: range.map(|r| r.min.1),
+        max: range.map(|r| r.max.0),
+        max_design: range.map(|r| r.max.1),
+        mean: effects.map(|e| e.mean),
+        standard_deviation: effects.map(|e| e.deviation),
+        r2: effects.and_then(|e| e.r2),
+        effects: named
+            .map(|(variable, effect)| EffectSummary {
+                variable: variable.column.clone(),
+                change: effect.change,
+                share: effect.share,
+                total: effect.total,
+            })
+            .collect(),
+    }
+}
+
+impl OutputSummary {
+    /// The variables with the largest shares of the variance, or else with the largest changes, in words.
+    fn what_matters(&self) -> String {
+        let mut ranked: Vec<(f64, String)> = self
+            .effects
+            .iter()
+            .filter_map(|e| match (e.share, e.change) {
+                (Some(share), _) if share >= 0.005 => {
+                    Some((share, format!("{} {:.0}%", e.variable, 100.0 * share)))
+                }
+                (None, Some(change)) if change != 0.0 => {
+                    let sign = if change > 0.0 { "+" } else { "" };
+                    let text = format!("{} {sign}{}", e.variable, brief(change));
+                    Some((change.abs(), text))
+                }
+                _ => None,
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let words: Vec<String> = ranked.into_iter().take(3).map(|(_, text)| text).collect();
+        words.join(", ")
+    }
+}

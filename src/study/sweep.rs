@@ -1,0 +1,447 @@
+//! `[sweep]`: which designs are to be looked at.
+
+use super::error::Problems;
+use super::file::{self, File};
+use super::motion::{evenly_spaced_at, within};
+use super::names::choose;
+use super::outputs::hardpoint;
+use super::resolve::Context;
+use super::value::{Number, Text, Whole};
+use super::{
+    Designs, Drive, FileFormat, Formulation, Move, Sampled, Sampling, Sweep, SweepVariable,
+};
+use crate::model::{Axis, PointId, Suspension};
+use std::collections::HashMap;
+use toml::Spanned;
+
+/// The most designs of a sweep: years of work for the fastest machine.
+const MOST_DESIGNS: u64 = 1_000_000_000_000;
+
+/// The most variables that are exchanged one by one: a group of such designs stays within a block.
+const MOST_EXCHANGED: usize = crate::sweep::BLOCK - 2;
+
+impl Sampling {
+    const ALL: [(&str, Sampling); 5] = [
+        ("grid", Sampling::Grid),
+        ("latin_hypercube", Sampling::LatinHypercube),
+        ("sobol", Sampling::Sobol),
+        ("random", Sampling::Random),
+        ("saltelli", Sampling::Saltelli),
+    ];
+
+    /// Its name in studies.
+    pub fn name(self) -> &'static str {
+        Sampling::ALL[self as usize].0
+    }
+}
+
+impl Sampled {
+    /// Number of designs.
+    pub fn designs(&self) -> u64 {
+        match self.method {
+            Sampling::Saltelli => self.samples * (self.variables.len() as u64 + 2),
+            _ => self.samples,
+        }
+    }
+}
+
+impl SweepVariable {
+    /// The name of its column.
+    pub fn column(&self, length_unit: crate::model::LengthUnit) -> String {
+        format!("{}_{}", self.name, length_unit.symbol())
+    }
+
+    /// Value number `level` in a grid.
+    pub fn level(&self, level: u64) -> f64 {
+        let [low, high] = self.range;
+        evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
+    }
+
+    /// Its value in the design the study gives.
+    pub fn at_design(&self, suspension: &Suspension) -> f64 {
+        match (self.absolute, self.moves.as_slice()) {
+            (true, [only]) => {
+                suspension.design[only.point.0].to_array()[only.axis as usize]
+                    * suspension.frame.sign(only.axis)
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// The sweep, if nothing is wrong with it.
+pub fn sweep(
+    file: &File,
+    section: &Spanned<file::Sweep>,
+    formulation: Option<Formulation>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Sweep> {
+    let written = section.get_ref();
+    check_solver(file, section, formulation, context, problems);
+    let designs = match (&written.designs, &written.variables) {
+        (Some(path), None) => {
+            if let Some(method) = &written.method {
+                let message = "the designs come from a file, so there is no method";
+                let error = problems.add(method.span(), message);
+                error.related(path.span(), "the file");
+            }
+            Some(Designs::File(context.directory.join(path.get_ref())))
+        }
+        (None, Some(variables)) => {
+            sampled(section, variables, context.suspension, problems).map(Designs::Sampled)
+        }
+        (Some(path), Some(variables)) => {
+            let message = "expected variables or designs, a file with them, found both";
+            let error = problems.add(variables.span(), message);
+            error.related(path.span(), "the file");
+            None
+        }
+        (None, None) => {
+            let message = "expected what moves: variables = [...], or designs = \"designs.csv\"";
+            problems.add(section.span(), message);
+            None
+        }
+    };
+    Some(Sweep {
+        designs: designs?,
+        curves: written.curves.unwrap_or(false),
+        format: format(written, problems)?,
+    })
+}
+
+/// Sweeps use the equations in the knuckle's pose, and a drive that means the same for every design.
+fn check_solver(
+    file: &File,
+    section: &Spanned<file::Sweep>,
+    formulation: Option<Formulation>,
+    context: &Context,
+    problems: &mut Problems,
+) {
+    let by_theta = context.motion.map(|m| m.drive) == Some(Drive::PaperTheta);
+    let (text, message, help) = if formulation == Some(Formulation::PointCoordinates) {
+        (
+            &file.solver.formulation,
+            "[sweep] needs formulation = \"knuckle_pose\", which gives the same values faster",
+            "without [solver] it is taken",
+        )
+    } else if by_theta {
+        (
+            &file.motion.get_ref().drive,
+            "the angle of drive = \"paper_theta\" changes its meaning with the hardpoints, which \
+             [sweep] moves",
+            "drive = \"arm_angle\" means the same for every design",
+        )
+    } else {
+        return;
+    };
+    let place = text.as_ref().map_or(section.span(), Text::span);
+    problems.add(place, message).help(help);
+}
+
+fn format(written: &file::Sweep, problems: &mut Problems) -> Option<FileFormat> {
+    let Some(text) = &written.format else {
+        return Some(FileFormat::Csv);
+    };
+    let formats = [("csv", FileFormat::Csv), ("parquet", FileFormat::Parquet)];
+    let format = choose(text, "format", &formats, problems)?;
+    if format == FileFormat::Parquet && !cfg!(feature = "parquet") {
+        let message = "this program was built without Parquet";
+        let error = problems.add(text.span(), message);
+        error.help("cargo build --release --features parquet");
+        return None;
+    }
+    Some(format)
+}
+
+fn sampled(
+    section: &Spanned<file::Sweep>,
+    variables: &Spanned<Vec<Spanned<file::SweepVariable>>>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Sampled> {
+    let written = section.get_ref();
+    let method = match &written.method {
+        None => Some(Sampling::Grid),
+        Some(method) => choose(method, "method", &Sampling::ALL, problems),
+    };
+    let seed = match &written.seed {
+        None => Some(1),
+        Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
+    };
+    let listed = variables.get_ref();
+    if listed.is_empty() {
+        let message = "expected at least one variable, found an empty list";
+        problems.add(variables.span(), message);
+        return None;
+    }
+    let resolved: Vec<_> = listed
+        .iter()
+        .map(|v| variable(v, suspension, problems))
+        .collect();
+    let resolved: Vec<SweepVariable> = resolved.into_iter().collect::<Option<_>>()?;
+    distinct(listed, &resolved, suspension, problems);
+    let method = method?;
+    if method == Sampling::Saltelli && resolved.len() > MOST_EXCHANGED {
+        let message = format!(
+            "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
+            resolved.len()
+        );
+        problems.add(variables.span(), message);
+        return None;
+    }
+    let samples = match method {
+        Sampling::Grid => grid_points(variables, &resolved, problems)?,
+        _ => {
+            let Some(samples) = &written.samples else {
+                let message = format!("method = \"{}\" needs samples, a number", method.name());
+                problems.add(section.span(), message);
+                return None;
+            };
+            // Samples times variables and two must not exceed it either.
+            let most = MOST_DESIGNS / (resolved.len() as u64 + 2);
+            within(samples, 1..=most as i64, problems)? as u64
+        }
+    };
+    Some(Sampled {
+        method,
+        samples,
+        seed: u32::try_from(seed?).ok()?,
+        variables: resolved,
+    })
+}
+
+fn grid_points(
+    place: &Spanned<Vec<Spanned<file::SweepVariable>>>,
+    variables: &[SweepVariable],
+    problems: &mut Problems,
+) -> Option<u64> {
+    for (written, variable) in place.get_ref().iter().zip(variables) {
+        if variable.steps.is_none() {
+            let message = format!(
+                "{} needs steps, the number of its values in the grid",
+                variable.name
+            );
+            let error = problems.add(written.span(), message);
+            error.help("or method = \"sobol\" with samples");
+            return None;
+        }
+    }
+    let steps = || variables.iter().filter_map(|v| v.steps);
+    let points = steps().try_fold(1_u64, |product, steps| product.checked_mul(steps));
+    let points = points.filter(|points| *points <= MOST_DESIGNS);
+    if points.is_none() {
+        let factors: Vec<String> = steps().map(|s| s.to_string()).collect();
+        let message = format!(
+            "a grid of {} designs is more than the {MOST_DESIGNS:.0e} there may be",
+            factors.join(" x "),
+            MOST_DESIGNS = MOST_DESIGNS as f64,
+        );
+        problems.add(place.span(), message);
+    }
+    points
+}
+
+fn variable(
+    place: &Spanned<file::SweepVariable>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<SweepVariable> {
+    let written = place.get_ref();
+    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
+    let axis = choose(&written.axis, "axis", &axes, problems);
+    let points = points(place, suspension, problems);
+    let absolute = written.absolute.as_ref().filter(|a| *a.get_ref());
+    if let (Some(absolute), Some(list)) = (absolute, &written.hardpoints) {
+        let message = "hardpoints that move together are given by an offset";
+        let error = problems.add(absolute.span(), message);
+        error.related(list.span(), "these");
+        return None;
+    }
+    let range = range(&written.range, problems);
+    let steps = match &written.steps {
+        None => Some(None),
+        Some(steps) => self::steps(steps, range, problems).map(Some),
+    };
+    let (axis, points) = (axis?, points?);
+    let name = match &written.name {
+        Some(name) => plain(name, problems)?,
+        None => {
+            let names: Vec<&str> = points
+                .iter()
+                .map(|(point, _)| suspension.mechanism.name(*point))
+                .collect();
+            column_stem(&names.join("+"), axis, absolute.is_some())
+        }
+    };
+    Some(SweepVariable {
+        name,
+        moves: points
+            .into_iter()
+            .map(|(point, factor)| Move {
+                point,
+                axis,
+                factor,
+            })
+            .collect(),
+        absolute: absolute.is_some(),
+        range: range?,
+        steps: steps?,
+    })
+}
+
+/// `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
+pub fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
+    let kind = if absolute { "" } else { "d" };
+    format!("{point}_{kind}{}", axis.name())
+}
+
+/// The hardpoints a variable moves, and how far.
+fn points(
+    place: &Spanned<file::SweepVariable>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<(PointId, f64)>> {
+    let written = place.get_ref();
+    let list = match (&written.hardpoint, &written.hardpoints) {
+        (Some(name), None) => {
+            if let Some(factors) = &written.factors {
+                let message = "factors belong to hardpoints, several that move together";
+                problems.add(factors.span(), message);
+            }
+            return Some(vec![(hardpoint(name, suspension, problems)?, 1.0)]);
+        }
+        (None, Some(list)) => list,
+        (Some(_), Some(list)) => {
+            let message = "expected hardpoint, or hardpoints that move together, found both";
+            problems.add(list.span(), message);
+            return None;
+        }
+        (None, None) => {
+            let message = "expected hardpoint, or hardpoints that move together";
+            problems.add(place.span(), message);
+            return None;
+        }
+    };
+    let names = list.get_ref();
+    if names.is_empty() {
+        let message = "expected at least one hardpoint, found an empty list";
+        problems.add(list.span(), message);
+        return None;
+    }
+    let points: Vec<_> = names
+        .iter()
+        .map(|name| hardpoint(name, suspension, problems))
+        .collect();
+    for (i, name) in names.iter().enumerate() {
+        if let Some(first) = names[..i].iter().find(|n| n.get_ref() == name.get_ref()) {
+            let message = format!("{:?} is listed twice", name.get_ref());
+            let error = problems.add(name.span(), message);
+            error.related(first.span(), "first here");
+        }
+    }
+    let points: Vec<PointId> = points.into_iter().collect::<Option<_>>()?;
+    let Some(factors) = &written.factors else {
+        return Some(points.into_iter().map(|point| (point, 1.0)).collect());
+    };
+    let numbers = factors.get_ref();
+    if numbers.len() != points.len() {
+        let message = format!(
+            "expected a factor for each of the {} hardpoints, found {}",
+            points.len(),
+            numbers.len()
+        );
+        problems.add(factors.span(), message);
+        return None;
+    }
+    if let Some(zero) = numbers.iter().find(|n| n.value == 0.0) {
+        let message = "a hardpoint with factor 0 does not move; leave it out";
+        problems.add(zero.span.clone(), message);
+        return None;
+    }
+    let factors = numbers.iter().map(|n| n.value);
+    Some(points.into_iter().zip(factors).collect())
+}
+
+fn range(written: &Spanned<Vec<Number>>, problems: &mut Problems) -> Option<[f64; 2]> {
+    let [low, high] = match written.get_ref().as_slice() {
+        [low, high] => [low.value, high.value],
+        other => {
+            let message = format!(
+                "expected two numbers [lowest, highest], found {}",
+                other.len()
+            );
+            problems.add(written.span(), message);
+            return None;
+        }
+    };
+    if low == high {
+        let message = format!("the range is empty: both ends are {low}");
+        problems.add(written.span(), message);
+        return None;
+    }
+    if low > high {
+        let message = format!("the range is reversed: {low} is above {high}");
+        let error = problems.add(written.span(), message);
+        error.help(format!("range = [{high}, {low}]"));
+        return None;
+    }
+    Some([low, high])
+}
+
+fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Option<u64> {
+    let count = within(steps, 1..=MOST_DESIGNS as i64, problems)?;
+    if let (1, Some([low, high])) = (count, range) {
+        let message = format!("one step cannot reach from {low} to {high}");
+        let error = problems.add(steps.span(), message);
+        error.help("steps is the number of values, both ends included");
+        return None;
+    }
+    Some(count as u64)
+}
+
+/// A name that can be part of a column's.
+fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
+    let text = name.get_ref();
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "_+-".contains(c);
+    if text.is_empty() || !text.chars().all(allowed) {
+        let message = format!("expected a name of letters, digits and underscores, found {text:?}");
+        problems.add(name.span(), message);
+        return None;
+    }
+    Some(text.clone())
+}
+
+/// Refuses two variables of one name, and a coordinate that is set by one variable and moved by
+/// another. Offsets of several variables add up.
+fn distinct(
+    written: &[Spanned<file::SweepVariable>],
+    variables: &[SweepVariable],
+    suspension: &Suspension,
+    problems: &mut Problems,
+) {
+    let mut names: HashMap<&str, usize> = HashMap::new();
+    let mut coordinates: HashMap<(PointId, Axis), usize> = HashMap::new();
+    for (i, variable) in variables.iter().enumerate() {
+        let mut refuse = |message: String, first: usize| {
+            let error = problems.add(written[i].span(), message);
+            error.related(written[first].span(), "here");
+        };
+        if let Some(first) = names.insert(&variable.name, i) {
+            refuse(format!("{} is already a variable", variable.name), first);
+            continue;
+        }
+        for m in &variable.moves {
+            if let Some(first) = coordinates.insert((m.point, m.axis), i)
+                && (variable.absolute || variables[first].absolute)
+            {
+                let message = format!(
+                    "{} of {} is set by one variable and moved by another",
+                    m.axis.name(),
+                    suspension.mechanism.name(m.point)
+                );
+                refuse(message, first);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Main effects: which variable matters for which output.
+//!
+//! Of designs that have every output. Two views are given. The *change* is that of the plane of least
+//! squares through all designs, from the low end of a variable's range to its high end: it has a sign
+//! and a unit, and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index
+//! S = Var(E[y|x]) / Var(y): the part of the output's variance that goes when this variable is known;
+//! it sees curved responses too. Shares need variables that are sampled independently, so there are
+//! none of designs from a file.
+//!
+//! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken
+//! together). From other samples it is the correlation ratio by levels of equal width, less what chance
+//! alone would make of it (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935); what is
+//! lost within a level is about 1/levels^2 of the share. From Saltelli's samples it is the mean of
+//! (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
+//! as half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999): that
+//! part of the variance that stays when everything but this variable is known.
+
+use super::{SweepRecord, Tally};
+use nalgebra::{DMatrix, DVector};
+
+/// Outputs whose spread is a smaller part of their size than this do not vary; it is rounding.
+const CONSTANT: f64 = 1e-12;
+
+/// What the variables do to one output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effects {
+    /// Mean over the designs.
+    pub mean: f64,
+    /// Standard deviation over the designs.
+    pub deviation: f64,
+    /// The part of the variance that the plane of least squares explains.
+    pub r2: Option<f64>,
+    /// By variable.
+    pub of: Vec<Effect>,
+}
+
+/// What one variable does to one output.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effect {
+    /// Change from one end of the variable's range to the other, in the plane of least squares.
+    pub change: Option<f64>,
+    /// First-order Sobol index.
+    pub share: Option<f64>,
+    /// Total Sobol index.
+    pub total: Option<f64>,
+}
+
+impl Effects {
+    /// Of every output; `None` where no design has them all.
+    pub fn all(record: &SweepRecord, tally: &Tally) -> Option<Vec<Effects>> {
+        let count = tally.moments.count;
+        if count == 0 {
+            return None;
+        }
+        let plane = Plane::of(tally);
+        let of = |k| Effects::of(record, tally, plane.as_ref(), k);
+        Some((0..record.outputs.len()).map(of).collect())
+    }
+
+    fn of(record: &SweepRecord, tally: &Tally, plane: Option<&Plane>, k: usize) -> Effects {
+        let moments = &tally.moments;
+        let (n, width) = (moments.count as f64, record.outputs.len());
+        let mean = moments.y[k] / n;
+        let squares = (moments.yy[k] - n * mean * mean).max(0.0);
+        let reference = record.outputs[k].at_design.unwrap_or(0.0);
+        let mut effects = Effects {
+            mean: mean + reference,
+            deviation: (squares / n).sqrt(),
+            r2: None,
+            of: vec![Effect::default(); record.variables.len()],
+        };
+        let size = tally.ranges[k].map_or(0.0, |r| r.min.0.abs().max(r.max.0.abs()));
+        if effects.deviation <= CONSTANT * size {
+            return effects;
+        }
+        if let Some(plane) = plane {
+            let (slopes, explained) = plane.slopes(tally, k, width);
+            effects.r2 = Some((explained / (squares / n)).clamp(0.0, 1.0));
+            for (effect, slope) in effects.of.iter_mut().zip(&slopes) {
+                effect.change = Some(2.0 * slope);
+            }
+        }
+        for (variable, effect) in effects.of.iter_mut().enumerate() {
+            match record.method.as_str() {
+                "file" => {}
+                "saltelli" => {
+                    (effect.share, effect.total) = exchanged(tally, variable, k, width);
+                }
+                method => {
+                    let exact = method == "grid" && tally.solved == tally.designs;
+                    effect.share = share_by_levels(tally, variable, k, width, squares, exact);
+                }
+            }
+        }
+        effects
+    }
+}
+
+/// The part of an output's variance that is between the levels of a variable. `exact` where every
+/// combination of levels is there, so that nothing between them is chance.
+fn share_by_levels(
+    tally: &Tally,
+    variable: usize,
+    k: usize,
+    width: usize,
+    squares: f64,
+    exact: bool,
+) -> Option<f64> {
+    let levels = &tally.levels.of[variable];
+    let n = tally.moments.count as f64;
+    let mean = tally.moments.y[k] / n;
+    let (mut between, mut met) = (0.0, 0.0);
+    for (level, count) in levels.counts.iter().enumerate().filter(|(_, c)| **c > 0) {
+        let off = levels.sums[level * width + k] / *count as f64 - mean;
+        between += *count as f64 * off * off;
+        met += 1.0;
+    }
+    if exact {
+        return Some((between / squares).clamp(0.0, 1.0));
+    }
+    // With few designs for each level there is nothing to be told from chance.
+    if n < 4.0 * met {
+        return None;
+    }
+    let within = (squares - between).max(0.0) / (n - met);
+    Some(((between - (met - 1.0) * within) / squares).clamp(0.0, 1.0))
+}
+
+/// First-order and total index from Saltelli's samples.
+fn exchanged(tally: &Tally, variable: usize, k: usize, width: usize) -> (Option<f64>, Option<f64>) {
+    let sums = &tally.exchanges;
+    if sums.groups < 2 {
+        return (None, None);
+    }
+    let n = sums.groups as f64;
+    let mean = sums.sum[k] / (2.0 * n);
+    let variance = sums.squares[k] / (2.0 * n) - mean * mean;
+    let at = variable * width + k;
+    // y_B about the mean: the same in the limit, with less noise.
+    let first = (sums.first[at] - mean * sums.steps[at]) / n;
+    let total = 0.5 * sums.total[at] / n;
+    (Some(first / variance), Some(total / variance))
+}
+
+/// The plane of least squares through all designs.
+struct Plane {
+    mean: DVector<f64>,
+    factors: nalgebra::Cholesky<f64, nalgebra::Dyn>,
+}
+
+impl Plane {
+    /// `None` where the designs do not determine it.
+    fn of(tally: &Tally) -> Option<Self> {
+        let moments = &tally.moments;
+        let (n, d) = (moments.count as f64, moments.u.len());
+        if moments.count as usize <= d + 1 {
+            return None;
+        }
+        let mean = DVector::from_fn(d, |i, _| moments.u[i] / n);
+        let covariance = DMatrix::from_fn(d, d, |i, j| {
+            let (i, j) = (i.max(j), i.min(j));
+            moments.uu[i * (i + 1) / 2 + j] / n - mean[i] * mean[j]
+        });
+        let independent = {
+            let eigenvalues = covariance.clone().symmetric_eigenvalues();
+            eigenvalues.min() > 1e-9 * eigenvalues.max()
+        };
+        let factors = covariance.cholesky().filter(|_| independent)?;
+        Some(Plane { mean, factors })
+    }
+
+    /// The slopes by the scaled variables, and the variance they explain.
+    fn slopes(&self, tally: &Tally, k: usize, width: usize) -> (Vec<f64>, f64) {
+        let moments = &tally.moments;
+        let n = moments.count as f64;
+        let mean = moments.y[k] / n;
+        let with_y = DVector::from_fn(self.mean.len(), |i, _| {
+            moments.uy[i * width + k] / n - self.mean[i] * mean
+        });
+        let slopes = self.factors.solve(&with_y);
+        let explained = slopes.dot(&with_y);
+        (slopes.iter().copied().collect(), explained)
+    }
+}

@@ -1,0 +1,266 @@
+//! A block of designs in, their values out.
+//!
+//! This is the seam between a sweep and the solver: what is above it knows of samples, threads and
+//! files, what is below it of poses. A design's values depend on that design alone, never on its
+//! neighbours in the block, and nothing is allocated from block to block but for failures.
+
+use super::Stations;
+use super::careful::Careful;
+use super::lanes::LaneSolver;
+use crate::characteristics::Quantity;
+use crate::kinematics::{DesignFault, Failure};
+use crate::model::Suspension;
+use crate::number::{Vector3, Width};
+
+/// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
+/// number `k * BLOCK` and on always go together, whatever the threads do.
+pub const BLOCK: usize = 128;
+
+/// A station of a design without a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailedStation {
+    /// Number of the design in the block.
+    pub design: usize,
+    /// Number of the station.
+    pub station: usize,
+    /// Why it has no pose.
+    pub failure: Failure,
+}
+
+/// The values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN where
+/// there is none.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub(super) outputs: usize,
+    pub(super) stations: usize,
+    designs: usize,
+    /// [design][output][station]
+    pub(super) values: Vec<f64>,
+    /// [design][output]: derivatives by the drive in the design position.
+    pub(super) slopes: Vec<f64>,
+    /// By rising number of the design.
+    pub(super) failures: Vec<FailedStation>,
+    /// Designs that cannot be solved at all, by rising number.
+    pub(super) faults: Vec<(usize, DesignFault)>,
+}
+
+impl Block {
+    /// Room for so many outputs at so many stations.
+    pub fn new(outputs: usize, stations: usize) -> Self {
+        Block {
+            outputs,
+            stations,
+            designs: 0,
+            values: vec![f64::NAN; BLOCK * outputs * stations],
+            slopes: vec![f64::NAN; BLOCK * outputs],
+            failures: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
+
+    /// Makes ready for so many designs, without values so far.
+    fn clear(&mut self, designs: usize) {
+        assert!(designs <= BLOCK);
+        self.designs = designs;
+        self.values[..designs * self.outputs * self.stations].fill(f64::NAN);
+        self.slopes[..designs * self.outputs].fill(f64::NAN);
+        self.failures.clear();
+        self.faults.clear();
+    }
+
+    /// Number of designs.
+    pub fn designs(&self) -> usize {
+        self.designs
+    }
+
+    /// The values of an output of a design, by station.
+    #[inline]
+    pub fn values(&self, design: usize, output: usize) -> &[f64] {
+        let start = (design * self.outputs + output) * self.stations;
+        &self.values[start..start + self.stations]
+    }
+
+    /// Room for all values of a design.
+    #[inline]
+    pub(super) fn values_of(&mut self, design: usize) -> &mut [f64] {
+        let size = self.outputs * self.stations;
+        &mut self.values[design * size..(design + 1) * size]
+    }
+
+    /// Room for all slopes of a design.
+    #[inline]
+    pub(super) fn slopes_of(&mut self, design: usize) -> &mut [f64] {
+        &mut self.slopes[design * self.outputs..(design + 1) * self.outputs]
+    }
+
+    /// The derivative by the drive in the design position.
+    #[inline]
+    pub fn slope(&self, design: usize, output: usize) -> f64 {
+        self.slopes[design * self.outputs + output]
+    }
+
+    /// The stations without a pose, by rising number of the design.
+    pub fn failures(&self) -> &[FailedStation] {
+        &self.failures
+    }
+
+    /// The designs that cannot be solved at all, by rising number.
+    pub fn faults(&self) -> &[(usize, DesignFault)] {
+        &self.faults
+    }
+}
+
+/// Evaluates blocks of designs. One for each thread.
+///
+/// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
+/// sailing, and everything else, one by one by the careful path. Which of the two depends on the design
+/// alone.
+pub struct Evaluator<'a> {
+    points: usize,
+    lanes: Option<LaneSolver<'a>>,
+    careful: ByDepth<'a>,
+    /// Designs of the block left to the careful path, by number.
+    left: Vec<usize>,
+}
+
+/// The pose's derivatives that values take, and one more for the slope in the design position.
+enum ByDepth<'a> {
+    Positions(Careful<'a, 1, 2>),
+    Rates(Careful<'a, 2, 3>),
+}
+
+impl<'a> Evaluator<'a> {
+    /// An evaluator of these quantities. An error says why the suspension's own design cannot be solved.
+    pub fn new(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+    ) -> Result<Self, DesignFault> {
+        Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
+    }
+
+    /// As [`Evaluator::new`], in lanes of a width, or by the careful path alone.
+    pub fn with_width(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+        width: Option<Width>,
+    ) -> Result<Self, DesignFault> {
+        let depth = quantities.iter().map(|q| q.depth()).max().unwrap_or(0);
+        let careful = match depth {
+            0 => ByDepth::Positions(Careful::new(suspension, stations, quantities)?),
+            _ => ByDepth::Rates(Careful::new(suspension, stations, quantities)?),
+        };
+        Ok(Evaluator {
+            points: suspension.design.len(),
+            lanes: width.and_then(|w| LaneSolver::new(suspension, stations, quantities, w)),
+            careful,
+            left: Vec::new(),
+        })
+    }
+
+    /// Evaluates designs given as the points of one after the other, in the kernel's frame. Returns how
+    /// many were left to the careful path.
+    pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {
+        let count = designs.len() / self.points;
+        block.clear(count);
+        self.left.clear();
+        match &mut self.lanes {
+            Some(lanes) => lanes.evaluate(designs, block, &mut self.left),
+            None => self.left.extend(0..count),
+        }
+        let slopes_are_left = self.lanes.as_ref().is_some_and(|l| l.leaves_slopes());
+        match &mut self.careful {
+            ByDepth::Positions(careful) => careful.evaluate(designs, &self.left, block),
+            ByDepth::Rates(careful) => {
+                careful.evaluate(designs, &self.left, block);
+                if slopes_are_left {
+                    careful.add_slopes(designs, &self.left, block);
+                }
+            }
+        }
+        self.left.len()
+    }
+}
+
+/// A value, or NaN for one that has none (a swing arm of a wheel that does not turn).
+pub(super) fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characteristics::Characteristic;
+    use crate::curves::curves;
+    use crate::plan::Plan;
+    use crate::study::Study;
+    use std::path::Path;
+
+    const QUANTITIES: [Quantity; 3] = [
+        Quantity::Characteristic(Characteristic::Camber),
+        Quantity::Characteristic(Characteristic::Toe),
+        Quantity::Characteristic(Characteristic::BumpSteer),
+    ];
+
+    fn study() -> Study {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_bump_steer.toml");
+        Study::read(
+            &path,
+            &["motion.travel=[-400.0, -60.0, 0.0, 60.0]".to_owned()],
+        )
+        .unwrap()
+    }
+
+    /// The values are those of `hardpoint solve`, to the bit, and a design's do not depend on its
+    /// neighbours, nor on what the evaluator did before.
+    #[test]
+    fn values_are_those_of_the_curves_whatever_the_neighbours() {
+        let study = study();
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let mut evaluator = Evaluator::new(suspension, &stations, &QUANTITIES).unwrap();
+        let mut block = Block::new(QUANTITIES.len(), stations.count());
+        let mut flat = suspension.design.clone();
+        // No arm at all: the outer joint is put on the axis of the inner ones.
+        let mechanism = &suspension.mechanism;
+        let [front, outer] =
+            ["lower_arm_front", "lower_ball_joint"].map(|name| mechanism.point(name).unwrap().0);
+        flat[outer] = flat[front];
+        let designs = [flat.clone(), suspension.design.clone(), flat].concat();
+        evaluator.evaluate(&designs, &mut block);
+        assert_eq!(block.designs(), 3);
+        assert_eq!(
+            block.faults().iter().map(|f| f.0).collect::<Vec<_>>(),
+            [0, 2]
+        );
+        assert!(block.values(0, 0).iter().all(|v| v.is_nan()));
+
+        let curves = curves(suspension, &Plan::of(&study)).unwrap();
+        let camber = Quantity::Characteristic(Characteristic::Camber);
+        let factor = 180.0 / std::f64::consts::PI;
+        assert_eq!(QUANTITIES[0], camber);
+        for (station, solved) in curves.stations.iter().enumerate() {
+            let value = block.values(1, 0)[station];
+            assert_eq!(
+                solved.values[2],
+                (!value.is_nan()).then_some(value * factor)
+            );
+        }
+        let failed: Vec<_> = block
+            .failures()
+            .iter()
+            .map(|f| (f.design, f.station))
+            .collect();
+        assert_eq!(failed, [(1, 0)]);
+        // The slope of toe is the bump steer.
+        let bump_steer = block.values(1, 2)[stations.design()];
+        assert!((block.slope(1, 1) - bump_steer).abs() < 1e-15);
+        assert!(block.slope(1, 0) != 0.0);
+
+        let before = block.clone();
+        evaluator.evaluate(&designs[suspension.design.len()..], &mut block);
+        assert_eq!(block.values(0, 1)[1..], before.values(1, 1)[1..]);
+        assert_eq!(block.slope(0, 2), before.slope(1, 2));
+    }
+}

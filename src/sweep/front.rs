@@ -1,0 +1,93 @@
+//! The Pareto front: designs that cannot be bettered in one target without losing in another.
+
+use super::Failing;
+
+/// A design worth keeping, with its row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Its number.
+    pub design: u64,
+    /// Values of the variables.
+    pub variables: Vec<f64>,
+    /// Its outputs, NaN where there is no value.
+    pub outputs: Vec<f64>,
+    /// What became of it, where not every station was solved.
+    pub failing: Option<Failing>,
+}
+
+/// Designs of which none is at least as good as another in every target.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Front {
+    designs: Vec<Candidate>,
+}
+
+impl Front {
+    /// Takes in a design, given its outputs and which of them are to be small, unless a design that is
+    /// in already is at least as good in all of them. Designs that are no longer on the front leave it.
+    /// Offered in the order of their numbers, of equal designs the first stays.
+    pub fn offer(
+        &mut self,
+        deviations: &[usize],
+        outputs: &[f64],
+        candidate: impl FnOnce() -> Candidate,
+    ) {
+        let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
+        let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
+        if let Some(better) = self.designs.iter().position(known) {
+            // What was better once will often be so again: it is asked first.
+            self.designs.swap(0, better);
+            return;
+        }
+        self.designs
+            .retain(|c| !at_least_as_good(outputs, &c.outputs));
+        self.designs.push(candidate());
+    }
+
+    /// The designs by their numbers.
+    pub fn sorted(&self) -> Vec<&Candidate> {
+        let mut designs: Vec<&Candidate> = self.designs.iter().collect();
+        designs.sort_by_key(|c| c.design);
+        designs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::uniform;
+
+    /// Against the definition, for points in any order and cut into parts anywhere.
+    #[test]
+    fn the_front_is_what_no_other_design_betters() {
+        let points: Vec<Vec<f64>> = (0..500)
+            .map(|i| (0..3).map(|k| (uniform(i, k, 9) * 20.0).floor()).collect())
+            .collect();
+        let worse = |i: usize| {
+            points.iter().enumerate().any(|(j, other)| {
+                let as_good = other.iter().zip(&points[i]).all(|(a, b)| a <= b);
+                as_good && (other != &points[i] || j < i)
+            })
+        };
+        let expected: Vec<u64> = (0..500).filter(|i| !worse(*i)).map(|i| i as u64).collect();
+        assert!(expected.len() > 5);
+        for part in [1, 64, 500] {
+            let mut front = Front::default();
+            for start in (0..500).step_by(part) {
+                let mut own = Front::default();
+                for (i, point) in points.iter().enumerate().skip(start).take(part) {
+                    own.offer(&[0, 1, 2], point, || Candidate {
+                        design: i as u64,
+                        variables: Vec::new(),
+                        outputs: point.clone(),
+                        failing: None,
+                    });
+                }
+                for c in own.sorted() {
+                    front.offer(&[0, 1, 2], &c.outputs, || c.clone());
+                }
+            }
+            let found: Vec<u64> = front.sorted().iter().map(|c| c.design).collect();
+            assert_eq!(found, expected);
+        }
+    }
+}

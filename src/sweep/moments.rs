@@ -1,0 +1,249 @@
+//! Sums from which main effects follow.
+
+use super::SweepRecord;
+
+/// The most levels a variable is divided into.
+const MOST_LEVELS: u64 = 32;
+
+/// A variable over its range: -1 at its low end, 1 at its high end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Span {
+    middle: f64,
+    half: f64,
+    levels: usize,
+}
+
+impl Span {
+    /// The spans of a sweep's variables. A grid's levels are its own, or as many in a row as it takes
+    /// for there to be no more than [`MOST_LEVELS`]; elsewhere there are as many as the cube root of
+    /// the number of designs, so that what is lost within a level shrinks as the noise does.
+    fn all(record: &SweepRecord) -> Vec<Span> {
+        let levels = (record.designs as f64).cbrt().floor() as u64;
+        let span = |v: &super::VariableRecord| Span {
+            middle: 0.5 * (v.low + v.high),
+            half: 0.5 * (v.high - v.low),
+            levels: match v.steps {
+                Some(steps) => steps.min(MOST_LEVELS),
+                None => levels.clamp(2, MOST_LEVELS),
+            } as usize,
+        };
+        record.variables.iter().map(span).collect()
+    }
+
+    fn scaled(&self, value: f64) -> f64 {
+        // A column of a file may be constant.
+        match self.half > 0.0 {
+            true => (value - self.middle) / self.half,
+            false => 0.0,
+        }
+    }
+}
+
+fn add_to(sums: &mut [f64], others: &[f64]) {
+    for (sum, other) in sums.iter_mut().zip(others) {
+        *sum += other;
+    }
+}
+
+/// Sums, products and squares of scaled variables u and shifted outputs y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moments {
+    spans: Vec<Span>,
+    scaled: Vec<f64>,
+    /// Number of designs.
+    pub count: u64,
+    /// Sums of u.
+    pub u: Vec<f64>,
+    /// [i][j]: sums of u_i u_j, j <= i.
+    pub uu: Vec<f64>,
+    /// Sums of y.
+    pub y: Vec<f64>,
+    /// Sums of y^2.
+    pub yy: Vec<f64>,
+    /// [variable][output]: sums of u y.
+    pub uy: Vec<f64>,
+}
+
+impl Moments {
+    pub(super) fn empty(record: &SweepRecord) -> Self {
+        let (d, c) = (record.variables.len(), record.outputs.len());
+        Moments {
+            spans: Span::all(record),
+            scaled: vec![0.0; d],
+            count: 0,
+            u: vec![0.0; d],
+            uu: vec![0.0; d * (d + 1) / 2],
+            y: vec![0.0; c],
+            yy: vec![0.0; c],
+            uy: vec![0.0; d * c],
+        }
+    }
+
+    pub(super) fn add(&mut self, variables: &[f64], outputs: &[f64]) {
+        self.count += 1;
+        for ((scaled, span), value) in self.scaled.iter_mut().zip(&self.spans).zip(variables) {
+            *scaled = span.scaled(*value);
+        }
+        add_to(&mut self.u, &self.scaled);
+        add_to(&mut self.y, outputs);
+        for (sum, y) in self.yy.iter_mut().zip(outputs) {
+            *sum += y * y;
+        }
+        let mut products = self.uu.iter_mut();
+        let rows = self.uy.chunks_exact_mut(outputs.len());
+        for ((i, u), row) in self.scaled.iter().enumerate().zip(rows) {
+            for (other, sum) in self.scaled[..=i].iter().zip(&mut products) {
+                *sum += u * other;
+            }
+            for (sum, y) in row.iter_mut().zip(outputs) {
+                *sum += u * y;
+            }
+        }
+    }
+
+    pub(super) fn absorb(&mut self, next: &Self) {
+        self.count += next.count;
+        add_to(&mut self.u, &next.u);
+        add_to(&mut self.uu, &next.uu);
+        add_to(&mut self.y, &next.y);
+        add_to(&mut self.yy, &next.yy);
+        add_to(&mut self.uy, &next.uy);
+    }
+}
+
+/// Sums of outputs by the level of each variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels {
+    spans: Vec<Span>,
+    /// By variable.
+    pub of: Vec<LevelSums>,
+}
+
+/// Sums of outputs by the level of one variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelSums {
+    /// Designs by level.
+    pub counts: Vec<u64>,
+    /// [level][output]
+    pub sums: Vec<f64>,
+}
+
+impl Levels {
+    pub(super) fn empty(record: &SweepRecord) -> Self {
+        let spans = Span::all(record);
+        let of = spans.iter().map(|span| LevelSums {
+            counts: vec![0; span.levels],
+            sums: vec![0.0; span.levels * record.outputs.len()],
+        });
+        Levels {
+            of: of.collect(),
+            spans,
+        }
+    }
+
+    pub(super) fn add(&mut self, variables: &[f64], outputs: &[f64]) {
+        let width = outputs.len();
+        for ((level_sums, span), value) in self.of.iter_mut().zip(&self.spans).zip(variables) {
+            let share = 0.5 * (span.scaled(*value) + 1.0);
+            let level = ((share * span.levels as f64) as usize).min(span.levels - 1);
+            level_sums.counts[level] += 1;
+            add_to(&mut level_sums.sums[level * width..][..width], outputs);
+        }
+    }
+
+    pub(super) fn absorb(&mut self, next: &Self) {
+        for (sums, other) in self.of.iter_mut().zip(&next.of) {
+            for (count, other) in sums.counts.iter_mut().zip(&other.counts) {
+                *count += other;
+            }
+            add_to(&mut sums.sums, &other.sums);
+        }
+    }
+}
+
+/// Sums over Saltelli's groups: a design A, a design B, then A with one variable after the other from
+/// B, called C below. Groups with a design that has no values are left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exchanges {
+    /// Number of groups.
+    pub groups: u64,
+    /// Sums of y_A + y_B.
+    pub sum: Vec<f64>,
+    /// Sums of y_A^2 + y_B^2.
+    pub squares: Vec<f64>,
+    /// [variable][output]: sums of y_C - y_A.
+    pub steps: Vec<f64>,
+    /// [variable][output]: sums of y_B (y_C - y_A).
+    pub first: Vec<f64>,
+    /// [variable][output]: sums of (y_A - y_C)^2.
+    pub total: Vec<f64>,
+    /// The group under way, [role][output]; empty where there are no groups.
+    group: Vec<f64>,
+    complete: bool,
+}
+
+impl Exchanges {
+    pub(super) fn empty(record: &SweepRecord) -> Self {
+        let Some(group) = record.group() else {
+            let none = Vec::new;
+            return Exchanges {
+                groups: 0,
+                sum: none(),
+                squares: none(),
+                steps: none(),
+                first: none(),
+                total: none(),
+                group: none(),
+                complete: false,
+            };
+        };
+        let (d, c) = (record.variables.len(), record.outputs.len());
+        Exchanges {
+            groups: 0,
+            sum: vec![0.0; c],
+            squares: vec![0.0; c],
+            steps: vec![0.0; d * c],
+            first: vec![0.0; d * c],
+            total: vec![0.0; d * c],
+            group: vec![0.0; group as usize * c],
+            complete: true,
+        }
+    }
+
+    /// Adds the next design, which has this role in its group.
+    pub(super) fn add(&mut self, role: usize, complete: bool, outputs: &[f64]) {
+        let width = outputs.len();
+        if role == 0 {
+            self.complete = true;
+        }
+        self.complete &= complete;
+        self.group[role * width..][..width].copy_from_slice(outputs);
+        if (role + 1) * width < self.group.len() || !self.complete {
+            return;
+        }
+        self.groups += 1;
+        let (a, rest) = self.group.split_at(width);
+        let (b, exchanged) = rest.split_at(width);
+        for k in 0..width {
+            self.sum[k] += a[k] + b[k];
+            self.squares[k] += a[k] * a[k] + b[k] * b[k];
+        }
+        for (variable, c) in exchanged.chunks(width).enumerate() {
+            for k in 0..width {
+                let (at, step) = (variable * width + k, c[k] - a[k]);
+                self.steps[at] += step;
+                self.first[at] += b[k] * step;
+                self.total[at] += step * step;
+            }
+        }
+    }
+
+    pub(super) fn absorb(&mut self, next: &Self) {
+        self.groups += next.groups;
+        add_to(&mut self.sum, &next.sum);
+        add_to(&mut self.squares, &next.squares);
+        add_to(&mut self.steps, &next.steps);
+        add_to(&mut self.first, &next.first);
+        add_to(&mut self.total, &next.total);
+    }
+}

@@ -1,0 +1,427 @@
+//! What a sweep computes of each design, and the workers that do it.
+
+use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
+use super::rows::{Failing, Rows};
+use super::{Block, Evaluator, FORM, Samples, Stations, SweepRecord};
+use crate::characteristics::Quantity;
+use crate::curves::Column;
+use crate::kinematics::DesignFault;
+use crate::model::Suspension;
+use crate::number::Vector3;
+use crate::plan::{Output, Plan};
+use crate::study::{DesignTable, Designs, FileFormat, Study, StudyErrors, Sweep};
+
+/// What a sweep computes of each design.
+#[derive(Clone, Debug)]
+pub struct SweepPlan<'s> {
+    /// What the results are.
+    pub record: SweepRecord,
+    /// Where each design is solved.
+    pub stations: Stations,
+    /// What is read off each pose, targets' characteristics included.
+    pub quantities: Vec<Quantity>,
+    /// The columns of values, by quantity.
+    pub values: Vec<Column>,
+    gains: Vec<Column>,
+    wishes: Vec<Wish>,
+    samples: Samples,
+    study: &'s Study,
+}
+
+/// A target over the stations.
+#[derive(Clone, Debug)]
+struct Wish {
+    quantity: usize,
+    tolerance: f64,
+    weight: f64,
+    /// Station and wanted value.
+    wanted: Vec<(usize, f64)>,
+}
+
+/// Why a sweep cannot be begun.
+#[derive(Debug)]
+pub enum NotBegun {
+    /// The file with the designs is wrong.
+    Designs(StudyErrors),
+    /// The study's own design cannot be solved.
+    Fault(DesignFault),
+    /// Two columns of the results would have this name.
+    TwoColumns(String),
+}
+
+impl From<DesignFault> for NotBegun {
+    fn from(fault: DesignFault) -> Self {
+        NotBegun::Fault(fault)
+    }
+}
+
+impl<'s> SweepPlan<'s> {
+    /// The plan of a study's sweep, or of one of its shards (number, from 1, and number of them).
+    pub fn of(study: &'s Study, sweep: &Sweep, shard: Option<[u64; 2]>) -> Result<Self, NotBegun> {
+        let suspension = &study.suspension;
+        let samples = match &sweep.designs {
+            Designs::Sampled(sampled) => Samples::Sampled(sampled.clone()),
+            Designs::File(path) => {
+                Samples::Table(DesignTable::read(path, suspension).map_err(NotBegun::Designs)?)
+            }
+        };
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        let wanted: Vec<_> = targets
+            .map(|t| (t, t.wanted.at_stations(&study.motion.values)))
+            .collect();
+        let further: Vec<f64> = wanted.iter().flat_map(|w| &w.1).map(|w| w.0).collect();
+        let stations = Stations::of(&study.motion, &suspension.frame, &further);
+        let plan = with_gains(study);
+        let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
+        let wishes = wanted.iter().map(|(target, wanted)| Wish {
+            quantity: quantities
+                .iter()
+                .position(|q| *q == Quantity::Characteristic(target.characteristic))
+                .expect("the plan has the targets' characteristics"),
+            tolerance: target.tolerance,
+            weight: target.weight,
+            wanted: wanted
+                .iter()
+                .map(|(drive, value)| {
+                    let station = stations.at(*drive).expect("a station for each drive value");
+                    (station, *value)
+                })
+                .collect(),
+        });
+        let columns = Column::all(&plan, suspension.length_unit);
+        let (values, gains) = columns.into_iter().partition(|c| c.order == 0);
+        let mut plan = SweepPlan {
+            wishes: wishes.collect(),
+            record: describe(study, sweep, shard, &samples, &stations),
+            stations,
+            quantities,
+            values,
+            gains,
+            samples,
+            study,
+        };
+        plan.record.outputs = plan.output_columns();
+        let columns = plan.record.columns();
+        let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
+        if let Some((_, name)) = columns.iter().enumerate().find(twice) {
+            return Err(NotBegun::TwoColumns(name.clone()));
+        }
+        let at_design = plan.worker()?.row_of(&suspension.design);
+        for (output, value) in plan.record.outputs.iter_mut().zip(at_design) {
+            output.at_design = value.is_finite().then_some(value);
+        }
+        Ok(plan)
+    }
+
+    /// A worker, one for each thread.
+    pub fn worker(&self) -> Result<Worker<'_>, DesignFault> {
+        let suspension = &self.study.suspension;
+        Ok(Worker {
+            plan: self,
+            evaluator: Evaluator::new(suspension, &self.stations, &self.quantities)?,
+            block: Block::new(self.quantities.len(), self.stations.count()),
+            designs: Vec::new(),
+            rows: Rows::default(),
+        })
+    }
+
+    /// The points of a design, in the kernel's frame.
+    pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
+        let Suspension { design, frame, .. } = &self.study.suspension;
+        let mut values = vec![0.0; self.samples.variables().len()];
+        self.samples.values(number, &mut values);
+        let mut moved = design.clone();
+        self.samples.place(&values, frame, design, &mut moved);
+        moved
+    }
+
+    /// The columns of results, in the order [`Worker`] fills them in.
+    fn output_columns(&self) -> Vec<OutputColumn> {
+        let mut columns = Vec::new();
+        let mut add = |column: String, output: &str, kind: Kind, unit: &str| {
+            columns.push(OutputColumn {
+                column,
+                output: output.to_owned(),
+                kind,
+                unit: unit.to_owned(),
+                at_design: None,
+            });
+        };
+        let named = |output: &str, word: &str, unit: &str| match unit {
+            "" => format!("{output}_{word}"),
+            unit => format!("{output}_{word}_{unit}"),
+        };
+        for (value, gain) in self.values.iter().zip(&self.gains) {
+            let output = value.output.as_str();
+            for (word, kind) in [
+                ("min", Kind::Min),
+                ("max", Kind::Max),
+                ("design", Kind::Design),
+            ] {
+                add(named(output, word, &value.unit), output, kind, &value.unit);
+            }
+            let name = named(output, "gain", &gain.unit);
+            add(name, output, Kind::Gain, &gain.unit);
+        }
+        for (k, wish) in self.wishes.iter().enumerate() {
+            let output = self.values[wish.quantity].output.as_str();
+            let same = |w: &&Wish| w.quantity == wish.quantity;
+            let earlier = self.wishes[..k].iter().filter(same).count();
+            let name = match earlier {
+                0 => format!("rms_{output}"),
+                n => format!("rms_{output}_{}", n + 1),
+            };
+            add(name, output, Kind::Rms, "");
+        }
+        if !self.wishes.is_empty() {
+            add("misfit".to_owned(), "misfit", Kind::Misfit, "");
+        }
+        columns
+    }
+
+    /// Fills in the outputs of a design of a block.
+    fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
+        let mut cells = into.iter_mut();
+        let mut put = |value: f64| {
+            let cell = cells.next().expect("a cell for each output");
+            // No negative zeros.
+            *cell = value + 0.0;
+        };
+        for (k, (column, gain)) in self.values.iter().zip(&self.gains).enumerate() {
+            let (values, factor) = (block.values(design, k), column.factor());
+            let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (rack, value) in self.stations.of_motion() {
+                let value = values[self.stations.number(rack, value)] * factor;
+                // A range over a part of the motion would look like one over all of it.
+                (min, max) = match value.is_nan() {
+                    true => (f64::NAN, f64::NAN),
+                    false => (
+                        if value < min { value } else { min },
+                        if value > max { value } else { max },
+                    ),
+                };
+                if min.is_nan() {
+                    break;
+                }
+            }
+            put(min);
+            put(max);
+            put(values[self.stations.design()] * factor);
+            put(block.slope(design, k) * gain.factor());
+        }
+        let (mut squares, mut weights) = (0.0, 0.0);
+        for wish in &self.wishes {
+            let values = block.values(design, wish.quantity);
+            let square = |(station, wanted): &(usize, f64)| {
+                let deviation = (values[*station] - wanted) / wish.tolerance;
+                deviation * deviation
+            };
+            let square = wish.wanted.iter().map(square).sum::<f64>() / wish.wanted.len() as f64;
+            put(square.sqrt());
+            squares += wish.weight * square;
+            weights += wish.weight;
+        }
+        if weights > 0.0 {
+            put((squares / weights).sqrt());
+        }
+    }
+
+    /// What became of each design of a block.
+    fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
+        into.clear();
+        into.resize(block.designs(), None);
+        let values = self.stations.values();
+        let drive = self.study.motion.drive;
+        for failed in block.failures() {
+            let at = drive.printed(values[self.stations.value_of(failed.station)]);
+            let entry = &mut into[failed.design];
+            let nearer = |f: &Failing| f.at.is_some_and(|known| at.abs() < known.abs());
+            let count = entry.as_ref().map_or(0, |f| f.stations);
+            if entry.as_ref().is_none_or(nearer) {
+                *entry = Some(Failing::stations(&failed.failure, at));
+            }
+            if let Some(entry) = entry {
+                entry.stations = count + 1;
+            }
+        }
+        let mechanism = &self.study.suspension.mechanism;
+        for (design, fault) in block.faults() {
+            let all = self.stations.count();
+            into[*design] = Some(Failing::degenerate(fault, mechanism, all));
+        }
+    }
+}
+
+/// Turns blocks of designs into rows. One for each thread.
+pub struct Worker<'p> {
+    plan: &'p SweepPlan<'p>,
+    evaluator: Evaluator<'p>,
+    block: Block,
+    designs: Vec<Vector3<f64>>,
+    rows: Rows,
+}
+
+impl Worker<'_> {
+    /// The rows of a block of the sweep.
+    pub fn rows(&mut self, block: u64) -> &Rows {
+        let SweepPlan {
+            record,
+            samples,
+            study,
+            ..
+        } = self.plan;
+        let Suspension { design, frame, .. } = &study.suspension;
+        let range = record.designs_of(block);
+        let (count, width) = ((range.end - range.start) as usize, record.variables.len());
+        let rows = &mut self.rows;
+        rows.first = range.start;
+        rows.variables.resize(count * width, 0.0);
+        self.designs
+            .resize(count * design.len(), Vector3::default());
+        for ((number, values), moved) in range
+            .zip(rows.variables.chunks_exact_mut(width))
+            .zip(self.designs.chunks_exact_mut(design.len()))
+        {
+            samples.values(number, values);
+            samples.place(values, frame, design, moved);
+            for value in values {
+                *value += 0.0;
+            }
+        }
+        self.evaluate();
+        &self.rows
+    }
+
+    /// The values the rows last asked for were made of.
+    pub fn block(&self) -> &Block {
+        &self.block
+    }
+
+    /// Evaluates the designs and fills in their rows.
+    fn evaluate(&mut self) {
+        let (plan, rows) = (self.plan, &mut self.rows);
+        self.evaluator.evaluate(&self.designs, &mut self.block);
+        let width = plan.record.outputs.len();
+        rows.outputs.resize(self.block.designs() * width, f64::NAN);
+        for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {
+            plan.summarise(&self.block, k, outputs);
+        }
+        plan.failing(&self.block, &mut rows.failing);
+    }
+
+    /// The outputs of one design.
+    fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
+        self.designs.clear();
+        self.designs.extend_from_slice(design);
+        self.evaluate();
+        self.rows.outputs.clone()
+    }
+}
+
+/// The outputs of a study and its targets, each with its first derivative by the drive.
+fn with_gains(study: &Study) -> Plan {
+    let plan = Plan::with_targets(study);
+    let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());
+    Plan {
+        time: None,
+        outputs: outputs
+            .map(|o| Output {
+                highest: 1,
+                ..o.clone()
+            })
+            .collect(),
+        ..plan
+    }
+}
+
+fn describe(
+    study: &Study,
+    sweep: &Sweep,
+    shard: Option<[u64; 2]>,
+    samples: &Samples,
+    stations: &Stations,
+) -> SweepRecord {
+    let Study {
+        suspension, motion, ..
+    } = study;
+    let unit = suspension.length_unit;
+    let (method, seed) = match samples {
+        Samples::Sampled(sampled) => (sampled.method.name(), Some(sampled.seed)),
+        Samples::Table(_) => ("file", None),
+    };
+    let variables = samples.variables().iter().map(|v| VariableRecord {
+        column: v.column(unit),
+        low: v.range[0],
+        high: v.range[1],
+        steps: v.steps.filter(|_| method == "grid"),
+        at_design: v.at_design(suspension) + 0.0,
+        moves: v
+            .moves
+            .iter()
+            .map(|m| MoveRecord {
+                hardpoint: suspension.mechanism.name(m.point).to_owned(),
+                axis: m.axis.name().to_owned(),
+                factor: m.factor,
+            })
+            .collect(),
+    });
+    let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let targets = targets.map(|t| {
+        let factor = t.characteristic.info().unit.printed_factor();
+        let wanted = t.wanted.at_stations(&motion.values).into_iter();
+        TargetColumn {
+            column: t.characteristic.column(unit),
+            tolerance: t.tolerance * factor,
+            weight: t.weight,
+            points: wanted
+                .map(|(drive, value)| [motion.drive.printed(drive), value * factor])
+                .collect(),
+        }
+    });
+    SweepRecord {
+        form: FORM,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        digest: digest(study, sweep, samples),
+        study: study.name.clone(),
+        topology: suspension.mechanism.topology.name.to_owned(),
+        length_unit: unit.symbol().to_owned(),
+        method: method.to_owned(),
+        seed,
+        designs: samples.designs(),
+        shard,
+        drive: match motion.drive.is_angle() {
+            true => format!("{}_deg", motion.drive.key()),
+            false => format!("{}_{}", motion.drive.key(), unit.symbol()),
+        },
+        stations: stations.count(),
+        variables: variables.collect(),
+        outputs: Vec::new(),
+        targets: targets.collect(),
+        curves: sweep.curves,
+        format: match sweep.format {
+            FileFormat::Csv => "csv".to_owned(),
+            FileFormat::Parquet => "parquet".to_owned(),
+        },
+    }
+}
+
+/// SHA-256 of everything the results depend on: of the study's meaning rather than its text, so that a
+/// comment may change.
+fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
+    let meaning = format!(
+        "{} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        env!("CARGO_PKG_VERSION"),
+        study.suspension,
+        study.motion,
+        study.formulation,
+        study.outputs,
+        study.optimise.as_ref().map(|o| &o.targets),
+        (sweep.curves, sweep.format),
+        match samples {
+            Samples::Sampled(sampled) => format!("{sampled:?}"),
+            Samples::Table(table) => format!("{:?}", table.digest),
+        },
+    );
+    let digest = hmac_sha256::Hash::hash(meaning.as_bytes());
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,192 @@
+//! `sweep.json`: what a sweep is, but for its results.
+//!
+//! With the rows of `designs.csv` it is all that statistics, `--resume`, `hardpoint merge` and a page
+//! need: what each column is, how designs were sampled and which of them a shard has.
+
+use super::BLOCK;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// The form of the file. A reader takes no other.
+pub const FORM: u32 = 1;
+
+/// What a sweep is, but for its results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepRecord {
+    /// `FORM`.
+    pub form: u32,
+    /// Version of the program.
+    pub version: String,
+    /// SHA-256 of everything the results depend on, but for the shard.
+    pub digest: String,
+    /// Name of the study.
+    pub study: String,
+    /// Name of the topology.
+    pub topology: String,
+    /// Unit of every length.
+    pub length_unit: String,
+    /// `grid`, `latin_hypercube`, `sobol`, `random`, `saltelli` or `file`.
+    pub method: String,
+    /// Seed of the samples.
+    pub seed: Option<u32>,
+    /// Number of designs, of all shards together.
+    pub designs: u64,
+    /// The part that is done here, counted from 1, and the number of parts.
+    pub shard: Option<[u64; 2]>,
+    /// Name and unit of the drive, as in `travel_mm`.
+    pub drive: String,
+    /// Stations each design is solved at.
+    pub stations: usize,
+    /// What moves.
+    pub variables: Vec<VariableRecord>,
+    /// What is kept of each design.
+    pub outputs: Vec<OutputColumn>,
+    /// What is wanted.
+    pub targets: Vec<TargetColumn>,
+    /// Whether there are curves of every design.
+    pub curves: bool,
+    /// Ending of the files' names: `csv` or `parquet`.
+    pub format: String,
+}
+
+/// A variable and its column.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariableRecord {
+    /// Its column.
+    pub column: String,
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// Number of values in a grid.
+    pub steps: Option<u64>,
+    /// Its value in the study's design.
+    pub at_design: f64,
+    /// The coordinates it moves.
+    pub moves: Vec<MoveRecord>,
+}
+
+/// A coordinate that a variable moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MoveRecord {
+    /// The hardpoint.
+    pub hardpoint: String,
+    /// The axis.
+    pub axis: String,
+    /// How far it moves per unit of the variable.
+    pub factor: f64,
+}
+
+/// What a column says of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Least value over the motion.
+    Min,
+    /// Largest value over the motion.
+    Max,
+    /// Value in the design position.
+    Design,
+    /// Derivative by the drive in the design position.
+    Gain,
+    /// Root mean square deviation from a target, in tolerances.
+    Rms,
+    /// Root of the weighted mean of the squares of these.
+    Misfit,
+}
+
+/// A column of results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OutputColumn {
+    /// Its name.
+    pub column: String,
+    /// The output it is about, as in `camber`.
+    pub output: String,
+    /// What it says of it.
+    pub kind: Kind,
+    /// Its unit; empty for a plain number.
+    pub unit: String,
+    /// The value of the study's design, if it has one.
+    pub at_design: Option<f64>,
+}
+
+/// A target.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TargetColumn {
+    /// The column of curves it is about, as in `camber_deg`.
+    pub column: String,
+    /// In the column's unit.
+    pub tolerance: f64,
+    /// Against the other targets.
+    pub weight: f64,
+    /// Drive values and wanted values.
+    pub points: Vec<[f64; 2]>,
+}
+
+impl SweepRecord {
+    /// Designs in a block: [`BLOCK`], or fewer so that no group of Saltelli's samples is divided.
+    pub fn block(&self) -> u64 {
+        match self.group() {
+            Some(group) => BLOCK as u64 / group * group,
+            None => BLOCK as u64,
+        }
+    }
+
+    /// The number of designs in a group of Saltelli's samples.
+    pub fn group(&self) -> Option<u64> {
+        (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
+    }
+
+    /// The blocks of this part.
+    pub fn blocks(&self) -> Range<u64> {
+        let blocks = self.designs.div_ceil(self.block());
+        let [part, parts] = self.shard.unwrap_or([1, 1]);
+        let up_to = |part: u64| (u128::from(blocks) * u128::from(part) / u128::from(parts)) as u64;
+        up_to(part - 1)..up_to(part)
+    }
+
+    /// The designs of a block.
+    pub fn designs_of(&self, block: u64) -> Range<u64> {
+        let size = self.block();
+        block * size..self.designs.min((block + 1) * size)
+    }
+
+    /// The number of designs of this part.
+    pub fn own_designs(&self) -> u64 {
+        let blocks = self.blocks();
+        self.designs.min(blocks.end * self.block()) - blocks.start * self.block()
+    }
+
+    /// The names of the columns of the designs, in order.
+    pub fn columns(&self) -> Vec<String> {
+        let unit = self.drive.rsplit('_').next().unwrap_or_default();
+        let mut columns = vec!["design".to_owned()];
+        columns.extend(self.variables.iter().map(|v| v.column.clone()));
+        columns.extend(self.outputs.iter().map(|o| o.column.clone()));
+        columns.push("failed_stations".to_owned());
+        columns.push(format!("failed_at_{unit}"));
+        columns.push("reason".to_owned());
+        columns.push("status".to_owned());
+        columns
+    }
+
+    /// The name of a file of results: `designs` -> `designs.csv`.
+    pub fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.{}", self.format)
+    }
+
+    /// The outputs that are deviations from targets, by number.
+    pub fn deviations(&self) -> Vec<usize> {
+        self.outputs_of(Kind::Rms).collect()
+    }
+
+    /// The misfit among the outputs, by number.
+    pub fn misfit(&self) -> Option<usize> {
+        self.outputs_of(Kind::Misfit).next()
+    }
+
+    fn outputs_of(&self, kind: Kind) -> impl Iterator<Item = usize> {
+        let outputs = self.outputs.iter().enumerate();
+        outputs.filter(move |(_, o)| o.kind == kind).map(|(k, _)| k)
+    }
+}

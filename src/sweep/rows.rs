@@ -1,0 +1,87 @@
+//! What is kept of the designs of a block: a row for each.
+
+use crate::curves::Status;
+use crate::kinematics::{DesignFault, Failure};
+use crate::model::{Drive, Mechanism};
+
+/// Rows of consecutive designs, in the units they are printed in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    /// Number of the first design.
+    pub first: u64,
+    /// What became of each design; `None` where every station was solved.
+    pub failing: Vec<Option<Failing>>,
+    /// [design][variable]
+    pub variables: Vec<f64>,
+    /// [design][output], NaN where there is no value.
+    pub outputs: Vec<f64>,
+}
+
+/// Why a design was not solved at every station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failing {
+    /// The word in the `status` column.
+    pub status: String,
+    /// Why, without numbers, so that equal reasons can be counted.
+    pub reason: String,
+    /// Number of stations without a pose.
+    pub stations: u64,
+    /// The drive value of the one nearest to the design position, as printed. None where the design
+    /// cannot be solved at all.
+    pub at: Option<f64>,
+}
+
+impl Rows {
+    /// Number of designs.
+    pub fn designs(&self) -> usize {
+        self.failing.len()
+    }
+
+    /// The variables of a design, by its place.
+    pub fn variables(&self, place: usize) -> &[f64] {
+        let width = self.variables.len() / self.designs();
+        &self.variables[place * width..][..width]
+    }
+
+    /// The outputs of a design, by its place.
+    pub fn outputs(&self, place: usize) -> &[f64] {
+        let width = self.outputs.len() / self.designs();
+        &self.outputs[place * width..][..width]
+    }
+}
+
+impl Failing {
+    /// Of stations without a pose; this is the one nearest to the design position.
+    pub(super) fn stations(failure: &Failure, at: f64) -> Self {
+        Failing {
+            status: Status::Failed(*failure).word().to_owned(),
+            reason: reason(failure),
+            stations: 0,
+            at: Some(at),
+        }
+    }
+
+    /// Of a design that cannot be solved at all.
+    pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
+        Failing {
+            status: "degenerate".to_owned(),
+            reason: fault.describe(mechanism),
+            stations: stations as u64,
+            at: None,
+        }
+    }
+}
+
+/// Why a station has no pose, without the value at which the mechanism folds.
+fn reason(failure: &Failure) -> String {
+    match failure {
+        Failure::Unreachable {
+            drive: Drive::Travel,
+            cause,
+            ..
+        } => format!("the wheel travel ends: {cause}"),
+        Failure::Unreachable { cause, .. } => format!("the arm turns no further: {cause}"),
+        Failure::RackUnreachable { cause, .. } => format!("the rack moves no further: {cause}"),
+        other => other.to_string(),
+    }
+}

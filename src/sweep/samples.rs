@@ -1,0 +1,196 @@
+//! Designs by number.
+
+use super::sequence::{latin_hypercube, sobol, uniform};
+use crate::model::{Axis, Frame};
+use crate::number::Vector3;
+use crate::study::{DesignTable, Sampled, Sampling, SweepVariable};
+
+/// Where the designs of a sweep come from, by number.
+#[derive(Clone, Debug)]
+pub enum Samples {
+    /// Sampled from ranges.
+    Sampled(Sampled),
+    /// From a file.
+    Table(DesignTable),
+}
+
+impl Samples {
+    /// Number of designs.
+    pub fn designs(&self) -> u64 {
+        match self {
+            Samples::Sampled(sampled) => sampled.designs(),
+            Samples::Table(table) => table.designs(),
+        }
+    }
+
+    /// What moves.
+    pub fn variables(&self) -> &[SweepVariable] {
+        match self {
+            Samples::Sampled(sampled) => &sampled.variables,
+            Samples::Table(table) => &table.variables,
+        }
+    }
+
+    /// The values of the variables in a design: a function of its number alone.
+    pub fn values(&self, design: u64, into: &mut [f64]) {
+        match self {
+            Samples::Table(table) => into.copy_from_slice(table.row(design)),
+            Samples::Sampled(sampled) => match sampled.method {
+                Sampling::Grid => {
+                    let mut rest = design;
+                    for (value, variable) in into.iter_mut().zip(&sampled.variables).rev() {
+                        let steps = variable.steps.unwrap_or(1);
+                        *value = variable.level(rest % steps);
+                        rest /= steps;
+                    }
+                }
+                _ => {
+                    for (k, value) in into.iter_mut().enumerate() {
+                        let [low, high] = sampled.variables[k].range;
+                        let fraction = fraction(sampled, design, k);
+                        *value = (low + (high - low) * fraction).min(high);
+                    }
+                }
+            },
+        }
+    }
+
+    /// Writes a design, given the values of its variables. `from` is the study's design; both are in
+    /// the kernel's frame.
+    pub fn place(
+        &self,
+        values: &[f64],
+        frame: &Frame,
+        from: &[Vector3<f64>],
+        into: &mut [Vector3<f64>],
+    ) {
+        into.copy_from_slice(from);
+        for (variable, value) in self.variables().iter().zip(values) {
+            for m in &variable.moves {
+                let point = &mut into[m.point.0];
+                let coordinate = match m.axis {
+                    Axis::X => &mut point.x,
+                    Axis::Y => &mut point.y,
+                    Axis::Z => &mut point.z,
+                };
+                let along = frame.sign(m.axis) * m.factor * value;
+                match variable.absolute {
+                    true => *coordinate = along,
+                    false => *coordinate += along,
+                }
+            }
+        }
+    }
+}
+
+/// Where in its range variable `k` of a sampled design is.
+fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
+    let (seed, count) = (sampled.seed, sampled.variables.len());
+    match sampled.method {
+        Sampling::Sobol => sobol(design, k, count, seed),
+        Sampling::Random | Sampling::Grid => uniform(design, k, seed),
+        Sampling::LatinHypercube => latin_hypercube(design, sampled.samples, k, seed),
+        // Two samples A and B, then A with one variable after the other from B.
+        Sampling::Saltelli => {
+            let designs = count as u64 + 2;
+            let (group, role) = (design / designs, design % designs);
+            let from_b = role == 1 || role == k as u64 + 2;
+            sobol(group, if from_b { count + k } else { k }, 2 * count, seed)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{FrameConvention, PointId, Side};
+    use crate::study::Move;
+
+    fn variable(range: [f64; 2], steps: u64) -> SweepVariable {
+        SweepVariable {
+            name: "v".to_owned(),
+            moves: Vec::new(),
+            absolute: false,
+            range,
+            steps: Some(steps),
+        }
+    }
+
+    fn rows(method: Sampling, samples: u64) -> Vec<[f64; 2]> {
+        let sampled = Sampled {
+            method,
+            samples,
+            seed: 1,
+            variables: vec![variable([-1.0, 1.0], 3), variable([0.0, 10.0], 2)],
+        };
+        let samples = Samples::Sampled(sampled);
+        let row = |design| {
+            let mut values = [0.0; 2];
+            samples.values(design, &mut values);
+            values
+        };
+        (0..samples.designs()).map(row).collect()
+    }
+
+    #[test]
+    fn a_grid_runs_through_every_combination_the_last_variable_fastest() {
+        let expected = [
+            [-1.0, 0.0],
+            [-1.0, 10.0],
+            [0.0, 0.0],
+            [0.0, 10.0],
+            [1.0, 0.0],
+            [1.0, 10.0],
+        ];
+        assert_eq!(rows(Sampling::Grid, 6), expected);
+    }
+
+    #[test]
+    fn samples_keep_to_their_ranges_and_reach_across_them() {
+        for method in [Sampling::LatinHypercube, Sampling::Sobol, Sampling::Random] {
+            let rows = rows(method, 1000);
+            for (k, [low, high]) in [[-1.0, 1.0], [0.0, 10.0]].into_iter().enumerate() {
+                let column = || rows.iter().map(|row| row[k]);
+                assert!(column().all(|v| (low..=high).contains(&v)));
+                let width = column().fold(low, f64::max) - column().fold(high, f64::min);
+                assert!(width > 0.98 * (high - low), "{method:?} {width}");
+            }
+        }
+    }
+
+    #[test]
+    fn saltelli_exchanges_one_variable_after_the_other() {
+        let rows = rows(Sampling::Saltelli, 5);
+        assert_eq!(rows.len(), 20);
+        for group in rows.chunks(4) {
+            let [a, b, first, second] = [group[0], group[1], group[2], group[3]];
+            assert_eq!((first, second), ([b[0], a[1]], [a[0], b[1]]));
+            assert!(a[0] != b[0] && a[1] != b[1]);
+        }
+    }
+
+    #[test]
+    fn coupled_points_move_by_their_factors_in_the_axes_of_the_study() {
+        let frame = Frame::new(FrameConvention::Iso8855, Side::Right);
+        let m = |point, factor| Move {
+            point: PointId(point),
+            axis: Axis::Y,
+            factor,
+        };
+        let mut both = variable([0.0, 1.0], 2);
+        both.moves = vec![m(0, 1.0), m(1, -0.5)];
+        let mut set = variable([0.0, 1.0], 2);
+        (set.moves, set.absolute) = (vec![m(2, 1.0)], true);
+        let samples = Samples::Sampled(Sampled {
+            method: Sampling::Grid,
+            samples: 4,
+            seed: 1,
+            variables: vec![both, set],
+        });
+        let from = vec![Vector3::new(1.0, 2.0, 3.0); 3];
+        let mut moved = from.clone();
+        samples.place(&[4.0, 7.0], &frame, &from, &mut moved);
+        assert_eq!([moved[0].y, moved[1].y, moved[2].y], [-2.0, 4.0, -7.0]);
+        assert_eq!((moved[0].x, moved[2].z), (1.0, 3.0));
+    }
+}

@@ -1,0 +1,138 @@
+//! Numbers in [0, 1) by index: each is a function of seed, index and dimension alone, so that a sweep
+//! can be begun anywhere.
+
+/// Points of one scrambled Sobol sequence of `sobol_burley`.
+const SOBOL_POINTS: u64 = 1 << 16;
+
+/// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with so many
+/// `dimensions`, in steps of 2^-24. The sequence has 2^16 points of 256 dimensions; beyond either, one with another seed
+/// follows, independent of it.
+pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
+    let most = sobol_burley::NUM_DIMENSIONS as usize;
+    let across = dimensions.div_ceil(most) as u64;
+    let part = index / SOBOL_POINTS * across + (dimension / most) as u64;
+    // The first part has the seed itself, as mixed(0) is 0.
+    let seed = seed ^ mixed(part) as u32;
+    let fraction = sobol_burley::sample(
+        (index % SOBOL_POINTS) as u32,
+        (dimension % most) as u32,
+        seed,
+    );
+    f64::from(fraction)
+}
+
+/// A uniform number, independent for every index, dimension and seed.
+pub fn uniform(index: u64, dimension: usize, seed: u32) -> f64 {
+    let bits = mixed(mixed(index.wrapping_add(STRIDE)) ^ key(dimension, seed));
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in
+/// a stratum of width `1 / count` that no other point is in (M. D. McKay, R. J. Beckman, W. J. Conover,
+/// Technometrics 21, 1979).
+pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f64 {
+    let stratum = permuted(index, count, key(dimension, seed));
+    let within = uniform(index, dimension, !seed);
+    // Rounding must not lead out of the interval.
+    ((stratum as f64 + within) / count as f64).min(1.0 - f64::EPSILON / 2.0)
+}
+
+/// The golden ratio's fraction, the stride of SplitMix64.
+const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The finaliser of SplitMix64, a bijection that leaves no trace of its argument's order (G. L. Steele,
+/// D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
+fn mixed(x: u64) -> u64 {
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+fn key(dimension: usize, seed: u32) -> u64 {
+    mixed((dimension as u64 + 1).wrapping_mul(STRIDE) ^ (u64::from(seed) << 32))
+}
+
+/// Where a permutation of `0..count` takes `index`: a Feistel network over the next even power of two,
+/// walked until it comes back into the range (J. Black, P. Rogaway, Ciphers with arbitrary finite
+/// domains, CT-RSA 2002).
+fn permuted(index: u64, count: u64, key: u64) -> u64 {
+    let bits = (u64::BITS - (count - 1).leading_zeros()).max(2).div_ceil(2);
+    let mask = (1_u64 << bits) - 1;
+    let mut place = index;
+    loop {
+        let (mut left, mut right) = (place >> bits, place & mask);
+        for round in 0..6 {
+            let turned = mixed(right ^ key ^ STRIDE.wrapping_mul(round)) & mask;
+            (left, right) = (right, left ^ turned);
+        }
+        place = left << bits | right;
+        if place < count {
+            return place;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stratum_of_a_latin_hypercube_is_met_once() {
+        for count in [1, 2, 3, 5, 64, 100, 1000] {
+            for dimension in [0, 1, 7] {
+                let mut strata: Vec<u64> = (0..count)
+                    .map(|i| latin_hypercube(i, count, dimension, 3) * count as f64)
+                    .map(|x| x as u64)
+                    .collect();
+                strata.sort_unstable();
+                assert!(strata.into_iter().eq(0..count), "{count} {dimension}");
+            }
+        }
+    }
+
+    /// Means, variances and correlations of neighbours and dimensions are those of uniform numbers,
+    /// within four standard deviations.
+    #[test]
+    fn uniform_numbers_are_uniform_and_independent() {
+        let count = 40_000;
+        let centred =
+            |index: u64, dimension: usize, seed: u32| uniform(index, dimension, seed) - 0.5;
+        for (dimension, seed) in [(0, 0), (1, 0), (0, 1), (5, 77)] {
+            let (mut mean, mut square, mut next, mut beside, mut reseeded) =
+                (0.0, 0.0, 0.0, 0.0, 0.0);
+            for i in 0..count {
+                let x = centred(i, dimension, seed);
+                mean += x;
+                square += x * x;
+                next += x * centred(i + 1, dimension, seed);
+                beside += x * centred(i, dimension + 1, seed);
+                reseeded += x * centred(i, dimension, seed + 1);
+            }
+            let n = count as f64;
+            let bound = 4.0 / n.sqrt();
+            assert!((mean / n).abs() < bound * (1.0_f64 / 12.0).sqrt());
+            assert!((square / n - 1.0 / 12.0).abs() < bound * (1.0_f64 / 180.0).sqrt());
+            for product in [next, beside, reseeded] {
+                assert!(
+                    (product / n).abs() < bound / 12.0,
+                    "{dimension} {seed} {product}"
+                );
+            }
+        }
+    }
+
+    /// Of each run of 2^16 points, 2^k in a row fill 2^k equal strata; also beyond the first run.
+    #[test]
+    fn sobol_points_fill_strata_beyond_the_first_run_too() {
+        for start in [0, 1 << 16, 5 << 16] {
+            for dimension in [0, 3, 299] {
+                let mut strata: Vec<u64> = (start..start + 256)
+                    .map(|i| (sobol(i, dimension, 300, 1) * 256.0) as u64)
+                    .collect();
+                strata.sort_unstable();
+                assert!(strata.into_iter().eq(0..256), "{start} {dimension}");
+            }
+        }
+        assert_ne!(sobol(3, 0, 1, 1), sobol(3 + (1 << 16), 0, 1, 1));
+    }
+}

@@ -1,0 +1,132 @@
+//! Where every design of a sweep is solved.
+
+use crate::kinematics::March;
+use crate::model::{Axis, Drive, Frame};
+use crate::study::Motion;
+
+/// Drive values times rack displacements: those of the motion first, then those needed besides, for
+/// the design position and for targets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stations {
+    /// What drives.
+    pub drive: Drive,
+    /// Drive values and the order in which they are visited.
+    pub march: March,
+    /// Rack displacements, towards the kernel's +y.
+    pub racks: Vec<f64>,
+    /// How many of the drive values are the motion's.
+    of_motion: usize,
+    /// How many of the rack displacements are the motion's.
+    racks_of_motion: usize,
+    /// The rack displacement, by number, at which the design position and targets are looked at.
+    home: usize,
+    /// The drive value of the design position, by number.
+    design: usize,
+}
+
+impl Stations {
+    /// The stations of a motion, and those at `further` drive values. Single values are looked at where
+    /// the study puts the rack, or straight ahead where the study moves it.
+    pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
+        let mut values = motion.values.clone();
+        let mut place = |value: f64| {
+            let known = values.iter().position(|v| *v == value);
+            known.unwrap_or_else(|| {
+                values.push(value);
+                values.len() - 1
+            })
+        };
+        for value in further {
+            place(*value);
+        }
+        let design = place(0.0);
+        let mut racks = motion.rack.clone();
+        let straight = if motion.rack_moves { 0.0 } else { racks[0] };
+        let home = racks.iter().position(|r| *r == straight);
+        let home = home.unwrap_or_else(|| {
+            racks.push(straight);
+            racks.len() - 1
+        });
+        let sign = frame.sign(Axis::Y);
+        Stations {
+            drive: motion.drive.in_kernel(),
+            march: March::through(&values),
+            racks: racks.iter().map(|rack| rack * sign).collect(),
+            of_motion: motion.values.len(),
+            racks_of_motion: motion.rack.len(),
+            home,
+            design,
+        }
+    }
+
+    /// Number of stations.
+    pub fn count(&self) -> usize {
+        self.values().len() * self.racks.len()
+    }
+
+    /// Drive values, the motion's first.
+    pub fn values(&self) -> &[f64] {
+        self.march.values()
+    }
+
+    /// The number of the station with this rack displacement and drive value, both by number.
+    #[inline]
+    pub fn number(&self, rack: usize, value: usize) -> usize {
+        rack * self.values().len() + value
+    }
+
+    /// The drive value of a station, by number.
+    #[inline]
+    pub fn value_of(&self, station: usize) -> usize {
+        station % self.values().len()
+    }
+
+    /// The station of the design position.
+    pub fn design(&self) -> usize {
+        self.number(self.home, self.design)
+    }
+
+    /// The station at which a target looks at this drive value.
+    pub fn at(&self, value: f64) -> Option<usize> {
+        let value = self.values().iter().position(|v| *v == value)?;
+        Some(self.number(self.home, value))
+    }
+
+    /// The motion's own stations, rack displacement by rack displacement, as (rack, drive value), both
+    /// by number.
+    pub fn of_motion(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.racks_of_motion).flat_map(|rack| (0..self.of_motion).map(move |v| (rack, v)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{FrameConvention, Side};
+
+    fn motion(values: &[f64], rack: &[f64]) -> Motion {
+        Motion {
+            drive: crate::study::Drive::Travel,
+            values: values.to_vec(),
+            rack: rack.to_vec(),
+            rack_moves: rack.len() > 1,
+            time: None,
+        }
+    }
+
+    #[test]
+    fn design_position_and_targets_are_visited_besides_the_motion() {
+        let frame = Frame::new(FrameConvention::Iso8855, Side::Right);
+        let stations = Stations::of(&motion(&[10.0, 20.0], &[-5.0, 5.0]), &frame, &[15.0, 20.0]);
+        assert_eq!(stations.values(), [10.0, 20.0, 15.0, 0.0]);
+        assert_eq!(stations.racks, [5.0, -5.0, 0.0]);
+        assert_eq!(stations.count(), 12);
+        assert_eq!(stations.design(), 11);
+        assert_eq!(stations.at(20.0), Some(9));
+        assert_eq!(stations.at(1.0), None);
+        let own: Vec<_> = stations.of_motion().collect();
+        assert_eq!(own, [(0, 0), (0, 1), (1, 0), (1, 1)]);
+        let fixed = Stations::of(&motion(&[0.0], &[3.0]), &frame, &[]);
+        assert_eq!((fixed.count(), fixed.design()), (1, 0));
+    }
+}

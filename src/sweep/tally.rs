@@ -1,0 +1,224 @@
+//! Statistics that can be added up: of a block, of a run, of all shards.
+//!
+//! A tally is made of the rows of one block, and tallies are absorbed in the order of their blocks. So
+//! every sum has one order of additions, whatever the threads, chunks and shards were.
+
+use super::front::{Candidate, Front};
+use super::moments::{Exchanges, Levels, Moments};
+use super::{Rows, SweepRecord};
+
+/// How many of the best designs are kept, and how many examples of a failure.
+const KEPT: usize = 10;
+const EXAMPLES: usize = 5;
+
+/// Statistics of some designs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tally {
+    /// Designs looked at.
+    pub designs: u64,
+    /// Those solved at every station.
+    pub solved: u64,
+    /// Why the others were not, in the order the reasons came up.
+    pub failures: Vec<FailureCount>,
+    /// Range of each output.
+    pub ranges: Vec<Option<OutputRange>>,
+    /// The best designs by misfit, the best first.
+    pub best: Vec<Candidate>,
+    /// The designs that no other is better than in every target, where there are several.
+    pub front: Front,
+    /// Sums over designs with every output there is.
+    pub moments: Moments,
+    /// Sums by the level of each variable.
+    pub levels: Levels,
+    /// Sums over Saltelli's groups.
+    pub exchanges: Exchanges,
+}
+
+/// Designs that failed for one reason.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailureCount {
+    /// The word in the `status` column.
+    pub status: String,
+    /// Why.
+    pub reason: String,
+    /// How many.
+    pub designs: u64,
+    /// Their stations without a pose.
+    pub stations: u64,
+    /// The drive value nearest to the design position at which one failed.
+    pub nearest: Option<f64>,
+    /// The first of them.
+    pub examples: Vec<u64>,
+}
+
+/// The range of an output, and the designs at its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputRange {
+    /// Designs that have the output.
+    pub count: u64,
+    /// Least value and its (first) design.
+    pub min: (f64, u64),
+    /// Largest value and its (first) design.
+    pub max: (f64, u64),
+}
+
+impl Tally {
+    /// Of no designs.
+    pub fn empty(record: &SweepRecord) -> Self {
+        Tally {
+            designs: 0,
+            solved: 0,
+            failures: Vec::new(),
+            ranges: vec![None; record.outputs.len()],
+            best: Vec::new(),
+            front: Front::default(),
+            moments: Moments::empty(record),
+            levels: Levels::empty(record),
+            exchanges: Exchanges::empty(record),
+        }
+    }
+
+    /// Of the rows of a block.
+    pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
+        let mut tally = Tally::empty(record);
+        let (misfit, deviations) = (record.misfit(), record.deviations());
+        let reference: Vec<f64> = record
+            .outputs
+            .iter()
+            .map(|o| o.at_design.unwrap_or(0.0))
+            .collect();
+        // Outputs less those of the study's design, so that sums of squares lose no digits.
+        let mut shifted = vec![0.0; reference.len()];
+        let group = record.group();
+        for place in 0..rows.designs() {
+            let number = rows.first + place as u64;
+            let (variables, outputs) = (rows.variables(place), rows.outputs(place));
+            tally.designs += 1;
+            match &rows.failing[place] {
+                None => tally.solved += 1,
+                Some(failing) => tally.count_failure(&FailureCount {
+                    status: failing.status.clone(),
+                    reason: failing.reason.clone(),
+                    designs: 1,
+                    stations: failing.stations,
+                    nearest: failing.at,
+                    examples: vec![number],
+                }),
+            }
+            for (range, value) in tally.ranges.iter_mut().zip(outputs) {
+                if !value.is_nan() {
+                    OutputRange::extend(range, &OutputRange::of(*value, number));
+                }
+            }
+            let candidate = || Candidate {
+                design: number,
+                variables: variables.to_vec(),
+                outputs: outputs.to_vec(),
+                failing: rows.failing[place].clone(),
+            };
+            if let Some(misfit) = misfit.filter(|m| !outputs[*m].is_nan()) {
+                keep_best(&mut tally.best, misfit, outputs[misfit], candidate);
+                if deviations.len() > 1 {
+                    tally.front.offer(&deviations, outputs, candidate);
+                }
+            }
+            let complete = rows.failing[place].is_none() && outputs.iter().all(|v| !v.is_nan());
+            for ((shifted, value), reference) in shifted.iter_mut().zip(outputs).zip(&reference) {
+                *shifted = value - reference;
+            }
+            // Designs made by exchanging variables are no independent samples.
+            let independent = group.is_none_or(|group| number % group < 2);
+            if complete && independent {
+                tally.moments.add(variables, &shifted);
+                tally.levels.add(variables, &shifted);
+            }
+            if let Some(group) = group {
+                let role = number % group;
+                tally.exchanges.add(role as usize, complete, &shifted);
+            }
+        }
+        tally
+    }
+
+    /// Adds the tally of the designs that follow.
+    pub fn absorb(&mut self, record: &SweepRecord, next: &Tally) {
+        self.designs += next.designs;
+        self.solved += next.solved;
+        for failure in &next.failures {
+            self.count_failure(failure);
+        }
+        for (range, other) in self.ranges.iter_mut().zip(&next.ranges) {
+            if let Some(other) = other {
+                OutputRange::extend(range, other);
+            }
+        }
+        if let Some(misfit) = record.misfit() {
+            for candidate in &next.best {
+                let value = candidate.outputs[misfit];
+                keep_best(&mut self.best, misfit, value, || candidate.clone());
+            }
+        }
+        let deviations = record.deviations();
+        for candidate in next.front.sorted() {
+            let outputs = &candidate.outputs;
+            self.front.offer(&deviations, outputs, || candidate.clone());
+        }
+        self.moments.absorb(&next.moments);
+        self.levels.absorb(&next.levels);
+        self.exchanges.absorb(&next.exchanges);
+    }
+
+    fn count_failure(&mut self, failure: &FailureCount) {
+        let same = |f: &&mut FailureCount| f.status == failure.status && f.reason == failure.reason;
+        let Some(known) = self.failures.iter_mut().find(same) else {
+            self.failures.push(failure.clone());
+            return;
+        };
+        known.designs += failure.designs;
+        known.stations += failure.stations;
+        known.nearest = match (known.nearest, failure.nearest) {
+            (Some(known), Some(other)) if other.abs() < known.abs() => Some(other),
+            (known, other) => known.or(other),
+        };
+        let room = EXAMPLES - known.examples.len();
+        known.examples.extend(failure.examples.iter().take(room));
+    }
+}
+
+impl OutputRange {
+    fn of(value: f64, design: u64) -> Self {
+        OutputRange {
+            count: 1,
+            min: (value, design),
+            max: (value, design),
+        }
+    }
+
+    fn extend(range: &mut Option<Self>, next: &Self) {
+        let Some(range) = range else {
+            *range = Some(*next);
+            return;
+        };
+        range.count += next.count;
+        if next.min.0 < range.min.0 {
+            range.min = next.min;
+        }
+        if next.max.0 > range.max.0 {
+            range.max = next.max;
+        }
+    }
+}
+
+/// Puts a design in its place among the best, if it is one of them; among equals the first stays first.
+fn keep_best(
+    best: &mut Vec<Candidate>,
+    misfit: usize,
+    value: f64,
+    candidate: impl FnOnce() -> Candidate,
+) {
+    let place = best.partition_point(|b| b.outputs[misfit] <= value);
+    if place < KEPT {
+        best.truncate(KEPT - 1);
+        best.insert(place, candidate());
+    }
+}

@@ -1,0 +1,224 @@
+//! Designs solved in SIMD lanes against the careful path: same poses, same refusals, the same bits at
+//! every width.
+//!
+//! `DESIGNS=1000000 cargo test --release --test lanes -- --ignored --nocapture` is the long run.
+
+mod support;
+
+use hardpoint::characteristics::{Characteristic, Quantity, Unit};
+use hardpoint::number::{Vector3, Width};
+use hardpoint::study::Study;
+use hardpoint::sweep::{BLOCK, Block, Evaluator, Stations};
+use std::path::Path;
+use support::random::Random;
+
+/// One of the sample studies with other travels and racks.
+fn study(name: &str, travel: &str, rack: &str) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    let overrides = [
+        format!("motion.travel={travel}"),
+        format!("motion.rack={rack}"),
+    ];
+    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
+const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
+
+/// What a sweep usually asks for, and everything else that can be read in lanes.
+fn quantities(study: &Study) -> Vec<Quantity> {
+    let has_strut = study.suspension.mechanism.strut_upper().is_some();
+    let possible = |c: &&Characteristic| {
+        has_strut
+            || !matches!(
+                c,
+                Characteristic::AttiaKingpin | Characteristic::AttiaCamber
+            )
+    };
+    let all = Characteristic::ALL.iter().filter(possible);
+    all.map(|c| Quantity::Characteristic(*c)).collect()
+}
+
+/// Designs scattered about the study's own, block by block.
+struct Scatter {
+    random: Random,
+    base: Vec<Vector3<f64>>,
+    by: f64,
+}
+
+impl Scatter {
+    fn block(&mut self) -> Vec<Vector3<f64>> {
+        let mut designs = Vec::new();
+        for _ in 0..BLOCK {
+            designs.extend(self.random.scattered(&self.base, self.by));
+        }
+        designs
+    }
+}
+
+/// What a comparison of two evaluators found.
+#[derive(Debug, Default)]
+struct Found {
+    designs: usize,
+    /// Designs with a station that cannot be reached.
+    unreachable: usize,
+    /// Designs the lanes left to the careful path.
+    left: usize,
+    /// Deviation of angles (rad), of lengths (in sizes) and of rates.
+    worst: f64,
+}
+
+fn compare(study: &Study, by: f64, seed: u64, designs: usize) -> Found {
+    let suspension = &study.suspension;
+    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let quantities = quantities(study);
+    let evaluator = |width| {
+        Evaluator::with_width(suspension, &stations, &quantities, width)
+            .unwrap_or_else(|_| panic!("the sample cannot be solved"))
+    };
+    let mut careful = evaluator(None);
+    let mut lanes = evaluator(Some(Width::widest()));
+    let mut scatter = Scatter {
+        random: Random(seed),
+        base: suspension.design.clone(),
+        by,
+    };
+    let mut found = Found::default();
+    let mut wanted = Block::new(quantities.len(), stations.count());
+    let mut block = wanted.clone();
+    while found.designs < designs {
+        let points = scatter.block();
+        careful.evaluate(&points, &mut wanted);
+        found.left += lanes.evaluate(&points, &mut block);
+        found.designs += BLOCK;
+        assert_eq!(block.faults(), wanted.faults());
+        let key = |b: &Block| -> Vec<(usize, usize)> {
+            b.failures().iter().map(|f| (f.design, f.station)).collect()
+        };
+        assert_eq!(key(&block), key(&wanted), "{by}");
+        let mut failing: Vec<usize> = key(&wanted).iter().map(|f| f.0).collect();
+        failing.dedup();
+        found.unreachable += failing.len();
+        for design in 0..BLOCK {
+            for (k, quantity) in quantities.iter().enumerate() {
+                let scale = scale_of(*quantity, suspension.size());
+                let pairs = block.values(design, k).iter().zip(wanted.values(design, k));
+                for (a, b) in pairs {
+                    assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
+                    if !a.is_nan() {
+                        // A swing arm is the inverse of what turns: relative, beyond a size.
+                        let deviation = (a - b).abs() / scale.max(b.abs());
+                        if deviation > found.worst {
+                            found.worst = deviation;
+                        }
+                    }
+                }
+                let (a, b) = (block.slope(design, k), wanted.slope(design, k));
+                assert_eq!(a.is_nan(), b.is_nan(), "slope of {quantity:?}");
+            }
+        }
+    }
+    println!("{by}: {found:?}");
+    found
+}
+
+/// What a quantity is measured in.
+fn scale_of(quantity: Quantity, size: f64) -> f64 {
+    let Quantity::Characteristic(c) = quantity else {
+        return size;
+    };
+    match c.info().unit {
+        Unit::Length => size,
+        Unit::AnglePerLength => 1.0 / size,
+        Unit::Angle | Unit::Percent | Unit::Ratio => 1.0,
+    }
+}
+
+fn all(designs: usize) -> Vec<Found> {
+    let mut found = Vec::new();
+    for (name, scatters) in [
+        ("macpherson_solve.toml", [10.0, 60.0, 150.0]),
+        ("double_wishbone_solve.toml", [10.0, 40.0, 100.0]),
+    ] {
+        for (k, by) in scatters.into_iter().enumerate() {
+            let seed = 17 + k as u64;
+            found.push(compare(&study(name, FINE, "[0.0]"), by, seed, designs));
+            found.push(compare(
+                &study(name, COARSE, "[-40.0, 0.0, 35.0]"),
+                by,
+                seed,
+                designs / 4,
+            ));
+        }
+    }
+    found
+}
+
+#[test]
+fn lanes_agree_with_the_careful_path() {
+    for found in all(1500) {
+        assert!(found.worst < 1e-11, "{found:?}");
+    }
+}
+
+#[test]
+#[ignore = "a million designs take minutes"]
+fn a_million_designs_in_lanes_agree_with_the_careful_path() {
+    let designs = std::env::var("DESIGNS").map_or(1_000_000, |n| n.parse().expect("a number"));
+    for found in all(designs / 7) {
+        assert!(found.worst < 1e-11, "{found:?}");
+    }
+}
+
+#[test]
+fn ordinary_designs_stay_in_the_lanes() {
+    for name in ["macpherson_solve.toml", "double_wishbone_solve.toml"] {
+        let found = compare(&study(name, FINE, "[0.0, 30.0]"), 10.0, 3, 1000);
+        assert_eq!(found.left, 0, "{found:?}");
+    }
+}
+
+#[test]
+fn every_width_gives_the_same_bits() {
+    for (name, by) in [
+        ("macpherson_solve.toml", 120.0),
+        ("double_wishbone_solve.toml", 80.0),
+    ] {
+        let study = study(name, FINE, "[0.0, 25.0]");
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let quantities = quantities(&study);
+        let mut scatter = Scatter {
+            random: Random(5),
+            base: suspension.design.clone(),
+            by,
+        };
+        let designs = scatter.block();
+        let bits = |width, designs: &[Vector3<f64>]| -> Vec<u64> {
+            let mut evaluator =
+                Evaluator::with_width(suspension, &stations, &quantities, Some(width))
+                    .unwrap_or_else(|_| panic!("the sample cannot be solved"));
+            let mut block = Block::new(quantities.len(), stations.count());
+            evaluator.evaluate(designs, &mut block);
+            let all = (0..block.designs()).flat_map(|d| {
+                let block = &block;
+                (0..quantities.len()).flat_map(move |k| {
+                    let slope = std::iter::once(block.slope(d, k));
+                    block.values(d, k).iter().copied().chain(slope)
+                })
+            });
+            all.map(f64::to_bits).collect()
+        };
+        let expected = bits(Width::Scalar, &designs);
+        for width in Width::ALL {
+            assert!(bits(width, &designs) == expected, "{}", width.name());
+        }
+        // A design by itself, without neighbours.
+        let points = suspension.design.len();
+        let alone = bits(Width::widest(), &designs[3 * points..4 * points]);
+        let size = alone.len();
+        assert!(alone == expected[3 * size..4 * size]);
+    }
+}

@@ -6,6 +6,7 @@
 mod support;
 
 use hardpoint::characteristics::{Characteristic, Quantity, Unit};
+use hardpoint::model::Body;
 use hardpoint::number::{Vector3, Width};
 use hardpoint::study::Study;
 use hardpoint::sweep::{BLOCK, Block, Evaluator, Stations};
@@ -66,8 +67,9 @@ struct Found {
     unreachable: usize,
     /// Designs the lanes left to the careful path.
     left: usize,
-    /// Deviation of angles (rad), of lengths (in sizes) and of rates.
+    /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
     worst: f64,
+    of: Option<(Quantity, f64)>,
 }
 
 fn compare(study: &Study, by: f64, seed: u64, designs: usize) -> Found {
@@ -112,6 +114,7 @@ fn compare(study: &Study, by: f64, seed: u64, designs: usize) -> Found {
                         let deviation = (a - b).abs() / scale.max(b.abs());
                         if deviation > found.worst {
                             found.worst = deviation;
+                            found.of = Some((*quantity, *b));
                         }
                     }
                 }

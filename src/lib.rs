@@ -31,7 +31,7 @@
 //! | [`curves`] | a plan carried out over a motion |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`report`] | files and tables |
-//! | [`bench`] | what a digit and an effect cost on this machine |
+//! | [`mod@bench`] | what a digit and an effect cost on this machine |
 //! | [`cli`] | the command line |
 //! | [`number`] | Taylor series and gradients as numbers: how one formula serves for all derivatives |
 //!

@@ -103,7 +103,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
         .iter()
         .map(|m| m.error)
         .fold(f64::INFINITY, f64::min);
-    let [short, long] = ["step 1e-10", "step 1e-1"].map(|s| error(&central, s));
+    let [short, long] = ["step 1e-10", "step 1e-2"].map(|s| error(&central, s));
     assert!(short > 1e3 * best && long > 1e6 * best);
     // Five digits are lost with the best of all steps, six with the one that is usually taken.
     assert!(best > 1e5 * analytic, "{best:e} {analytic:e}");
@@ -128,17 +128,16 @@ fn errors_are_what_arithmetic_and_method_promise() {
     }
 }
 
-/// Every topology, drive and unit can be measured.
+/// Every topology can be measured.
 #[test]
-fn every_kind_of_study_can_be_measured() {
-    const FEW: &[&str] = &["motion.travel={from=-40.0, to=40.0, steps=7}"];
-    for (name, overrides) in [
-        ("attia.toml", &[][..]),
-        ("double_wishbone_solve.toml", FEW),
-        ("five_link_solve.toml", FEW),
-        ("semi_trailing_arm_solve.toml", FEW),
+fn every_topology_can_be_measured() {
+    const FEW: &[&str] = &["motion.travel={from=-40.0, to=40.0, steps=5}"];
+    for name in [
+        "double_wishbone_solve.toml",
+        "five_link_solve.toml",
+        "semi_trailing_arm_solve.toml",
     ] {
-        let study = study(name, overrides);
+        let study = study(name, FEW);
         let accuracy =
             Accuracy::measure(&study, &NO_TIME).unwrap_or_else(|e| panic!("{name}: {e}"));
         let six = of(&accuracy, Family::Pose, "six equations, f64");

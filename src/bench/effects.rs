@@ -149,17 +149,19 @@ impl Effects {
             runs.push((change.name, Planned::of(&alone)?, Planned::of(&added)?));
         }
         let all = runs.len() - 1;
-        let extra = Extra::of(&base, &subject)?;
         let mut jobs = Vec::new();
         for (_, alone, added) in &runs {
             jobs.extend([alone.job(), added.job()]);
         }
+        let times = clock.in_rounds(&mut jobs);
         // What is not a part of a plan: beside positions alone, and beside everything.
+        let extra = Extra::of(&base, &subject)?;
+        let mut jobs = Vec::new();
         for (planned, many) in [(&runs[0].1, 1), (&runs[all].2, runs[all].2.racks())] {
             jobs.push(extra.job(planned, many, true, false));
             jobs.push(extra.job(planned, many, many > 1, true));
         }
-        let times = clock.in_rounds(&mut jobs);
+        let rest = clock.in_rounds(&mut jobs);
         let plain = runs.iter().zip(times.chunks(2));
         let mut measurements: Vec<Measurement> = plain
             .map(|((name, alone, _), times)| Measurement {
@@ -170,7 +172,6 @@ impl Effects {
                 poses: alone.poses,
             })
             .collect();
-        let rest = &times[2 * runs.len()..];
         for (i, name) in ["certificate", "loads"].into_iter().enumerate() {
             measurements.push(Measurement {
                 effect: name.to_owned(),

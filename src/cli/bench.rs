@@ -3,7 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
 use super::{BenchArguments, BenchKind};
-use crate::bench::accuracy::Accuracy;
+use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
@@ -32,6 +32,12 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             Study::from_text("macpherson.toml", strut.template, Path::new(""))?
         }
     };
+    let stop = |reason: Unmeasurable| match reason {
+        Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
+        other => Stop::wrong_input(format!("{}: {other}", path.display())),
+    };
+    // Before anything is written.
+    Subject::of(&study).map_err(stop)?;
     let name = format!("bench_{}", study.name);
     let default = PathBuf::from("out").join(&name);
     let out = arguments.out.as_deref().unwrap_or(&default);
@@ -41,10 +47,6 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         ..Clock::default()
     };
     let machine = Machine::here(&clock);
-    let stop = |reason: Unmeasurable| match reason {
-        Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
-        other => Stop::wrong_input(format!("{}: {other}", path.display())),
-    };
     output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
 
     let (kind, table, picture) = match arguments.kind {

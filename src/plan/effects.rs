@@ -27,14 +27,14 @@ pub struct Effect {
 mod cost {
     /// Six equations solved instead of the closed form.
     pub const ITERATED_POSE: f64 = 7.0;
-    /// Factorising a Jacobian. Newton's method leaves the factors behind, the closed form has none.
+    /// Factorising the Jacobian of a pose that the closed form gave.
     pub const FACTORS: f64 = 0.8;
     /// The first, second and third coefficient of the power series, and the outputs on it.
-    pub const DERIVATIVES: [f64; 3] = [0.5, 2.9, 3.5];
+    pub const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// One output's gradient by all hardpoints, for each coefficient of its series.
     pub const GRADIENT: f64 = 2.2;
     /// What is left of it where one equation in six has to be differentiated.
-    pub const LEAST_GRADIENT: f64 = 1.0;
+    pub const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
     /// Proving the pose and the step to it on intervals.
@@ -158,8 +158,6 @@ impl Plan {
         off: &dyn Fn(&'static str) -> Effect,
     ) -> Vec<Effect> {
         let order = study.outputs.order;
-        // The first effect that needs the factors has them made; the others find them.
-        let factors = factors_cost(study);
         let mut effects = Vec::new();
         for (k, name) in ["rates", "curvature", "third derivatives"]
             .into_iter()
@@ -188,11 +186,7 @@ impl Plan {
                 written(&["outputs", "characteristics"], &names)
             };
             let one = format!("right-hand side {derivative} of each pose");
-            let factors = match derivative {
-                1 => factors,
-                _ => 0.0,
-            };
-            effects.push(on(name, one, because, cost::DERIVATIVES[k] + factors));
+            effects.push(on(name, one, because, cost::DERIVATIVES[k]));
         }
         effects.push(match self.sensitivities.is_empty() {
             true => off("sensitivities"),
@@ -207,9 +201,10 @@ impl Plan {
                 let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
                 let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
                 let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
-                let factors = match self.coefficients {
-                    1 => factors,
-                    _ => 0.0,
+                // Newton's method has left them behind.
+                let factors = match has_closed_form(mechanism) {
+                    true => cost::FACTORS,
+                    false => 0.0,
                 };
                 on(
                     "sensitivities",
@@ -233,13 +228,5 @@ impl Plan {
             0 => 1,
             _ => self.coefficients - 1,
         }
-    }
-}
-
-/// What it costs to have the factors of each pose's Jacobian.
-fn factors_cost(study: &Study) -> f64 {
-    match has_closed_form(&study.suspension.mechanism) {
-        true => cost::FACTORS,
-        false => 0.0,
     }
 }

@@ -263,9 +263,9 @@ fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
 }
 
 /// Steps, in parts of the mechanism's size.
-const STEPS: [f64; 19] = [
+const STEPS: [f64; 17] = [
     1e-10, 3e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3,
-    3e-3, 1e-2, 3e-2, 1e-1,
+    3e-3, 1e-2,
 ];
 
 pub(super) fn measure(

@@ -9,7 +9,7 @@ use crate::curves::curves;
 use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::report::{Record, TuningSummary, curves_csv, history_csv};
+use crate::report::{Record, TuningSummary, curves_csv, history_csv, remarks};
 use crate::study::{Optimise, Study};
 use std::sync::atomic::Ordering;
 
@@ -70,6 +70,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     if tuning.best.is_some() {
         output.table(&summary.variables_table())?;
+    }
+    for remark in after.iter().flat_map(|after| remarks(&study, after)) {
+        output.say(&format!("\n{remark}\n"))?;
     }
     for combination in summary.unseen() {
         output.say(&format!(

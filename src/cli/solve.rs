@@ -6,7 +6,7 @@ use super::output::{Output, design_fault};
 use super::report::Wanted;
 use crate::curves::curves;
 use crate::plan::Plan;
-use crate::report::{Record, SolveSummary, Stretch, curves_csv, sensitivities_csv};
+use crate::report::{Record, SolveSummary, Stretch, curves_csv, remarks, sensitivities_csv};
 use crate::study::Study;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         summary.headline()
     ))?;
     output.table(&summary.table())?;
-    for remark in summary.remarks(length.symbol()) {
+    for remark in remarks(&study, &curves) {
         output.say(&format!("\n{remark}\n"))?;
     }
     for failure in Stretch::all(&curves, plan.drive) {

@@ -3,6 +3,7 @@
 //! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page`] and
 //! [`pictures`] are made of that alone.
 
+mod accuracy;
 mod curve_table;
 mod failures;
 mod files;
@@ -10,7 +11,6 @@ mod influence;
 mod page;
 mod picture;
 mod place;
-mod proof_summary;
 mod record;
 mod run;
 mod run_directory;
@@ -20,6 +20,7 @@ mod sweep;
 mod table;
 mod tuning_summary;
 
+pub use accuracy::remarks;
 pub use curve_table::CurveTable;
 pub use failures::Stretch;
 pub use files::{curves_csv, history_csv, sensitivities_csv};

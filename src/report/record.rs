@@ -1,5 +1,6 @@
 //! `report.json`: what the report needs beyond the other files of a run.
 
+use super::accuracy::remarks;
 use super::failures::Stretch;
 use super::influence::{Influence, influences};
 use super::scene::{Frame, Scene, frames};
@@ -84,6 +85,9 @@ pub struct DesignRecord {
     pub curves: String,
     /// Number of stations.
     pub stations: usize,
+    /// What has to be said of the accuracy.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// The stations that failed.
     pub failures: Vec<Stretch>,
     /// Some of the stations, drawn.
@@ -116,6 +120,7 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
+                remarks: remarks(study, curves),
                 failures: Stretch::all(curves, plan.drive),
                 frames: frames(suspension, &few)?,
             })

@@ -1,8 +1,8 @@
 //! What a solve came to.
 
 use super::Table;
+use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::place::Place;
-use super::proof_summary::{CertificateSummary, ConditionSummary};
 use crate::curves::{Curves, Station, Status};
 use crate::kinematics::Work;
 use crate::study::Study;
@@ -137,16 +137,6 @@ impl SolveSummary {
             table.push([column.name.clone(), value]);
         }
         table
-    }
-
-    /// What has to be said of the accuracy, a line each.
-    pub fn remarks(&self, length_unit: &str) -> Vec<String> {
-        let certificate = self
-            .certificate
-            .as_ref()
-            .map(|c| c.remark(self.stations, length_unit));
-        let condition = self.condition.as_ref().and_then(ConditionSummary::warning);
-        certificate.into_iter().chain(condition).collect()
     }
 
     /// How many stations were solved, in words.

@@ -10,6 +10,7 @@ mod policy;
 use super::TuningSummary;
 use super::curve_table::CurveTable;
 use super::failures::Stretch;
+use super::record::DesignRecord;
 use super::run::{Run, Summary};
 use super::table::Table;
 use escape::html;
@@ -70,7 +71,7 @@ pub fn page(run: &Run) -> String {
             run.record.version
         )),
         facts = facts(run),
-        failures = failures(run),
+        failures = failures(run) + &remarks(run),
         sections = sections(run),
         curves_note = curves_note,
         ranges = ranges,
@@ -144,6 +145,17 @@ fn failures(run: &Run) -> String {
             r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
         ),
     }
+}
+
+/// What has to be said of the accuracy.
+fn remarks(run: &Run) -> String {
+    let of_design = |design: &DesignRecord| {
+        let remarks = design.remarks.iter();
+        let line =
+            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), html(remark));
+        remarks.map(line).collect::<String>()
+    };
+    run.record.designs.iter().map(of_design).collect()
 }
 
 /// The links to the sections.

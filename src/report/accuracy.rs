@@ -7,6 +7,16 @@ use crate::kinematics::Failure;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
+/// What has to be said of the accuracy of some curves, a line each.
+pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
+    let unit = study.suspension.length_unit.symbol();
+    let certificate = CertificateSummary::of(study, curves);
+    let certificate = certificate.map(|c| c.remark(curves.stations.len(), unit));
+    let condition = ConditionSummary::of(curves, study.motion.drive);
+    let warning = condition.and_then(|c| c.warning());
+    certificate.into_iter().chain(warning).collect()
+}
+
 /// The conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ConditionSummary {
@@ -37,7 +47,7 @@ impl ConditionSummary {
     }
 
     /// What is to be warned of.
-    pub fn warning(&self) -> Option<String> {
+    fn warning(&self) -> Option<String> {
         let stations = match self.ill_conditioned.len() {
             0 => return None,
             1 => "1 station has".to_owned(),
@@ -90,7 +100,7 @@ impl CertificateSummary {
     }
 
     /// The same in words.
-    pub fn remark(&self, stations: usize, length_unit: &str) -> String {
+    fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += &match (self.one_branch, self.unproved) {
             (true, _) => "; the whole curve is one branch".to_owned(),
@@ -98,7 +108,8 @@ impl CertificateSummary {
             (false, n) => format!("; {n} with a pose that could not be proved"),
         };
         if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
-            let error = brief(error);
+            // Up, so that what is shown is a bound too.
+            let error = brief(error * 1.00001);
             text += &format!(
                 "; no point of the wheel carrier is off by more than {error} {length_unit} (at {at})"
             );

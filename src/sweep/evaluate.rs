@@ -33,9 +33,9 @@ pub struct Block {
     outputs: usize,
     stations: usize,
     designs: usize,
-    /// [design][output][station]
+    /// `[design][output][station]`
     values: Vec<f64>,
-    /// [design][output]: derivatives by the drive in the design position.
+    /// `[design][output]`: derivatives by the drive in the design position.
     slopes: Vec<f64>,
     /// By rising number of the design.
     failures: Vec<FailedStation>,

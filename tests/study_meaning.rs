@@ -3,7 +3,7 @@
 use hardpoint::characteristics::Characteristic;
 use hardpoint::model::{Body, PointId, SpinAxis, Topology};
 use hardpoint::number::Vector3;
-use hardpoint::study::{Drive, Interpolation, Order, Study, Wanted};
+use hardpoint::study::{Designs, Drive, Interpolation, Order, Study, Wanted};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -234,10 +234,47 @@ fn overrides_edit_the_text_and_keep_its_comments() {
 }
 
 #[test]
-fn a_sweep_does_not_stand_in_the_way() {
-    read(&format!(
-        "{SOLVE}\n[sweep]\nmethod = \"grid\"\nanything = [1, {{ a = nan }}]\n"
+fn a_sweep_says_what_moves() {
+    let study = read(&format!(
+        r#"{SOLVE}
+[sweep]
+samples = 100
+method = "saltelli"
+variables = [
+  {{ hardpoint = "tie_rod_inner", axis = "z", range = [-10, 10] }},
+  {{ hardpoint = "strut_top", axis = "y", range = [560, 590], absolute = true }},
+  {{ hardpoints = ["lower_arm_front", "lower_arm_rear"], factors = [1, -1], axis = "z", range = [-3, 3] }},
+]
+"#
     ));
+    let sweep = study.sweep.unwrap();
+    let Designs::Sampled(sampled) = &sweep.designs else {
+        panic!("{sweep:?}");
+    };
+    assert_eq!((sampled.designs(), sampled.seed), (500, 1));
+    let names: Vec<&str> = sampled.variables.iter().map(|v| v.name.as_str()).collect();
+    let pair = "lower_arm_front+lower_arm_rear_dz";
+    assert_eq!(names, ["tie_rod_inner_dz", "strut_top_y", pair]);
+    let at_design: Vec<f64> = sampled
+        .variables
+        .iter()
+        .map(|v| v.at_design(&study.suspension))
+        .collect();
+    assert_eq!(at_design, [0.0, 575.0, 0.0]);
+    let factors: Vec<f64> = sampled.variables[2]
+        .moves
+        .iter()
+        .map(|m| m.factor)
+        .collect();
+    assert_eq!(factors, [1.0, -1.0]);
+}
+
+/// The rows are read by the sweep alone: a study whose file is not there can still be solved.
+#[test]
+fn designs_from_a_file_do_not_stand_in_the_way() {
+    let study = read(&format!("{SOLVE}\n[sweep]\ndesigns = \"absent.csv\"\n"));
+    let designs = study.sweep.unwrap().designs;
+    assert!(matches!(designs, Designs::File(path) if path.ends_with("absent.csv")));
 }
 
 #[test]

@@ -34,9 +34,9 @@ pub struct Block {
     pub(super) outputs: usize,
     pub(super) stations: usize,
     designs: usize,
-    /// [design][output][station]
+    /// `[design][output][station]`
     pub(super) values: Vec<f64>,
-    /// [design][output]: derivatives by the drive in the design position.
+    /// `[design][output]`: derivatives by the drive in the design position.
     pub(super) slopes: Vec<f64>,
     /// By rising number of the design.
     pub(super) failures: Vec<FailedStation>,

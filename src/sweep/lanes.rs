@@ -14,9 +14,9 @@ pub(super) struct LaneSolver<'a> {
     reader: LaneReader<'a>,
     stations: &'a Stations,
     points: usize,
-    /// Values of a group of designs: [output][station][lane]
+    /// Values of a group of designs: `[output][station][lane]`
     values: Vec<f64>,
-    /// [output][lane]
+    /// `[output][lane]`
     slopes: Vec<f64>,
 }
 

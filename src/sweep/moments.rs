@@ -54,13 +54,13 @@ pub struct Moments {
     pub count: u64,
     /// Sums of u.
     pub u: Vec<f64>,
-    /// [i][j]: sums of u_i u_j, j <= i.
+    /// `[i][j]`: sums of u_i u_j, j <= i.
     pub uu: Vec<f64>,
     /// Sums of y.
     pub y: Vec<f64>,
     /// Sums of y^2.
     pub yy: Vec<f64>,
-    /// [variable][output]: sums of u y.
+    /// `[variable][output]`: sums of u y.
     pub uy: Vec<f64>,
 }
 
@@ -124,7 +124,7 @@ pub struct Levels {
 pub struct LevelSums {
     /// Designs by level.
     pub counts: Vec<u64>,
-    /// [level][output]
+    /// `[level][output]`
     pub sums: Vec<f64>,
 }
 
@@ -171,11 +171,11 @@ pub struct Exchanges {
     pub sum: Vec<f64>,
     /// Sums of y_A^2 + y_B^2.
     pub squares: Vec<f64>,
-    /// [variable][output]: sums of y_C - y_A.
+    /// `[variable][output]`: sums of y_C - y_A.
     pub steps: Vec<f64>,
-    /// [variable][output]: sums of y_B (y_C - y_A).
+    /// `[variable][output]`: sums of y_B (y_C - y_A).
     pub first: Vec<f64>,
-    /// [variable][output]: sums of (y_A - y_C)^2.
+    /// `[variable][output]`: sums of (y_A - y_C)^2.
     pub total: Vec<f64>,
     /// The group under way, [role][output]; empty where there are no groups.
     group: Vec<f64>,

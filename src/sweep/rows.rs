@@ -11,9 +11,9 @@ pub struct Rows {
     pub first: u64,
     /// What became of each design; `None` where every station was solved.
     pub failing: Vec<Option<Failing>>,
-    /// [design][variable]
+    /// `[design][variable]`
     pub variables: Vec<f64>,
-    /// [design][output], NaN where there is no value.
+    /// `[design][output]`, NaN where there is no value.
     pub outputs: Vec<f64>,
 }
 

@@ -1,6 +1,7 @@
 //! Rows of designs as CSV, both ways. Written in the workers, so that it is done on all threads.
 
 use crate::sweep::{Candidate, Failing, Rows, SweepRecord};
+use std::borrow::Cow;
 use std::io::{self, BufRead, ErrorKind, Write};
 
 /// The first line.
@@ -139,7 +140,7 @@ fn read_row(record: &SweepRecord, design: u64, line: &str, rows: &mut Rows) -> O
     if next_cell(&mut rest)?.parse::<u64>().ok()? != design {
         return None;
     }
-    let mut number = || match next_cell(&mut rest)?.as_str() {
+    let mut number = || match &*next_cell(&mut rest)? {
         "" => Some(f64::NAN),
         cell => cell.parse().ok(),
     };
@@ -156,38 +157,80 @@ fn read_row(record: &SweepRecord, design: u64, line: &str, rows: &mut Rows) -> O
         false => Some(at.parse().ok()?),
     };
     let (reason, status) = (next_cell(&mut rest)?, next_cell(&mut rest)?);
-    let failing = Failing {
-        status,
-        reason,
+    let failing = || Failing {
+        status: status.clone().into_owned(),
+        reason: reason.into_owned(),
         stations,
         at,
     };
-    rows.failing
-        .push(Some(failing).filter(|failing| failing.status != "ok"));
+    rows.failing.push((status != "ok").then(failing));
     rest.is_empty().then_some(())
 }
 
 /// Takes a cell off the front of a line, with the comma after it.
-fn next_cell(rest: &mut &str) -> Option<String> {
-    if let Some(quoted) = rest.strip_prefix('"') {
-        let mut cell = String::new();
-        let mut inside = quoted;
-        loop {
-            let (part, after) = inside.split_once('"')?;
-            cell += part;
-            match after.strip_prefix('"') {
-                Some(more) => {
-                    cell.push('"');
-                    inside = more;
-                }
-                None => {
-                    *rest = after.strip_prefix(',').unwrap_or(after);
-                    return Some(cell);
-                }
+fn next_cell<'l>(rest: &mut &'l str) -> Option<Cow<'l, str>> {
+    let Some(mut inside) = rest.strip_prefix('"') else {
+        let (cell, after) = rest.split_once(',').unwrap_or((rest, ""));
+        *rest = after;
+        return Some(Cow::Borrowed(cell));
+    };
+    let mut cell = String::new();
+    loop {
+        let (part, after) = inside.split_once('"')?;
+        cell += part;
+        match after.strip_prefix('"') {
+            Some(more) => {
+                cell.push('"');
+                inside = more;
+            }
+            None => {
+                *rest = after.strip_prefix(',').unwrap_or(after);
+                return Some(Cow::Owned(cell));
             }
         }
     }
-    let (cell, after) = rest.split_once(',').unwrap_or((rest, ""));
-    *rest = after;
-    Some(cell.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_come_back_as_they_were_written() {
+        let texts = ["plain", "a, b", "\"quoted\"", "", "say \"no, no\"", "end"];
+        let mut line = Vec::new();
+        for (k, text) in texts.iter().enumerate() {
+            if k > 0 {
+                line.push(b',');
+            }
+            append_text(text, &mut line);
+        }
+        let line = String::from_utf8(line).unwrap();
+        let mut rest = line.as_str();
+        for text in texts {
+            assert_eq!(next_cell(&mut rest).unwrap(), text);
+        }
+        assert_eq!(rest, "");
+    }
+
+    #[test]
+    fn numbers_read_back_to_the_same_bits() {
+        for value in [
+            0.1 + 0.2,
+            1e-7,
+            5e-324,
+            1.7976931348623157e308,
+            -12345678.9,
+            0.0,
+            1e16,
+        ] {
+            let mut text = Vec::new();
+            append_number(value, &mut text);
+            let read: f64 = String::from_utf8(text).unwrap().parse().unwrap();
+            assert_eq!(read.to_bits(), value.to_bits());
+        }
+        let mut none = Vec::new();
+        append_number(f64::NAN, &mut none);
+        assert!(none.is_empty());
+    }
 }

@@ -144,6 +144,7 @@ pub fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
 
 #[cfg(all(test, feature = "parquet"))]
 mod tests {
+    use super::super::rows_csv;
     use super::*;
 
     /// Rows of several groups come back as they were written, and after a part of them is kept.
@@ -152,18 +153,22 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("designs.parquet");
         let header = b"design,a+b_dz_mm,camber_min_deg,failed_stations,reason,status\n";
+        let written = |value: f64| {
+            let mut text = Vec::new();
+            rows_csv::append_number(value, &mut text);
+            String::from_utf8(text).unwrap()
+        };
         let row = |i: u64| {
-            let camber = if i.is_multiple_of(3) {
-                String::new()
-            } else {
-                format!("{:?}", 1.0 / i as f64)
+            let height = written(i as f64 - 7.5);
+            let camber = match i.is_multiple_of(3) {
+                true => String::new(),
+                false => written(1.0 / i as f64),
             };
-            let reason = if i.is_multiple_of(5) {
-                ""
-            } else {
-                "\"it ends, \"\"there\"\"\""
+            let reason = match i.is_multiple_of(5) {
+                true => "",
+                false => "\"it ends, \"\"there\"\"\"",
             };
-            format!("{i},{:?},{camber},{},{reason},ok\n", i as f64 - 7.5, i % 4)
+            format!("{i},{height},{camber},{},{reason},ok\n", i % 4)
         };
         let rows: Vec<String> = (0..70_000).map(row).collect();
         let read = || {

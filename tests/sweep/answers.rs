@@ -1,0 +1,246 @@
+//! Answers known beforehand are found, and failures counted.
+
+use super::*;
+
+/// Targets read off one point of a grid: that point is the best design, and the only one without a
+/// better.
+#[test]
+fn a_planted_design_is_found() {
+    let bench = Bench::new(STUDY);
+    let grid = |inner: f64, top: f64| {
+        let inner = format!("tie_rod_inner    = [-110.0, 330.0, {:?}]", 243.0 + inner);
+        let top = format!("strut_top        = [ -35.0, {:?}, 850.0]", 575.0 + top);
+        STUDY
+            .replace("tie_rod_inner    = [-110.0, 330.0, 243.0]", &inner)
+            .replace("strut_top        = [ -35.0, 575.0, 850.0]", &top)
+    };
+    fs::write(bench.path("planted.toml"), grid(-4.0, 12.0)).unwrap();
+    bench
+        .run(&["solve", "planted.toml", "--out", "planted"])
+        .success();
+    let planted = Table::read(&bench.path("planted/curves.csv"));
+    let target = |column: &str| {
+        let (travel, values) = (planted.text("travel_mm"), planted.text(column));
+        let points = travel
+            .iter()
+            .zip(values)
+            .map(|(t, v)| format!("[{t}, {v}]"));
+        points.collect::<Vec<_>>().join(", ")
+    };
+    let from = STUDY.find("targets = [").unwrap();
+    let study = STUDY[..from]
+        .replace("latin_hypercube", "grid")
+        .replace(
+            "range = [-10.0, 10.0] },\n  {",
+            "range = [-10.0, 10.0], steps = 11 },\n  {",
+        )
+        .replace("range = [-20.0, 20.0]", "range = [-20.0, 20.0], steps = 11")
+        + &format!(
+            "targets = [\n{{ characteristic = \"toe\", points = [{}], tolerance = 0.01 }},\n\
+             {{ characteristic = \"camber\", points = [{}], tolerance = 0.01 }} ]\n",
+            target("toe_deg"),
+            target("camber_deg")
+        );
+    let bench = Bench::new(&study);
+    bench.sweep("run", &[]).success();
+    let summary = bench.json("run/summary.json");
+    // -4 is value 3 of the first variable, 12 is value 8 of the second, which runs faster.
+    let best = &summary["best"][0];
+    assert_eq!(best["design"], 3 * 11 + 8);
+    assert_eq!(best["variables"], serde_json::json!([-4.0, 12.0]));
+    assert!(best["misfit"].as_f64().unwrap() < 1e-8);
+    assert!(summary["best"][1]["misfit"].as_f64().unwrap() > 0.1);
+    assert_eq!(summary["pareto"], serde_json::json!([41]));
+    assert_eq!(Table::read(&bench.path("run/pareto.csv")).rows.len(), 1);
+    // The design as a study has the planted curves.
+    let (text, _) = said(
+        &bench
+            .run(&["sweep", "study.toml", "--design", "41"])
+            .success(),
+    );
+    fs::write(bench.path("best.toml"), text).unwrap();
+    bench
+        .run(&["solve", "best.toml", "--out", "best"])
+        .success();
+    let best = Table::read(&bench.path("best/curves.csv"));
+    assert_eq!(best.rows, planted.rows);
+}
+
+/// The misfit of a sweep is the one of the optimisation, and its summary the one of the curves.
+#[test]
+fn a_row_says_what_solve_and_optimise_say() {
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
+    let study = fs::read_to_string(sample).unwrap();
+    let bench = Bench::new(&(study + "\n[sweep]\ndesigns = \"rows.csv\"\n"));
+    fs::write(
+        bench.path("rows.csv"),
+        "strut_top_dy,tie_rod_inner_z\n0,243\n5,244.5\n",
+    )
+    .unwrap();
+    bench.sweep("run", &[]).success();
+    bench.run(&[
+        "optimise",
+        "study.toml",
+        "--out",
+        "tuned",
+        "--set",
+        "optimise.max_iterations=1",
+    ]);
+    bench
+        .run(&["solve", "study.toml", "--out", "solved"])
+        .success();
+    let designs = bench.designs("run");
+    let summary = bench.json("tuned/summary.json");
+    let misfit = summary["misfit_before"].as_f64().unwrap();
+    assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-12);
+    for target in summary["targets"].as_array().unwrap() {
+        let name = target["output"].as_str().unwrap().trim_end_matches("_deg");
+        let rms = target["before"]["rms"].as_f64().unwrap();
+        assert!((designs.numbers(&format!("rms_{name}"))[0] / rms - 1.0).abs() < 1e-12);
+    }
+    let solved = Table::read(&bench.path("solved/curves.csv"));
+    for (name, unit) in [("camber", "deg"), ("scrub_radius", "mm")] {
+        let curve = solved.numbers(&format!("{name}_{unit}"));
+        let min = curve.iter().copied().fold(f64::INFINITY, f64::min);
+        let max = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let found =
+            ["min", "max", "design"].map(|w| designs.numbers(&format!("{name}_{w}_{unit}"))[0]);
+        assert_eq!(found, [min, max, curve[20]]);
+    }
+    assert_eq!(designs.numbers("strut_top_dy_mm"), [0.0, 5.0]);
+    assert_eq!(designs.numbers("tie_rod_inner_z_mm"), [243.0, 244.5]);
+    assert_ne!(designs.rows[0], designs.rows[1]);
+    // Nothing is known of how the rows came about, so there are no shares of variance.
+    let summary = bench.json("run/summary.json");
+    assert!(output(&summary, "misfit")["effects"][0]["share"].is_null());
+}
+
+/// The height of the wheel centre in the design position is a + 2 b with a over 6 and b over 4 mm: so
+/// b has 16/25 of the variance, a 9/25.
+#[test]
+fn main_effects_of_a_linear_response_are_known() {
+    let from = STUDY.find("[sweep]").unwrap();
+    let study = STUDY[..from].replace("[outputs]", "[outputs]\npoints = [\"wheel_centre\"]")
+        + r#"[sweep]
+method = "grid"
+samples = 2048
+variables = [
+  { hardpoint = "wheel_centre", axis = "z", range = [-3.0, 3.0], steps = 17 },
+  { hardpoints = ["wheel_centre", "spindle_inner"], factors = [2.0, 1.0], axis = "z", range = [-2.0, 2.0], steps = 17, name = "b" },
+]
+"#;
+    let bench = Bench::new(&study);
+    // What chance leaves of each method.
+    for (method, tolerance) in [
+        ("grid", 1e-12),
+        ("sobol", 0.02),
+        ("latin_hypercube", 0.06),
+        ("random", 0.06),
+        ("saltelli", 0.02),
+    ] {
+        let set = format!("sweep.method={method}");
+        bench.sweep(method, &["--set", &set]).success();
+        let summary = bench.json(&format!("{method}/summary.json"));
+        let height = output(&summary, "wheel_centre_z_design_mm");
+        assert!(
+            (height["r2"].as_f64().unwrap() - 1.0).abs() < 1e-10,
+            "{method}: {height}"
+        );
+        for (effect, (change, share)) in height["effects"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip([(6.0, 0.36), (8.0, 0.64)])
+        {
+            let found = |key: &str| effect[key].as_f64().unwrap();
+            assert!(
+                (found("change") - change).abs() < 1e-9,
+                "{method}: {effect}"
+            );
+            assert!(
+                (found("share") - share).abs() < tolerance,
+                "{method}: {effect}"
+            );
+            if method == "saltelli" {
+                assert!((found("total") - share).abs() < tolerance, "{effect}");
+            }
+        }
+    }
+    let designs = bench.designs("saltelli");
+    assert_eq!(designs.rows.len(), 2048 * 4);
+    for (row, height) in designs
+        .rows
+        .iter()
+        .zip(designs.numbers("wheel_centre_z_design_mm"))
+    {
+        let [a, b] = [&row[1], &row[2]].map(|cell| cell.parse::<f64>().unwrap());
+        assert!((height - (300.0 + a + 2.0 * b)).abs() < 1e-12);
+    }
+}
+
+/// Beyond the reach of some designs: they are counted by reason, keep what exists of them, and have
+/// empty cells, never a range over a part of the motion.
+#[test]
+fn what_fails_is_counted_and_left_empty() {
+    let bench = Bench::new(STUDY);
+    let travel = "motion.travel={from=-330.0,to=330.0,steps=12}";
+    let (text, _) = said(
+        &bench
+            .sweep("run", &["--set", travel, "--set", "sweep.samples=300"])
+            .code(1),
+    );
+    let designs = bench.designs("run");
+    let failed: Vec<usize> = (0..300)
+        .filter(|i| designs.text("status")[*i] != "ok")
+        .collect();
+    assert!((10..290).contains(&failed.len()), "{}", failed.len());
+    for i in &failed {
+        assert_eq!(designs.text("status")[*i], "unreachable");
+        assert!(designs.text("reason")[*i].contains("travel ends"));
+        assert_eq!(
+            designs.text("failed_at_mm")[*i]
+                .parse::<f64>()
+                .unwrap()
+                .abs(),
+            330.0
+        );
+        assert_eq!(designs.text("camber_min_deg")[*i], "");
+        assert_eq!(designs.text("toe_max_deg")[*i], "");
+        assert_ne!(designs.text("camber_design_deg")[*i], "");
+        assert_ne!(designs.text("rms_camber")[*i], "");
+    }
+    let summary = bench.json("run/summary.json");
+    assert_eq!(summary["solved"], 300 - failed.len());
+    let reasons = summary["failures"].as_array().unwrap();
+    let counted: u64 = reasons.iter().map(|r| r["designs"].as_u64().unwrap()).sum();
+    assert_eq!(counted, failed.len() as u64);
+    assert_eq!(reasons[0]["examples"][0], failed[0]);
+    assert!(
+        text.contains("unreachable") && text.contains("because"),
+        "{text}"
+    );
+    let curves = Table::read(&bench.path("run/curves.csv"));
+    let open = curves
+        .text("status")
+        .iter()
+        .filter(|s| **s == "unreachable")
+        .count();
+    assert!(open >= failed.len());
+    for row in curves.rows.iter().filter(|row| row.last().unwrap() != "ok") {
+        assert_eq!(row[2..4], ["", ""]);
+    }
+    // A design that is no mechanism at all: the arm's outer joint on its axis.
+    let point =
+        "lower_ball_joint_x,lower_ball_joint_y,lower_ball_joint_z\n120,360,195\n5,705,190\n";
+    fs::write(bench.path("rows.csv"), point).unwrap();
+    let from = STUDY.find("method = \"latin").unwrap();
+    let to = STUDY.find("[optimise]").unwrap();
+    let file = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
+    fs::write(bench.path("study.toml"), file).unwrap();
+    bench.sweep("flat", &[]).code(1);
+    let designs = bench.designs("flat");
+    assert_eq!(designs.text("status"), ["degenerate", "ok"]);
+    assert!(designs.text("reason")[0].contains("lower_ball_joint"));
+    assert_eq!(designs.text("camber_design_deg")[0], "");
+    assert_eq!(designs.text("failed_at_mm")[0], "");
+}

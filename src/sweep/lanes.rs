@@ -43,7 +43,10 @@ impl<'a> LaneSolver<'a> {
         let reader = LaneReader::new(mechanism, &batch, constants, characteristics)?;
         Some(LaneSolver {
             width,
-            batch,
+            batch: match reader.reads_rates() {
+                true => batch.for_rates(),
+                false => batch,
+            },
             reader,
             stations,
             points: design.len(),

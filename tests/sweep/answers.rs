@@ -105,7 +105,10 @@ fn a_row_says_what_solve_and_optimise_say() {
         let max = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found =
             ["min", "max", "design"].map(|w| designs.numbers(&format!("{name}_{w}_{unit}"))[0]);
-        assert_eq!(found, [min, max, curve[20]]);
+        // Sweeps run in lanes, whose wheel centres are within 1e-12 sizes of the travel.
+        for (found, wanted) in found.iter().zip([min, max, curve[20]]) {
+            assert!((found - wanted).abs() < 2e-9, "{name}: {found} {wanted}");
+        }
     }
     assert_eq!(designs.numbers("strut_top_dy_mm"), [0.0, 5.0]);
     assert_eq!(designs.numbers("tie_rod_inner_z_mm"), [243.0, 244.5]);

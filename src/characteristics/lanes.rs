@@ -109,8 +109,8 @@ impl<'a> LaneReader<'a> {
             spin_axis: lanes.vector(spin_axis),
             centre: lanes.point(centre),
             strut_upper: match mechanism.strut_upper() {
-                Some(upper) => Some(lanes.point(design[upper.0])),
-                None => None,
+                Some(upper) if self.reads.strut_upper => Some(lanes.point(design[upper.0])),
+                _ => None,
             },
             spring: match mechanism.spring {
                 Some(spring) if self.reads.spring => Some((end(spring.upper), end(spring.lower))),

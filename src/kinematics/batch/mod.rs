@@ -158,7 +158,7 @@ impl<B: Bundle> LaneRates<B> {
 /// Steps longer than this part of the size are broken up.
 const LONGEST_STEP: f64 = 0.02;
 /// How far the wheel centre may be from its travel, in sizes.
-const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 3e-13;
 /// The same where rates are read: towards a fold or a toggle a rate changes with the inverse cube of what
 /// vanishes there.
 const TOLERANCE_OF_RATES: f64 = 2e-14;
@@ -372,7 +372,7 @@ struct Watch<B> {
 
 impl<B: Bundle> Watch<B> {
     /// The least squared sine of an angle that the closed form divides by.
-    const LEAST: f64 = 0.01;
+    const LEAST: f64 = 0.04;
     /// The least margin of the upper end.
     const LEAST_UPPER: f64 = 0.05;
     /// The farthest the arm may be turned, as a tangent of half the angle, and in one step.

@@ -92,11 +92,12 @@ fn a_row_says_what_solve_and_optimise_say() {
     let designs = bench.designs("run");
     let summary = bench.json("tuned/summary.json");
     let misfit = summary["misfit_before"].as_f64().unwrap();
-    assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-12);
+    // Sweeps run in lanes, whose wheel centres are within 1e-12 sizes of the travel.
+    assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-11);
     for target in summary["targets"].as_array().unwrap() {
         let name = target["output"].as_str().unwrap().trim_end_matches("_deg");
         let rms = target["before"]["rms"].as_f64().unwrap();
-        assert!((designs.numbers(&format!("rms_{name}"))[0] / rms - 1.0).abs() < 1e-12);
+        assert!((designs.numbers(&format!("rms_{name}"))[0] / rms - 1.0).abs() < 1e-11);
     }
     let solved = Table::read(&bench.path("solved/curves.csv"));
     for (name, unit) in [("camber", "deg"), ("scrub_radius", "mm")] {
@@ -105,7 +106,6 @@ fn a_row_says_what_solve_and_optimise_say() {
         let max = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let found =
             ["min", "max", "design"].map(|w| designs.numbers(&format!("{name}_{w}_{unit}"))[0]);
-        // Sweeps run in lanes, whose wheel centres are within 1e-12 sizes of the travel.
         for (found, wanted) in found.iter().zip([min, max, curve[20]]) {
             assert!((found - wanted).abs() < 2e-9, "{name}: {found} {wanted}");
         }

@@ -1,4 +1,5 @@
-//! The program measures itself: what a digit costs, and what an effect costs, on this machine.
+//! The program measures itself: poses per second, what a digit costs, and what an effect costs, on this
+//! machine.
 //!
 //! Times are taken in rounds, so that what else the machine does falls on all alike; compare within one
 //! run. Finite differences live here and nowhere else in the library, as the thing to beat.
@@ -6,6 +7,7 @@
 pub mod accuracy;
 pub mod effects;
 mod machine;
+pub mod throughput;
 mod timing;
 
 pub use machine::Machine;

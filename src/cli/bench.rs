@@ -5,6 +5,7 @@ use super::output::{Output, design_fault};
 use super::{BenchArguments, BenchKind};
 use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
+use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
 use crate::report::{Format, Table};
@@ -50,6 +51,11 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
 
     let (kind, table, picture) = match arguments.kind {
+        BenchKind::Throughput => {
+            let threads = arguments.threads.unwrap_or(machine.cores);
+            let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
+            ("throughput", found.table(), None)
+        }
         BenchKind::Accuracy => {
             let found = Accuracy::measure(&study, &clock).map_err(stop)?;
             let svg = found.svg(&format!("{}, {}", study.name, machine.line()));

@@ -158,6 +158,9 @@ struct BenchArguments {
     /// Directory for the results, or - for the CSV on standard output [default: out/bench_STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Threads that throughput is measured on, beside one [default: every core]
+    #[arg(long, value_parser = at_least_one, value_name = "N")]
+    threads: Option<usize>,
     /// Samples of each time: more of them for less noise
     #[arg(long, value_parser = at_least_one, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
     samples: usize,
@@ -173,6 +176,8 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 /// Benchmarks.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum BenchKind {
+    /// Poses per second: by lanes, by threads, by what is asked for, against the seed paper's formulation
+    Throughput,
     /// What a digit costs: time against true error of every way to a pose, a curve, a derivative
     Accuracy,
     /// What each effect costs, alone and added up, relative to positions alone

@@ -1,0 +1,372 @@
+//! Poses per second, as a sweep has them: many designs, their preparation and the values written down
+//! included.
+//!
+//! Designs are the study's own with every hardpoint moved by up to [`SCATTER`] of the mechanism's size,
+//! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
+//! same rounds, and reads off nothing.
+
+use super::{Clock, Job, Timing, Unmeasurable};
+use crate::characteristics::{Characteristic, Constants, Need, Quantity, View};
+use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
+use crate::kinematics::{Lifted, MotionPoint, Solver};
+use crate::model::Suspension;
+use crate::number::{Jet, Vector3, Width};
+use crate::report::Table;
+use crate::study::{Drive, Motion, Study};
+use crate::sweep::{BLOCK, Block, Evaluator, Stations, uniform};
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+/// How far a hardpoint is moved, in sizes.
+const SCATTER: f64 = 0.01;
+/// Blocks that each thread solves in one go: long against the start of a thread.
+const BLOCKS: usize = 32;
+/// Designs for what is slow.
+const FEW: usize = 16;
+
+/// One way to so many poses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What is asked for at each pose.
+    pub asked: &'static str,
+    /// How it is found.
+    pub method: String,
+    /// Threads at work.
+    pub threads: usize,
+    /// Time per pose, all threads together.
+    pub timing: Timing,
+}
+
+impl Measurement {
+    /// Millions of poses per second.
+    pub fn millions(&self) -> f64 {
+        1e3 / self.timing.median
+    }
+}
+
+/// Every way, what is asked for by turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Throughput {
+    /// The paper's formulation last, where the suspension is a strut.
+    pub measurements: Vec<Measurement>,
+}
+
+const ANGLES: &str = "four angles";
+const GAINS: &str = "four angles and their gains";
+
+impl Throughput {
+    /// Measures on the suspension of a study, over its travels, on up to `threads` threads.
+    pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let suspension = &study.suspension;
+        let motion = Motion {
+            drive: Drive::Travel,
+            values: study.motion.values.clone(),
+            rack: vec![0.0],
+            rack_moves: false,
+            time: None,
+        };
+        let stations = Stations::of(&motion, &suspension.frame, &[]);
+        Solver::new(&suspension.mechanism, &suspension.design)?;
+        let designs = scattered(suspension);
+        let angles = quantities(
+            suspension,
+            &[
+                Characteristic::Camber,
+                Characteristic::Toe,
+                Characteristic::KingpinInclination,
+                Characteristic::Caster,
+            ],
+        );
+        let gains: Vec<Quantity> = angles
+            .iter()
+            .copied()
+            .chain(quantities(
+                suspension,
+                &[
+                    Characteristic::CamberGain,
+                    Characteristic::BumpSteer,
+                    Characteristic::KingpinInclinationGain,
+                    Characteristic::CasterGain,
+                ],
+            ))
+            .collect();
+
+        let mut found = Vec::new();
+        let mut jobs: Vec<Job<'_>> = Vec::new();
+        let mut add = |asked, method: String, threads, job| {
+            found.push((asked, method, threads));
+            jobs.push(job);
+        };
+        let sweep = Sweep {
+            suspension,
+            stations: &stations,
+            designs: &designs,
+        };
+        let has_lanes = sweep.runs_in_lanes(&angles);
+        let widths = Width::ALL
+            .into_iter()
+            .filter(|w| has_lanes && w.is_available());
+        for (asked, quantities) in [(ANGLES, &angles), (GAINS, &gains)] {
+            for width in widths.clone() {
+                let method = format!("lanes, {}", width.name());
+                add(asked, method, 1, sweep.job(quantities, Some(width), 1)?);
+            }
+            add(
+                asked,
+                "one by one".to_owned(),
+                1,
+                sweep.job(quantities, None, 1)?,
+            );
+        }
+        let widest = has_lanes.then(Width::widest);
+        let method = widest.map_or("one by one".to_owned(), |w| format!("lanes, {}", w.name()));
+        for threads in 2..=threads {
+            let job = sweep.job(&angles, widest, threads)?;
+            add(ANGLES, method.clone(), threads, job);
+        }
+        let one = "one by one";
+        let job = sweep.series::<3>(&angles);
+        add("four angles, rates, curvatures", one.to_owned(), 1, job);
+        let job = sweep.gradients::<1>(&angles);
+        add("four angles by every hardpoint", one.to_owned(), 1, job);
+        let job = sweep.gradients::<3>(&angles);
+        add("all of it by every hardpoint", one.to_owned(), 1, job);
+        if let Some(job) = sweep.by_the_paper() {
+            add("positions", PAPER.to_owned(), 1, job);
+        }
+
+        let timings = clock.in_rounds(&mut jobs);
+        drop(jobs);
+        let measurements = found.into_iter().zip(timings);
+        Ok(Throughput {
+            measurements: measurements
+                .map(|((asked, method, threads), timing)| Measurement {
+                    asked,
+                    method,
+                    threads,
+                    timing,
+                })
+                .collect(),
+        })
+    }
+
+    /// As a table.
+    pub fn table(&self) -> Table {
+        let paper = self.measurements.iter().find(|m| m.method == PAPER);
+        let mut table = Table::new([
+            "asked",
+            "method",
+            "threads",
+            "ns_per_pose",
+            "spread_percent",
+            "million_poses_per_s",
+            "million_poses_per_s_and_thread",
+            "times_the_paper",
+        ]);
+        for m in &self.measurements {
+            let times = paper.map(|p| p.timing.median / m.timing.median);
+            table.push([
+                m.asked.to_owned(),
+                m.method.clone(),
+                m.threads.to_string(),
+                format!("{:.1}", m.timing.median),
+                format!("{:.0}", 100.0 * m.timing.spread()),
+                format!("{:.3}", m.millions()),
+                format!("{:.3}", m.millions() / m.threads as f64),
+                times.map_or(String::new(), |t| format!("{t:.1}")),
+            ]);
+        }
+        table
+    }
+}
+
+const PAPER: &str = "point coordinates (paper)";
+
+/// Those of the characteristics that the suspension has.
+fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
+    let steered = suspension.mechanism.steering_axis.is_some();
+    let possible = |c: &&Characteristic| steered || !c.info().needs.contains(&Need::SteeringAxis);
+    let possible = characteristics.iter().filter(possible);
+    possible.map(|c| Quantity::Characteristic(*c)).collect()
+}
+
+/// Designs about the suspension's own, a block of them.
+fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
+    let by = SCATTER * suspension.size();
+    let points = suspension.design.len();
+    let mut designs = Vec::with_capacity(BLOCK * points);
+    for number in 0..BLOCK {
+        for (k, point) in suspension.design.iter().enumerate() {
+            let part = |axis| by * (2.0 * uniform(number as u64, 3 * k + axis, 1) - 1.0);
+            designs.push(*point + Vector3::new(part(0), part(1), part(2)));
+        }
+    }
+    designs
+}
+
+/// What is solved.
+#[derive(Clone, Copy)]
+struct Sweep<'a> {
+    suspension: &'a Suspension,
+    stations: &'a Stations,
+    designs: &'a [Vector3<f64>],
+}
+
+impl<'a> Sweep<'a> {
+    fn runs_in_lanes(&self, quantities: &[Quantity]) -> bool {
+        let mut block = Block::new(quantities.len(), self.stations.count());
+        Evaluator::new(self.suspension, self.stations, quantities)
+            .is_ok_and(|mut e| e.evaluate(self.designs, &mut block) < BLOCK)
+    }
+
+    /// Blocks of designs on some threads.
+    fn job(
+        &self,
+        quantities: &'a [Quantity],
+        width: Option<Width>,
+        threads: usize,
+    ) -> Result<Job<'a>, Unmeasurable> {
+        let Sweep {
+            suspension,
+            stations,
+            designs,
+        } = *self;
+        let blocks = if width.is_some() { BLOCKS } else { 1 };
+        let mut workers = Vec::new();
+        for _ in 0..threads {
+            let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
+            workers.push((evaluator, Block::new(quantities.len(), stations.count())));
+        }
+        let work = move |evaluator: &mut Evaluator, block: &mut Block| {
+            for _ in 0..blocks {
+                evaluator.evaluate(black_box(designs), block);
+                black_box(block.values(0, 0));
+            }
+        };
+        Ok(Job {
+            items: threads * blocks * BLOCK * stations.count(),
+            work: Box::new(move || {
+                if let [(evaluator, block)] = workers.as_mut_slice() {
+                    return work(evaluator, block);
+                }
+                std::thread::scope(|scope| {
+                    for (evaluator, block) in &mut workers {
+                        scope.spawn(|| work(evaluator, block));
+                    }
+                });
+            }),
+        })
+    }
+
+    /// The first few designs, one by one.
+    fn few(&self) -> std::slice::ChunksExact<'a, Vector3<f64>> {
+        let points = self.suspension.design.len();
+        self.designs[..FEW * points].chunks_exact(points)
+    }
+
+    /// Values with derivatives by the travel, `N` coefficients in all.
+    fn series<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
+        let sweep = *self;
+        let mechanism = &self.suspension.mechanism;
+        let constants = Constants::of(self.suspension);
+        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
+        let mut lifted = Lifted::<N>::new(mechanism, &self.suspension.design);
+        Job {
+            items: FEW * self.stations.count(),
+            work: Box::new(move || {
+                sweep.each_pose(&mut solver, &mut lifted, |solver, lifted, pose, motion| {
+                    if let Ok(at) = solver.posture_series(lifted, pose, motion) {
+                        let view = View::of(&at, constants);
+                        for quantity in quantities {
+                            black_box(view.value(&at, *quantity));
+                        }
+                    }
+                });
+            }),
+        }
+    }
+
+    /// Values with derivatives by every hardpoint coordinate, and those of as many derivatives by the
+    /// travel.
+    fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
+        let sweep = *self;
+        let mechanism = &self.suspension.mechanism;
+        let constants = Constants::of(self.suspension);
+        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
+        let mut lifted = Lifted::<N>::new(mechanism, &self.suspension.design);
+        let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        let mut buffer = vec![none; self.suspension.design.len()];
+        Job {
+            items: FEW * self.stations.count(),
+            work: Box::new(move || {
+                sweep.each_pose(&mut solver, &mut lifted, |solver, lifted, pose, motion| {
+                    if let Ok(linearised) = solver.linearised(lifted, pose, motion) {
+                        let view = View::of(&linearised.at, constants);
+                        for quantity in quantities {
+                            let take = |_, _, gradient| {
+                                black_box(gradient);
+                            };
+                            view.gradients(&linearised, *quantity, N - 1, &mut buffer, take);
+                        }
+                    }
+                });
+            }),
+        }
+    }
+
+    fn each_pose<const N: usize>(
+        &self,
+        solver: &mut Solver<'a>,
+        lifted: &mut Lifted<N>,
+        mut visit: impl FnMut(
+            &Solver<'a>,
+            &Lifted<N>,
+            &crate::kinematics::Pose<f64>,
+            &MotionPoint<Jet<f64, N>>,
+        ),
+    ) {
+        let drive = self.stations.drive;
+        for design in self.few() {
+            if solver.prepare(design).is_err() {
+                continue;
+            }
+            lifted.prepare(solver.mechanism(), design);
+            let march = &self.stations.march;
+            let _ = solver.march(drive, march, 0.0, |solver, station, pose| {
+                let motion = MotionPoint {
+                    drive,
+                    value: march.values()[station],
+                    rack: 0.0,
+                };
+                if let Ok(pose) = pose {
+                    visit(solver, lifted, pose, &motion.along_drive());
+                }
+                ControlFlow::Continue(())
+            });
+        }
+    }
+
+    /// The fifteen equations of the seed paper.
+    fn by_the_paper(&self) -> Option<Job<'a>> {
+        let sweep = *self;
+        let mechanism = &self.suspension.mechanism;
+        Strut::of(mechanism, &self.suspension.design)?;
+        Some(Job {
+            items: FEW * self.stations.count(),
+            work: Box::new(move || {
+                for design in sweep.few() {
+                    let strut = Strut::of(mechanism, design).expect("it is a strut");
+                    let travel = point_coordinates::Drive::Travel;
+                    let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
+                    let Ok(equations) = equations else { continue };
+                    let Ok(start) = equations.placed(0.0) else {
+                        continue;
+                    };
+                    equations.march(&start, sweep.stations.values(), |_, pose| {
+                        let _ = black_box(pose);
+                    });
+                }
+            }),
+        })
+    }
+}

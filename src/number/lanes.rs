@@ -7,48 +7,49 @@
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
 
-use super::{Bundle, Real, arc};
+use super::{Bundle, Real, Twin, arc};
 use pulp::{Simd, WithSimd};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// `K` registers.
+/// A SIMD register.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes<S: Simd, const K: usize> {
+pub struct Lanes<S: Simd> {
     simd: S,
-    registers: [S::f64s; K],
+    register: S::f64s,
 }
 
 /// A truth value for each lane of [`Lanes`].
 #[derive(Clone, Copy, Debug)]
-pub struct LaneMask<S: Simd, const K: usize> {
+pub struct LaneMask<S: Simd> {
     simd: S,
-    registers: [S::m64s; K],
+    register: S::m64s,
 }
 
-impl<S: Simd, const K: usize> Lanes<S, K> {
+impl<S: Simd> Lanes<S> {
     #[inline(always)]
     fn splat(simd: S, value: f64) -> Self {
         Lanes {
             simd,
-            registers: [simd.splat_f64s(value); K],
+            register: simd.splat_f64s(value),
+        }
+    }
+
+    #[inline(always)]
+    fn with(self, register: S::f64s) -> Self {
+        Lanes {
+            simd: self.simd,
+            register,
         }
     }
 }
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $simd_method:ident) => {
-        impl<S: Simd, const K: usize> $trait for Lanes<S, K> {
+        impl<S: Simd> $trait for Lanes<S> {
             type Output = Self;
             #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                let mut k = 0;
-                while k < K {
-                    self.registers[k] = self
-                        .simd
-                        .$simd_method(self.registers[k], other.registers[k]);
-                    k += 1;
-                }
-                self
+            fn $method(self, other: Self) -> Self {
+                self.with(self.simd.$simd_method(self.register, other.register))
             }
         }
     };
@@ -59,20 +60,15 @@ operator!(Sub, sub, sub_f64s);
 operator!(Mul, mul, mul_f64s);
 operator!(Div, div, div_f64s);
 
-impl<S: Simd, const K: usize> Neg for Lanes<S, K> {
+impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        let mut k = 0;
-        while k < K {
-            self.registers[k] = self.simd.neg_f64s(self.registers[k]);
-            k += 1;
-        }
-        self
+    fn neg(self) -> Self {
+        self.with(self.simd.neg_f64s(self.register))
     }
 }
 
-impl<S: Simd, const K: usize> Real for Lanes<S, K> {
+impl<S: Simd> Real for Lanes<S> {
     const IN_REGISTERS: bool = true;
 
     #[inline(always)]
@@ -80,13 +76,8 @@ impl<S: Simd, const K: usize> Real for Lanes<S, K> {
         Lanes::splat(self.simd, value)
     }
     #[inline(always)]
-    fn sqrt(mut self) -> Self {
-        let mut k = 0;
-        while k < K {
-            self.registers[k] = self.simd.sqrt_f64s(self.registers[k]);
-            k += 1;
-        }
-        self
+    fn sqrt(self) -> Self {
+        self.with(self.simd.sqrt_f64s(self.register))
     }
     #[inline(always)]
     fn asin(self) -> Self {
@@ -102,126 +93,89 @@ impl<S: Simd, const K: usize> Real for Lanes<S, K> {
     }
 }
 
-impl<S: Simd, const K: usize> Bundle for Lanes<S, K> {
-    const LANES: usize = K * S::F64_LANES;
-    type Mask = LaneMask<S, K>;
+impl<S: Simd> Bundle for Lanes<S> {
+    const LANES: usize = S::F64_LANES;
+    type Mask = LaneMask<S>;
 
     #[inline(always)]
-    fn load(mut self, from: &[f64]) -> Self {
-        let (registers, _) = S::as_simd_f64s(from);
-        let mut k = 0;
-        while k < K {
-            self.registers[k] = registers[k];
-            k += 1;
-        }
-        self
+    fn load(self, from: &[f64]) -> Self {
+        self.with(S::as_simd_f64s(from).0[0])
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
-        let (registers, _) = S::as_mut_simd_f64s(to);
-        let mut k = 0;
-        while k < K {
-            registers[k] = self.registers[k];
-            k += 1;
-        }
+        S::as_mut_simd_f64s(to).0[0] = self.register;
     }
     #[inline(always)]
-    fn abs(mut self) -> Self {
-        let mut k = 0;
-        while k < K {
-            self.registers[k] = self.simd.abs_f64s(self.registers[k]);
-            k += 1;
-        }
-        self
+    fn abs(self) -> Self {
+        self.with(self.simd.abs_f64s(self.register))
     }
     #[inline(always)]
-    fn copysign(mut self, other: Self) -> Self {
+    fn copysign(self, other: Self) -> Self {
         let minus = self.simd.splat_f64s(-0.0);
-        let mut k = 0;
-        while k < K {
-            let sign = self.simd.and_f64s(minus, other.registers[k]);
-            let magnitude = self.simd.abs_f64s(self.registers[k]);
-            self.registers[k] = self.simd.or_f64s(magnitude, sign);
-            k += 1;
-        }
-        self
+        let sign = self.simd.and_f64s(minus, other.register);
+        let magnitude = self.simd.abs_f64s(self.register);
+        self.with(self.simd.or_f64s(magnitude, sign))
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        let simd = self.simd;
-        let mut registers = [simd.less_than_f64s(self.registers[0], other.registers[0]); K];
-        let mut k = 1;
-        while k < K {
-            registers[k] = simd.less_than_f64s(self.registers[k], other.registers[k]);
-            k += 1;
+        LaneMask {
+            simd: self.simd,
+            register: self.simd.less_than_f64s(self.register, other.register),
         }
-        LaneMask { simd, registers }
     }
     #[inline(always)]
-    fn select(mask: Self::Mask, mut yes: Self, no: Self) -> Self {
-        let mut k = 0;
-        while k < K {
-            yes.registers[k] =
-                yes.simd
-                    .select_f64s(mask.registers[k], yes.registers[k], no.registers[k]);
-            k += 1;
-        }
-        yes
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        yes.with(
+            yes.simd
+                .select_f64s(mask.register, yes.register, no.register),
+        )
     }
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
-        let mut all = true;
-        let mut k = 0;
-        while k < K {
-            let unset = mask.simd.not_m64s(mask.registers[k]);
-            all &= mask.simd.first_true_m64s(unset) == S::F64_LANES;
-            k += 1;
-        }
-        all
+        let unset = mask.simd.not_m64s(mask.register);
+        mask.simd.first_true_m64s(unset) == S::F64_LANES
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {
         let simd = mask.simd;
         let (one, zero) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
-        let flags = simd.select_f64s(mask.registers[lane / S::F64_LANES], one, zero);
+        let flags = simd.select_f64s(mask.register, one, zero);
         let mut numbers = [0.0; 8];
         S::as_mut_simd_f64s(&mut numbers).0[0] = flags;
-        numbers[lane % S::F64_LANES] == 1.0
+        numbers[lane] == 1.0
     }
 }
 
-macro_rules! mask_operator {
-    ($trait:ident, $method:ident, $simd_method:ident) => {
-        impl<S: Simd, const K: usize> $trait for LaneMask<S, K> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                let mut k = 0;
-                while k < K {
-                    self.registers[k] = self
-                        .simd
-                        .$simd_method(self.registers[k], other.registers[k]);
-                    k += 1;
-                }
-                self
-            }
-        }
-    };
-}
-
-mask_operator!(BitAnd, bitand, and_m64s);
-mask_operator!(BitOr, bitor, or_m64s);
-
-impl<S: Simd, const K: usize> Not for LaneMask<S, K> {
+impl<S: Simd> BitAnd for LaneMask<S> {
     type Output = Self;
     #[inline(always)]
-    fn not(mut self) -> Self {
-        let mut k = 0;
-        while k < K {
-            self.registers[k] = self.simd.not_m64s(self.registers[k]);
-            k += 1;
+    fn bitand(self, other: Self) -> Self {
+        LaneMask {
+            simd: self.simd,
+            register: self.simd.and_m64s(self.register, other.register),
         }
-        self
+    }
+}
+
+impl<S: Simd> BitOr for LaneMask<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        LaneMask {
+            simd: self.simd,
+            register: self.simd.or_m64s(self.register, other.register),
+        }
+    }
+}
+
+impl<S: Simd> Not for LaneMask<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        LaneMask {
+            simd: self.simd,
+            register: self.simd.not_m64s(self.register),
+        }
     }
 }
 
@@ -290,9 +244,6 @@ impl Width {
     }
 }
 
-/// Registers worked on together.
-const REGISTERS: usize = 1;
-
 /// Something to be done in lanes.
 pub trait InLanes {
     /// What it yields.
@@ -307,6 +258,7 @@ impl<T: InLanes> WithSimd for Task<T> {
     type Output = T::Output;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> T::Output {
-        self.0.run(Lanes::<S, REGISTERS>::splat(simd, 0.0))
+        let zero = Lanes::splat(simd, 0.0);
+        self.0.run(Twin(zero, zero))
     }
 }

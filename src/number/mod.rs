@@ -14,6 +14,7 @@ mod dual;
 mod interval;
 mod jet;
 mod lanes;
+mod twin;
 mod vector;
 
 pub use bundle::{Bundle, MOST_LANES};
@@ -22,6 +23,7 @@ pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{InLanes, LaneMask, Lanes, Width};
+pub use twin::Twin;
 pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

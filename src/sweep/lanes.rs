@@ -43,10 +43,7 @@ impl<'a> LaneSolver<'a> {
         let reader = LaneReader::new(mechanism, &batch, constants, characteristics)?;
         Some(LaneSolver {
             width,
-            batch: match reader.reads_rates() {
-                true => batch.for_rates(),
-                false => batch,
-            },
+            batch,
             reader,
             stations,
             points: design.len(),

@@ -3,8 +3,7 @@
 //! What the careful path ([`Solver`](super::Solver)) does for one design, this does for as many as fit
 //! into SIMD registers, by the same closed form, provided that nothing is close to changing. Along the
 //! travel the tangent of half the arm angle is predicted from the places visited; nearly always the
-//! prediction is the answer, and is then refined for the next predictions. Elsewhere a secant step or two
-//! follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
+//! one correction is all it takes. Elsewhere a secant step or two follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
 //!
 //! A lane is *lost*, and its design left to the careful path, where
 //!
@@ -158,10 +157,7 @@ impl<B: Bundle> LaneRates<B> {
 /// Steps longer than this part of the size are broken up.
 const LONGEST_STEP: f64 = 0.02;
 /// How far the wheel centre may be from its travel, in sizes.
-const TOLERANCE: f64 = 3e-13;
-/// The same where rates are read: towards a fold or a toggle a rate changes with the inverse cube of what
-/// vanishes there.
-const TOLERANCE_OF_RATES: f64 = 2e-14;
+const TOLERANCE: f64 = 2e-14;
 /// Rods shorter than this part of the reach are left to the careful path.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// How many sizes from the origin the closed form keeps its accuracy.
@@ -170,8 +166,8 @@ const FAR: f64 = 100.0;
 /// one. Beyond, a fold is near: what is left of the residual grows with the slope, and in rates with its
 /// cube.
 const STEEPEST: f64 = 4.0;
-/// Corrections a lane may take to settle.
-const MOST_CORRECTIONS: usize = 6;
+/// Pairs of corrections a lane may take to settle.
+const MOST_ROUNDS: usize = 4;
 
 impl Batch {
     /// For designs of this mechanism that are not far from `base`, with the rack at each of `racks`
@@ -213,12 +209,6 @@ impl Batch {
                 Drive::ArmAngle => f64::INFINITY,
             },
         })
-    }
-
-    /// As it is, to the accuracy that rates need.
-    pub fn for_rates(mut self) -> Batch {
-        self.tolerance *= TOLERANCE_OF_RATES / TOLERANCE;
-        self
     }
 
     /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
@@ -291,53 +281,50 @@ impl Batch {
                     (tangent, last[place.leg.side()].slope, tolerance)
                 }
             };
-            let (mut step, mut missed, mut corrections) = (zero, zero, 0);
             let mut settled = zero.less(zero);
-            let state = loop {
-                let state = form.at_half_tangent(tangent, rack);
+            let mut round = 1;
+            loop {
+                // Two at a time: a correction is always needed, and a branch that cannot be foreseen
+                // would cost more than the second. A lane that has settled stays where it is.
+                let missed = form.travel(&form.at_half_tangent(tangent, rack)) - target;
+                let step = B::select(settled, zero, -(missed * slope_here));
+                let corrected = tangent + step;
+                let state = form.at_half_tangent(corrected, rack);
                 let miss = form.travel(&state) - target;
-                if corrections > 0 {
-                    // The slope of the last step. A lane that has settled keeps what it had.
-                    slope_here = B::select(settled, slope_here, step / (miss - missed));
-                }
-                missed = miss;
                 settled = miss.abs().less(tolerance);
-                if corrections == MOST_CORRECTIONS || B::all(settled | !sound) {
-                    break state;
+                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                    slope_here = B::select(settled, slope_here, step / (miss - missed));
+                    let next = corrected - miss * slope_here;
+                    tangent = B::select(settled, corrected, next);
+                    round += 1;
+                    continue;
                 }
-                step = -(miss * slope_here);
-                tangent = B::select(settled, tangent, tangent + step);
-                corrections += 1;
-            };
-            sound = sound & settled;
-            // What is left of the residual, for the predictions. A slope between two roundings says
-            // nothing, and shows by its size.
-            let rest = missed * slope_here;
-            let refined = B::select(rest.abs().less(like.lit(1e-9)), tangent - rest, tangent);
-            history[number] = refined;
-
-            sound = sound & Watch::is_sound(&state, tangent);
-            if place.leg == Leg::Rack {
-                let watch = Watch::start(&state, tangent, slope);
-                if number > 0 {
-                    sound = sound & watch.continues(&last[0]);
+                let tangent = corrected;
+                history[number] = tangent;
+                sound = sound & settled & Watch::is_sound(&state, tangent);
+                if place.leg == Leg::Rack {
+                    let watch = Watch::start(&state, tangent, slope);
+                    if number > 0 {
+                        sound = sound & watch.continues(&last[0]);
+                    }
+                    last = [watch; 2];
+                } else {
+                    let before = last[place.leg.side()];
+                    let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
+                    let is_flat = watch.slope.abs().less(like.lit(self.steepest));
+                    sound = sound & watch.continues(&before) & is_flat;
+                    last[place.leg.side()] = watch;
                 }
-                last = [watch; 2];
-            } else {
-                let before = last[place.leg.side()];
-                let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
-                let is_flat = watch.slope.abs().less(like.lit(self.steepest));
-                sound = sound & watch.continues(&before) & is_flat;
-                last[place.leg.side()] = watch;
-            }
-            if let Some(station) = place.station {
-                let drive = self.drive;
-                let pose = LanePose {
-                    state,
-                    tangent,
-                    drive,
-                };
-                visit.pose(station, &pose);
+                if let Some(station) = place.station {
+                    let drive = self.drive;
+                    let pose = LanePose {
+                        state,
+                        tangent,
+                        drive,
+                    };
+                    visit.pose(station, &pose);
+                }
+                break;
             }
         }
         sound

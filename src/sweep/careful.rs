@@ -3,14 +3,13 @@
 use super::Stations;
 use super::evaluate::{Block, FailedStation, finite};
 use crate::characteristics::{Constants, Quantity, Slots, View};
-use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Pose, Solver};
+use crate::kinematics::{DesignFault, Lifted, MotionPoint, Pose, Solver};
 use crate::model::Suspension;
 use crate::number::Vector3;
 use std::ops::ControlFlow;
 
-/// One design at a time. `N` coefficients of a pose's series at every station, `M` in the design
-/// position.
-pub(super) struct Careful<'a, const N: usize, const M: usize> {
+/// One design at a time. `N` coefficients of a pose's series at every station.
+pub(super) struct Careful<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     constants: Constants,
@@ -18,10 +17,10 @@ pub(super) struct Careful<'a, const N: usize, const M: usize> {
     slots: Slots,
     solver: Solver<'a>,
     lifted: Lifted<N>,
-    with_slope: Lifted<M>,
+    with_slope: Lifted<2>,
 }
 
-impl<'a, const N: usize, const M: usize> Careful<'a, N, M> {
+impl<'a, const N: usize> Careful<'a, N> {
     /// A solver of these quantities. An error says why the suspension's own design cannot be solved.
     pub(super) fn new(
         suspension: &'a Suspension,
@@ -106,8 +105,10 @@ impl<'a, const N: usize, const M: usize> Careful<'a, N, M> {
                         let at = solver.posture_series(with_slope, pose, &motion.along_drive())?;
                         let view = View::reading(&at, *constants, *slots);
                         for (k, quantity) in quantities.iter().enumerate() {
-                            let slope = view.value(&at, *quantity).derivative(1);
-                            block.slopes[first + k] = finite(slope);
+                            if quantity.depth() == 0 {
+                                let slope = view.value(&at, *quantity).derivative(1);
+                                block.slopes[first + k] = finite(slope);
+                            }
                         }
                     }
                     Ok(())
@@ -123,51 +124,5 @@ impl<'a, const N: usize, const M: usize> Careful<'a, N, M> {
             })?;
         }
         Ok(())
-    }
-
-    /// Puts in the slopes of quantities made of velocities, for the designs not among these numbers: their
-    /// values are known.
-    pub(super) fn add_slopes(
-        &mut self,
-        designs: &[Vector3<f64>],
-        except: &[usize],
-        block: &mut Block,
-    ) {
-        let points = self.solver.design().len();
-        let design_station = self.stations.design();
-        let rack = self.stations.racks[design_station / self.stations.values().len()];
-        let march = March::through(&[0.0]);
-        let motion = MotionPoint {
-            drive: self.stations.drive,
-            value: 0.0,
-            rack,
-        };
-        let mut left = except.iter().peekable();
-        for (number, design) in designs.chunks_exact(points).enumerate() {
-            if left.next_if(|n| **n == number).is_some() {
-                continue;
-            }
-            let first = number * self.quantities.len();
-            self.with_slope.prepare(self.solver.mechanism(), design);
-            let (with_slope, quantities) = (&self.with_slope, self.quantities);
-            let (constants, slots) = (self.constants, self.slots);
-            let read = |solver: &Solver, _: usize, pose: Result<&Pose<f64>, Failure>| {
-                let along = motion.along_drive();
-                let found = pose.and_then(|pose| solver.posture_series(with_slope, pose, &along));
-                if let Ok(at) = found {
-                    let view = View::reading(&at, constants, slots);
-                    for (k, quantity) in quantities.iter().enumerate() {
-                        if quantity.depth() > 0 {
-                            let slope = view.value(&at, *quantity).derivative(1);
-                            block.slopes[first + k] = finite(slope);
-                        }
-                    }
-                }
-                ControlFlow::Continue(())
-            };
-            // A design that the lanes solved has no fault; if it had, the slope would be missing.
-            let prepared = self.solver.prepare(design);
-            let _ = prepared.and_then(|()| self.solver.march(motion.drive, &march, rack, read));
-        }
     }
 }

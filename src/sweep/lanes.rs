@@ -52,11 +52,6 @@ impl<'a> LaneSolver<'a> {
         })
     }
 
-    /// Whether slopes of quantities made of velocities are left to be put in.
-    pub(super) fn leaves_slopes(&self) -> bool {
-        self.reader.reads_rates()
-    }
-
     /// Evaluates the designs of a block; the numbers of those left to the careful path are added to
     /// `left`.
     pub(super) fn evaluate(

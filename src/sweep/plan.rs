@@ -151,7 +151,7 @@ impl<'s> SweepPlan<'s> {
             "" => format!("{output}_{word}"),
             unit => format!("{output}_{word}_{unit}"),
         };
-        for (value, gain) in self.values.iter().zip(&self.gains) {
+        for ((value, gain), quantity) in self.values.iter().zip(&self.gains).zip(&self.quantities) {
             let output = value.output.as_str();
             for (word, kind) in [
                 ("min", Kind::Min),
@@ -160,8 +160,11 @@ impl<'s> SweepPlan<'s> {
             ] {
                 add(named(output, word, &value.unit), output, kind, &value.unit);
             }
-            let name = named(output, "gain", &gain.unit);
-            add(name, output, Kind::Gain, &gain.unit);
+            // What is made of velocities is a gain itself.
+            if quantity.depth() == 0 {
+                let name = named(output, "gain", &gain.unit);
+                add(name, output, Kind::Gain, &gain.unit);
+            }
         }
         for (k, wish) in self.wishes.iter().enumerate() {
             let output = self.values[wish.quantity].output.as_str();
@@ -207,7 +210,9 @@ impl<'s> SweepPlan<'s> {
             put(min);
             put(max);
             put(values[self.stations.design()] * factor);
-            put(block.slope(design, k) * gain.factor());
+            if self.quantities[k].depth() == 0 {
+                put(block.slope(design, k) * gain.factor());
+            }
         }
         let (mut squares, mut weights) = (0.0, 0.0);
         for wish in &self.wishes {

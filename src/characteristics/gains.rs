@@ -4,7 +4,7 @@
 //! formula that could differ, and divides by the rise of the wheel centre. That makes it a derivative
 //! by wheel travel whatever drives the mechanism.
 
-use super::{Formula, Info, Inputs, Slot, Unit, angles};
+use super::{Formula, Info, Inputs, Slot, Unit, Wheel, angles};
 use crate::number::{Jet, Real, Vector3};
 
 #[inline(always)]
@@ -17,12 +17,29 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
             Jet([now.z, rate.z]),
         )
     }
-    let mut moving = inputs.map(Jet::<T, 2>::constant);
-    moving.now.spin_axis = along(inputs.now.spin_axis, inputs.rate.spin_axis);
-    moving.now.steering_direction = along(
-        inputs.now.steering_direction,
-        inputs.rate.steering_direction,
-    );
+    // An angle reads the two directions and nothing else.
+    let still = Jet::constant(inputs.turn.x.zero());
+    let none = Vector3::new(still, still, still);
+    let nothing = Wheel {
+        spin_axis: none,
+        centre: none,
+        steering_point: none,
+        steering_direction: none,
+        spring_length: still,
+        strut_upper: none,
+    };
+    let (now, rate) = (&inputs.now, &inputs.rate);
+    let moving = Inputs {
+        now: Wheel {
+            spin_axis: along(now.spin_axis, rate.spin_axis),
+            steering_direction: along(now.steering_direction, rate.steering_direction),
+            ..nothing
+        },
+        rate: nothing,
+        turn: none,
+        design: nothing,
+        constants: inputs.constants,
+    };
     F::evaluate(&moving)[1] / inputs.rate.centre.z
 }
 

@@ -162,6 +162,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
 impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
+    #[inline]
     fn div(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
@@ -183,6 +184,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::constant(self.0[0].lit(value))
     }
 
+    #[inline]
     fn sqrt(self) -> Self {
         let mut root = self.0;
         root[0] = self.0[0].sqrt();
@@ -197,6 +199,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet(root)
     }
 
+    #[inline(always)]
     fn asin(self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
@@ -205,6 +208,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         Jet::integrated(self.0[0].asin(), rate)
     }
 
+    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));

@@ -138,6 +138,7 @@ impl Effects {
             order: Order::Position,
             sensitivities: Vec::new(),
             certify: false,
+            loads: Vec::new(),
         };
         base.suspension.vehicle = Vehicle::default();
         let mut added = base.clone();
@@ -315,10 +316,8 @@ impl<'m> Extra<'m> {
                             let _ = black_box(proof);
                         }
                         if loads {
-                            let found =
-                                self.solver
-                                    .reactions(pose, point.rack, self.support, &self.load);
-                            let _ = black_box(found);
+                            let balance = self.solver.balance(pose, point.rack, self.support);
+                            let _ = black_box(balance.map(|balance| balance.under(&self.load)));
                         }
                     }
                 }

@@ -16,8 +16,8 @@ pub struct Column {
     pub unit: String,
     /// Derivative by the drive or by time.
     pub order: usize,
-    /// Index of the output in the plan.
-    pub(super) of: usize,
+    /// Index of the output in the plan; none for a force under a load.
+    pub(super) of: Option<usize>,
     /// What a value in radians and length units is multiplied by to be printed.
     pub(super) factor: f64,
 }
@@ -32,6 +32,18 @@ impl Column {
             }
         }
         columns
+    }
+
+    /// The column of a force under a load.
+    pub(super) fn force(output: String) -> Column {
+        Column {
+            name: format!("{output}_N"),
+            output,
+            unit: "N".to_owned(),
+            order: 0,
+            of: None,
+            factor: 1.0,
+        }
     }
 
     /// What a value in radians and length units is multiplied by to be printed.
@@ -75,7 +87,7 @@ impl Column {
             output: output.name.clone(),
             unit,
             order,
-            of,
+            of: Some(of),
             factor: output.factor * factor.powi((order + depth) as i32),
         }
     }

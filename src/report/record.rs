@@ -158,6 +158,7 @@ fn thinned(plan: &Plan) -> Plan {
     Plan {
         march: March::through(&values),
         racks,
+        loads: Vec::new(),
         ..plan.clone()
     }
 }

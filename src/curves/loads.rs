@@ -27,8 +27,8 @@ struct Member {
 
 /// The force in the kernel's frame.
 enum Carried {
-    /// Tension of a rod, or of a leg of an arm that bears no spring: the constraint's number.
-    Tension(usize),
+    /// Tension of the rod with these ends, or of a leg of an arm that bears no spring.
+    Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
     /// Of the support.
@@ -84,7 +84,7 @@ impl<'a> Loads<'a> {
             });
             self.members.iter().map(move |member| {
                 let value = match member.what {
-                    Carried::Tension(number) => tension(&carried.constraints[number]),
+                    Carried::Tension(inner, outer) => tension(inner, outer, &carried)?,
                     Carried::Support => carried.support,
                     Carried::Force(point, axis) => {
                         let force = force_at(point, &carried, at.mechanism, &place);
@@ -107,15 +107,15 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
         };
         Axis::ALL.map(component)
     };
-    for (number, constraint) in mechanism.constraints.iter().enumerate() {
+    for constraint in &mechanism.constraints {
         match *constraint {
             // The legs of an arm with a spring on it are bent, and no force along them is the whole.
             Constraint::Link { outer, .. } if sprung_joint(mechanism) == Some(outer) => {}
-            Constraint::Link { inner, .. } => {
+            Constraint::Link { inner, outer } => {
                 let name = mechanism.name(inner);
                 members.push(Member {
                     name: name.strip_suffix("_inner").unwrap_or(name).to_owned(),
-                    what: Carried::Tension(number),
+                    what: Carried::Tension(inner, outer),
                 });
             }
             Constraint::StrutLine { top, .. } => members.extend(force("strut_side", top)),
@@ -151,11 +151,19 @@ fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
     }
 }
 
-fn tension(reaction: &Reaction) -> f64 {
-    match *reaction {
-        Reaction::Rod { tension, .. } => tension,
-        Reaction::Force { .. } => unreachable!("the constraint is a rod"),
-    }
+/// The tension of the rod between two points.
+fn tension(inner: PointId, outer: PointId, carried: &Reactions) -> Option<f64> {
+    carried
+        .constraints
+        .iter()
+        .find_map(|reaction| match *reaction {
+            Reaction::Rod {
+                inner: from,
+                outer: to,
+                tension,
+            } => ((from, to) == (inner, outer)).then_some(tension),
+            Reaction::Force { .. } => None,
+        })
 }
 
 /// Everything that acts on the wheel carrier at a point.

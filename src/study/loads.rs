@@ -72,8 +72,7 @@ fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.is_empty() || !name.chars().all(plain) {
         let message = format!(
-            "expected a name of letters, digits and underscores, for column names begin with it; \
-             found {name:?}"
+            "expected a name of letters, digits and _, with which column names begin; found {name:?}"
         );
         problems.add(written.name.span(), message);
         return None;

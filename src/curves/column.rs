@@ -14,6 +14,8 @@ pub struct Column {
     pub output: String,
     /// The unit alone, as in `deg_per_mm`; empty for a plain number.
     pub unit: String,
+    /// When it is positive, in words; of a value alone, not of its derivatives.
+    pub positive: Option<&'static str>,
     /// Derivative by the drive or by time.
     pub order: usize,
     /// Index of the output in the plan; none for a force under a load.
@@ -35,11 +37,12 @@ impl Column {
     }
 
     /// The column of a force under a load.
-    pub(super) fn force(output: String) -> Column {
+    pub(super) fn force(output: String, positive: &'static str) -> Column {
         Column {
             name: format!("{output}_N"),
             output,
             unit: "N".to_owned(),
+            positive: Some(positive),
             order: 0,
             of: None,
             factor: 1.0,
@@ -86,6 +89,10 @@ impl Column {
             },
             output: output.name.clone(),
             unit,
+            positive: match (output.quantity, order) {
+                (Quantity::Characteristic(c), 0) => Some(c.info().positive),
+                _ => None,
+            },
             order,
             of: Some(of),
             factor: output.factor * factor.powi((order + depth) as i32),

@@ -32,22 +32,37 @@ enum Carried {
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
     /// Of the support.
-    Support,
+    Support(Support),
+}
+
+impl Carried {
+    /// When it is positive.
+    fn positive(&self) -> &'static str {
+        match self {
+            Carried::Tension(..) => "tension",
+            Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
+            Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
+            Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
+            Carried::Support(Support::Spring(_)) => "compression",
+            Carried::Support(Support::WheelCentre) => "upward on the wheel carrier",
+        }
+    }
 }
 
 impl<'a> Loads<'a> {
     pub(super) fn of(suspension: &'a Suspension, plan: &'a Plan) -> Self {
         let mechanism = &suspension.mechanism;
+        let support = mechanism
+            .spring
+            .map_or(Support::WheelCentre, Support::Spring);
         Loads {
             loads: &plan.loads,
             suspension,
             constants: plan.constants,
-            support: mechanism
-                .spring
-                .map_or(Support::WheelCentre, Support::Spring),
+            support,
             members: match plan.loads.is_empty() {
                 true => Vec::new(),
-                false => members(mechanism),
+                false => members(mechanism, support),
             },
         }
     }
@@ -60,7 +75,8 @@ impl<'a> Loads<'a> {
     pub(super) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
-            self.members.iter().map(move |m| Column::force(name(m)))
+            let column = move |m: &Member| Column::force(name(m), m.what.positive());
+            self.members.iter().map(column)
         })
     }
 
@@ -85,9 +101,9 @@ impl<'a> Loads<'a> {
             self.members.iter().map(move |member| {
                 let value = match member.what {
                     Carried::Tension(inner, outer) => tension(inner, outer, &carried)?,
-                    Carried::Support => carried.support,
+                    Carried::Support(_) => carried.support,
                     Carried::Force(point, axis) => {
-                        let force = force_at(point, &carried, at.mechanism, &place);
+                        let force = force_at(point, &carried, at.mechanism, place);
                         force.to_array()[axis as usize] * self.suspension.frame.sign(axis)
                     }
                 };
@@ -98,7 +114,7 @@ impl<'a> Loads<'a> {
 }
 
 /// Everything that carries: rods, then what is held at points, then joints of arms, then the support.
-fn members(mechanism: &Mechanism) -> Vec<Member> {
+fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = Vec::new();
     let force = |name: &str, point| {
         let component = |axis: Axis| Member {
@@ -134,11 +150,11 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
         members.extend(force(mechanism.name(arm.outer), arm.outer));
     }
     members.push(Member {
-        name: match mechanism.spring {
-            Some(_) => "spring".to_owned(),
-            None => "support".to_owned(),
+        name: match support {
+            Support::Spring(_) => "spring".to_owned(),
+            Support::WheelCentre => "support".to_owned(),
         },
-        what: Carried::Support,
+        what: Carried::Support(support),
     });
     members
 }

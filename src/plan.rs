@@ -10,7 +10,7 @@ pub use effects::Effect;
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::kinematics::{March, PoseError};
 use crate::model::{Axis, PointId};
-use crate::study::{Drive, Formulation, Order, Study, TimeLaw};
+use crate::study::{Drive, Formulation, Load, Order, Study, TimeLaw};
 
 /// One quantity with the derivatives asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +56,8 @@ pub struct Plan {
     pub sensitivities: Vec<PointId>,
     /// Whether each pose is proved.
     pub certify: bool,
+    /// Loads whose way through links and joints is followed.
+    pub loads: Vec<Load>,
     /// Figures that formulas read.
     pub constants: Constants,
 }
@@ -135,6 +137,7 @@ impl Plan {
             coefficients,
             sensitivities: study.outputs.sensitivities.clone(),
             certify: study.outputs.certify,
+            loads: study.outputs.loads.clone(),
             constants: Constants::of(suspension),
         }
     }

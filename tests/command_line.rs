@@ -506,3 +506,34 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     );
     assert!(said.contains("2 of 3 stations proved"), "{said}");
 }
+
+/// What nothing can carry is said, and the exit code says that something is missing.
+#[test]
+fn loads_without_support_are_reported() {
+    let study = studies().join("semi_trailing_arm_solve.toml");
+    let assert = hardpoint(&[
+        "solve",
+        study.to_str().unwrap(),
+        "--out",
+        "-",
+        // In line with the lower end of the spring and the hinge.
+        "--set",
+        "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
+        "--set",
+        "motion.travel=[-40.0, 0.0, 40.0]",
+        "--set",
+        "outputs.loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0, 0, 1000]}]",
+    ])
+    .code(1);
+    let (csv, said) = (&assert.get_output().stdout, &assert.get_output().stderr);
+    let csv = text(csv);
+    assert!(
+        csv.lines()
+            .next()
+            .unwrap()
+            .ends_with(",kerb_spring_N,status")
+    );
+    assert!(csv.lines().nth(2).unwrap().ends_with(",,,,unsupported"));
+    let warning = "warning: loads not carried at 1 station, the first at travel 0: the spring has next to no leverage";
+    assert!(text(said).contains(warning), "{}", text(said));
+}

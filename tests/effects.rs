@@ -228,6 +228,24 @@ fn what_is_declared_but_off_costs_nothing() {
     assert_eq!(on(&plain), ["position"]);
 }
 
+/// A support takes one factorisation for each pose, and a load one right-hand side.
+#[test]
+fn loads_share_the_factors_of_a_pose() {
+    let with = |loads: usize| {
+        let load = |i| format!("{{name=\"l{i}\", at=\"contact_point\", force=[0, 0, 1000]}}");
+        let loads: Vec<String> = (0..loads).map(load).collect();
+        let loads = format!("outputs.loads=[{}]", loads.join(", "));
+        work(WISHBONE, "[\"camber\"]", &[&loads])
+    };
+    let [none, one, three] = [0, 1, 3].map(with);
+    assert_eq!(none, work(WISHBONE, "[\"camber\"]", &[]));
+    assert_eq!(one.factorisations - none.factorisations, STATIONS);
+    assert_eq!(three.factorisations, one.factorisations);
+    assert_eq!(one.right_hand_sides - none.right_hand_sides, STATIONS);
+    assert_eq!(three.right_hand_sides - none.right_hand_sides, 3 * STATIONS);
+    assert_eq!(one.closed_form_evaluations, none.closed_form_evaluations);
+}
+
 /// The plan names the line that turned an effect on.
 #[test]
 fn effects_are_on_for_a_reason() {

@@ -246,6 +246,39 @@ fn unknown_names() {
 }
 
 #[test]
+fn loads_that_cannot_be() {
+    let certify = "certify = false";
+    #[rustfmt::skip]
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("loads = [{ name = \"b\", at = \"contact\", force = [0, 0, 1] }]", "outputs.loads[0].at", &["unknown place \"contact\"", "did you mean \"contact_point\"?"]),
+        ("loads = [{ name = \"b\", at = \"hub\", force = [0, 0, 1] }]", "outputs.loads[0].at", &["expected \"contact_point\" or \"wheel_centre\""]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, 1] }]", "outputs.loads[0].force", &["expected three components [x, y, z] in N, found 2"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", moment = [0, 0, 0, 1] }]", "outputs.loads[0].moment", &["in N mm, found 4"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, nan, 1] }]", "outputs.loads[0].force", &["expected a finite number"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", torque = [0, 0, 1] }]", "outputs.loads[0].torque", &["unknown key \"torque\"; known here: name, at, force, moment"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\" }]", "outputs.loads[0].name", &["expected a force, a moment or both"]),
+        ("loads = [{ name = \"hard braking\", at = \"wheel_centre\", force = [0, 0, 1] }]", "outputs.loads[0].name", &["letters, digits and _", "hard braking"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, 0, 1] }, { name = \"b\", at = \"wheel_centre\", force = [0, 1, 1] }]", "outputs.loads[1].name", &["\"b\" is the name of another load", "first here"]),
+        ("loads = { name = \"b\" }", "outputs.loads", &["expected a list"]),
+    ];
+    for (line, key, phrases) in cases {
+        assert_mistake(&edited(certify, line), "loads = ", key, phrases);
+    }
+    let on_ground = "loads = [{ name = \"b\", at = \"contact_point\", force = [0, 0, 1] }]";
+    let text = edited(certify, on_ground).replace("radius = 300.0", "");
+    let text = text.replace("\"anti_dive\"", "\"toe\"");
+    let key = "outputs.loads[0].at";
+    assert_mistake(&text, "loads = ", key, &["needs radius in [wheel]"]);
+    let text = edited(certify, &on_ground.replace("contact_point", "wheel_centre"));
+    let text = text.replace("sensitivities = [\"tie_rod_inner\"]\n", "");
+    let text = text.replace("[\"camber\", \"anti_dive\"]", "[\"camber\"]");
+    let (text, _) = text.split_once("[optimise]").unwrap();
+    let text = format!("{text}[solver]\nformulation = \"point_coordinates\"\n");
+    let phrase = "the formulation in point coordinates balances no loads";
+    assert_mistake(&text, "loads = ", "outputs.loads", &[phrase]);
+}
+
+#[test]
 fn geometry_that_cannot_be() {
     // One mistake, one line.
     #[rustfmt::skip]

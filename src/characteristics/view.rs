@@ -114,6 +114,11 @@ impl<const N: usize> View<N> {
         }
     }
 
+    /// The contact point in the pose; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
+    pub fn contact_point(&self) -> Vector3<f64> {
+        self.inputs.contact_point().map(|c| c[0])
+    }
+
     /// The value of a characteristic, likewise.
     #[inline]
     pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
     let after = after.transpose().map_err(fault)?;
     if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
-        complete &= after.failed() == 0;
+        complete &= after.are_complete();
         designs.push(("after", "curves.csv", tuned, after));
         output.main_csv("curves.csv", &curves_csv(after, &plan, length))?;
         output.file("optimised.toml", study.with_design(&best.design).as_bytes())?;

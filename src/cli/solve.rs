@@ -52,8 +52,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.say(&format!("\nnot solved: {failure}\n"))?;
     }
     output.farewell(&files)?;
-    Ok(match curves.failed() {
-        0 => Exit::Done,
-        _ => Exit::Incomplete,
+    Ok(match curves.are_complete() {
+        true => Exit::Done,
+        false => Exit::Incomplete,
     })
 }

@@ -14,10 +14,12 @@ pub struct Column {
     pub output: String,
     /// The unit alone, as in `deg_per_mm`; empty for a plain number.
     pub unit: String,
+    /// When it is positive, in words; of a value alone, not of its derivatives.
+    pub positive: Option<&'static str>,
     /// Derivative by the drive or by time.
     pub order: usize,
-    /// Index of the output in the plan.
-    pub(super) of: usize,
+    /// Index of the output in the plan; none for a force under a load.
+    pub(super) of: Option<usize>,
     /// What a value in radians and length units is multiplied by to be printed.
     pub(super) factor: f64,
 }
@@ -32,6 +34,19 @@ impl Column {
             }
         }
         columns
+    }
+
+    /// The column of a force under a load.
+    pub(super) fn force(output: String, positive: &'static str) -> Column {
+        Column {
+            name: format!("{output}_N"),
+            output,
+            unit: "N".to_owned(),
+            positive: Some(positive),
+            order: 0,
+            of: None,
+            factor: 1.0,
+        }
     }
 
     /// What a value in radians and length units is multiplied by to be printed.
@@ -74,8 +89,12 @@ impl Column {
             },
             output: output.name.clone(),
             unit,
+            positive: match (output.quantity, order) {
+                (Quantity::Characteristic(c), 0) => Some(c.info().positive),
+                _ => None,
+            },
             order,
-            of,
+            of: Some(of),
             factor: output.factor * factor.powi((order + depth) as i32),
         }
     }

@@ -2,6 +2,7 @@
 
 mod column;
 mod course;
+mod loads;
 mod point_coordinates;
 mod prover;
 mod run;
@@ -22,6 +23,9 @@ pub enum Status {
     /// Solved, but so close to a singular pose that fewer than six digits of derivatives and
     /// sensitivities can be trusted.
     IllConditioned,
+    /// Solved, but nothing can carry the loads: the spring has no leverage, or so little that fewer than
+    /// six digits of the forces could be trusted. They have no values.
+    Unsupported,
     /// Not solved, and why.
     Failed(Failure),
 }
@@ -32,6 +36,7 @@ impl Status {
         match self {
             Status::Ok => "ok",
             Status::IllConditioned => "ill_conditioned",
+            Status::Unsupported => "unsupported",
             Status::Failed(failure) => match failure {
                 Failure::Unreachable { .. }
                 | Failure::RackUnreachable { .. }
@@ -115,5 +120,11 @@ impl Curves {
             .iter()
             .filter(|s| matches!(s.status, Status::Failed(_)))
             .count()
+    }
+
+    /// Whether everything asked for has been found at every station.
+    pub fn are_complete(&self) -> bool {
+        let lacks = |s: &Station| matches!(s.status, Status::Failed(_) | Status::Unsupported);
+        !self.stations.iter().any(lacks)
     }
 }

@@ -1,6 +1,7 @@
 //! Running a plan: march, read, differentiate.
 
 use super::course::Course;
+use super::loads::Loads;
 use super::prover::Prover;
 use super::{Column, Curves, Proof, Sensitivity, Station, Status};
 use crate::characteristics::{Quantity, View};
@@ -29,7 +30,9 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) suspension: &'a Suspension,
     pub(super) plan: &'a Plan,
     pub(super) lifted: Lifted<N>,
+    /// Those of the outputs, then those of the loads.
     columns: Vec<Column>,
+    loads: Loads<'a>,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
     /// Of the solver.
@@ -43,6 +46,8 @@ pub(super) struct Run<'a, const N: usize> {
 pub(super) struct Findings {
     pub(super) travel: f64,
     pub(super) values: Vec<Option<f64>>,
+    /// Whether loads were asked for that nothing can carry here.
+    pub(super) unsupported: bool,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
     pub(super) proof: Option<Proof>,
@@ -50,7 +55,9 @@ pub(super) struct Findings {
 
 impl<'a, const N: usize> Run<'a, N> {
     fn new(suspension: &'a Suspension, plan: &'a Plan) -> Self {
-        let columns = Column::all(plan, suspension.length_unit);
+        let loads = Loads::of(suspension, plan);
+        let mut columns = Column::all(plan, suspension.length_unit);
+        columns.extend(loads.columns());
         let at = |rack: f64, number: usize, value: f64| Station {
             travel: (plan.drive == Drive::Travel).then_some(value),
             angle: plan.drive.is_angle().then(|| value.to_degrees()),
@@ -78,6 +85,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 .map(|(rack, number, value)| at(rack, number, value))
                 .collect(),
             columns,
+            loads,
             sensitivities: Vec::new(),
             work: Work::default(),
             error_bound: None,
@@ -152,6 +160,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Ok(findings) => {
                 let digits = findings.condition.map(rate_digits);
                 station.status = match digits {
+                    _ if findings.unsupported => Status::Unsupported,
                     Some(digits) if digits < LEAST_DIGITS => Status::IllConditioned,
                     _ => Status::Ok,
                 };
@@ -181,18 +190,39 @@ impl<'a, const N: usize> Run<'a, N> {
             let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
             return Ok(Findings {
                 condition: condition.map(|c| c.number),
-                ..self.values(&posture, number)
+                ..self.loaded(solver, pose, &posture, number)
             });
         }
         let linearised = solver.linearised(&self.lifted, pose, motion)?;
         Ok(Findings {
             gradients: self.gradients(&linearised, number),
             condition: Some(linearised.conditioning(solver.size()).number),
-            ..self.values(&linearised.at, number)
+            ..self.loaded(solver, pose, &linearised.at, number)
         })
     }
 
-    /// The value of every column.
+    /// The value of every column, those of the loads included.
+    fn loaded(
+        &self,
+        solver: &Solver,
+        pose: &Pose<f64>,
+        at: &Posture<Jet<f64, N>>,
+        number: usize,
+    ) -> Findings {
+        let mut findings = self.values(at, number);
+        if !self.loads.is_empty() {
+            match solver.balance(pose, at.rack[0], self.loads.support) {
+                Ok(balance) => findings.values.extend(self.loads.forces(&balance, at)),
+                Err(_) => {
+                    findings.values.resize(self.columns.len(), None);
+                    findings.unsupported = true;
+                }
+            }
+        }
+        findings
+    }
+
+    /// The value of every column of an output.
     pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
@@ -217,6 +247,7 @@ impl<'a, const N: usize> Run<'a, N> {
         Findings {
             travel: (at.point(centre).z - at.designed(centre).z)[0],
             values,
+            unsupported: false,
             gradients: Vec::new(),
             condition: None,
             proof: None,
@@ -226,7 +257,7 @@ impl<'a, const N: usize> Run<'a, N> {
     /// The columns of each output, in the plan's order.
     fn columns_by_output(&self) -> impl Iterator<Item = (&[Column], &Output)> {
         let columns = self.columns.chunk_by(|a, b| a.of == b.of);
-        columns.map(|columns| (columns, &self.plan.outputs[columns[0].of]))
+        columns.filter_map(|columns| Some((columns, &self.plan.outputs[columns[0].of?])))
     }
 
     /// The sensitivities of every column.

@@ -48,7 +48,7 @@ impl Conditioning {
     }
 
     /// From the factors of the Jacobian: about as much work again as making them.
-    fn of(lu: &Lu6<f64>, size: f64) -> Self {
+    pub(super) fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
             norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)

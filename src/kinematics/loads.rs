@@ -12,9 +12,11 @@
 //! spring, or, where a study has none, a vertical force at the wheel centre.
 
 use super::closure::{Closure, Wrench};
+use super::conditioning::Conditioning;
 use super::constraint::Row;
 use super::lu::Lu6;
 use super::pose::{Posture, Sink};
+use super::work::Tally;
 use crate::model::{PointId, Spring};
 use crate::number::Vector3;
 
@@ -74,17 +76,30 @@ pub struct Reactions {
     pub support_force: Vector3<f64>,
 }
 
-impl Closure<f64> {
-    /// Balances a load; `None` where the support cannot, because the pose is singular.
-    pub(super) fn reactions(
-        &self,
-        at: &Posture<f64>,
+/// A pose with its support, ready to be loaded: its equations are factorised once for any number of
+/// loads.
+pub struct Balance<'a> {
+    closure: &'a Closure<f64>,
+    at: Posture<'a, f64>,
+    /// The equation of the support.
+    support: Wrench<f64>,
+    lu: Lu6<f64>,
+    work: &'a Tally,
+}
+
+impl<'a> Balance<'a> {
+    /// The pose of a mechanism of this size; `None` where the support has no leverage, or so little that
+    /// fewer than six digits of the forces could be trusted.
+    pub(super) fn new(
+        closure: &'a Closure<f64>,
+        at: Posture<'a, f64>,
         support: Support,
-        load: &Load,
-    ) -> Option<Reactions> {
+        size: f64,
+        work: &'a Tally,
+    ) -> Option<Self> {
         let mut rows = [Wrench::zero(0.0); 6];
-        for (wrench, row) in rows.iter_mut().zip(self.rows()) {
-            row.differential(at, 1.0, wrench);
+        for (wrench, row) in rows.iter_mut().zip(closure.rows()) {
+            row.differential(&at, 1.0, wrench);
         }
         match support {
             Support::Spring(spring) => {
@@ -97,25 +112,41 @@ impl Closure<f64> {
                 at.push_point(at.mechanism.wheel_centre, up, &mut rows[5]);
             }
         }
+        let support = rows[5];
+        work.note(|w| w.factorisations += 1);
+        let lu = Lu6::new(rows.map(Wrench::to_row), size)?;
+        (!Conditioning::of(&lu, size).is_poor()).then_some(Balance {
+            closure,
+            at,
+            support,
+            lu,
+            work,
+        })
+    }
+
+    /// What carries a load.
+    pub fn under(&self, load: &Load) -> Reactions {
         let mut wrench = Wrench::zero(0.0);
-        let lever = load.point - at.pose.origin;
+        let lever = load.point - self.at.pose.origin;
         wrench.wrench(load.force, lever.cross(load.force) + load.moment);
-        let lu = Lu6::new(rows.map(Wrench::to_row), 1.0)?;
-        let multipliers = lu.solve_transposed(wrench.to_row().map(|c| -c));
+        self.work.note(|w| w.right_hand_sides += 1);
+        let multipliers = self.lu.solve_transposed(wrench.to_row().map(|c| -c));
         let mut constraints = [Reaction::Force {
-            point: at.mechanism.origin,
+            point: self.at.mechanism.origin,
             force: Vector3::default(),
         }; 5];
-        for ((reaction, row), multiplier) in
-            constraints.iter_mut().zip(self.rows()).zip(multipliers)
+        for ((reaction, row), multiplier) in constraints
+            .iter_mut()
+            .zip(self.closure.rows())
+            .zip(multipliers)
         {
-            *reaction = row.reaction(at, multiplier);
+            *reaction = row.reaction(&self.at, multiplier);
         }
-        Some(Reactions {
+        Reactions {
             constraints,
             support: multipliers[5],
-            support_force: rows[5].force * multipliers[5],
-        })
+            support_force: self.support.force * multipliers[5],
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use super::closed_form::{ClosedForm, Roles};
 use super::closure::{Closure, Driver};
 use super::continuation::{Curve, Moving, PathEnd};
 use super::limits::LimitCause;
-use super::loads::{Load, Reactions, Support};
+use super::loads::{Balance, Support};
 use super::lu::{Lu6, Matrix6};
 use super::motion::{Factorised, Lifted, MotionPoint};
 use super::point_coordinates::{self, Refusal};
@@ -971,18 +971,16 @@ impl<'m> Solver<'m> {
         self.form.as_ref()?.pose_series(*tangent, motion)
     }
 
-    /// What the constraints carry in a pose found by this solver, the rack at `rack`, under a load on
-    /// the knuckle.
-    pub fn reactions(
+    /// A pose found by this solver, the rack at `rack`, ready to be loaded; [`Failure::Singular`] where the
+    /// support cannot carry a load.
+    pub fn balance(
         &self,
         pose: &Pose<f64>,
         rack: f64,
         support: Support,
-        load: &Load,
-    ) -> Result<Reactions, Failure> {
-        self.closure
-            .reactions(&self.posture(pose, rack), support, load)
-            .ok_or(Failure::Singular)
+    ) -> Result<Balance<'_>, Failure> {
+        let at = self.posture(pose, rack);
+        Balance::new(&self.closure, at, support, self.size(), &self.work).ok_or(Failure::Singular)
     }
 
     /// As [`Solver::posture_series`], ready for sensitivities.

@@ -37,6 +37,10 @@ mod cost {
     pub const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
+    /// Factorising the equations of a pose with its support.
+    pub const BALANCE: f64 = 0.8;
+    /// One load, and its way through the links.
+    pub const LOAD: f64 = 0.3;
     /// Proving the pose and the step to it on intervals.
     pub const CERTIFICATE: f64 = 1000.0;
 }
@@ -129,8 +133,25 @@ impl Plan {
             ),
             true => off("spring"),
         });
-        // The library balances loads; no key of a study asks for it.
-        effects.push(off("loads"));
+        effects.push(match self.loads.is_empty() {
+            false => {
+                let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
+                let support = match study.suspension.mechanism.spring {
+                    Some(_) => "the spring",
+                    None => "a vertical force at the wheel centre",
+                };
+                on(
+                    "loads",
+                    format!(
+                        "{}: forces in links and joints, against {support}",
+                        names.join(", ")
+                    ),
+                    written(&["outputs", "loads"], "outputs.loads"),
+                    cost::BALANCE + cost::LOAD * self.loads.len() as f64,
+                )
+            }
+            true => off("loads"),
+        });
         effects.push(match self.certify {
             true => on(
                 "certificate",

@@ -14,7 +14,31 @@ pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
     let certificate = certificate.map(|c| c.remark(curves.stations.len(), unit));
     let condition = ConditionSummary::of(curves, study.motion.drive);
     let warning = condition.and_then(|c| c.warning());
-    certificate.into_iter().chain(warning).collect()
+    let unsupported = unsupported(study, curves);
+    certificate
+        .into_iter()
+        .chain(warning)
+        .chain(unsupported)
+        .collect()
+}
+
+/// Where the loads have nothing to carry them.
+fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
+    let lacks = |s: &&Station| s.status == Status::Unsupported;
+    let count = curves.stations.iter().filter(lacks).count();
+    let first = curves.stations.iter().find(lacks)?;
+    let support = match study.suspension.mechanism.spring {
+        Some(_) => "the spring",
+        None => "a vertical force at the wheel centre",
+    };
+    let stations = match count {
+        1 => "1 station".to_owned(),
+        n => format!("{n} stations"),
+    };
+    Some(format!(
+        "warning: loads not carried at {stations}, the first at {}: {support} has next to no leverage there",
+        Place::of(first, study.motion.drive)
+    ))
 }
 
 /// The conditioning along the motion.

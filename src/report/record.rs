@@ -4,7 +4,6 @@ use super::accuracy::remarks;
 use super::failures::Stretch;
 use super::influence::{Influence, influences};
 use super::scene::{Frame, Scene, frames};
-use crate::characteristics::Characteristic;
 use crate::curves::{Column, Curves};
 use crate::kinematics::{DesignFault, March};
 use crate::model::Suspension;
@@ -158,6 +157,7 @@ fn thinned(plan: &Plan) -> Plan {
     Plan {
         march: March::through(&values),
         racks,
+        loads: Vec::new(),
         ..plan.clone()
     }
 }
@@ -210,9 +210,7 @@ impl OutputRecord {
                 _ => format!("{name}, 2nd derivative"),
             },
             unit: readable_unit(&column.unit),
-            positive: Characteristic::named(&column.output)
-                .filter(|_| column.order == 0)
-                .map(|c| c.info().positive.to_owned()),
+            positive: column.positive.map(str::to_owned),
         }
     }
 }

@@ -153,6 +153,22 @@ pub struct Outputs {
     pub sensitivities: Option<Selection>,
     /// Whether each pose is to be proved.
     pub certify: Option<Spanned<bool>>,
+    /// Loads on the wheel whose way through the links is wanted.
+    pub loads: Option<Spanned<Vec<Load>>>,
+}
+
+/// An element of `loads`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// What its columns begin with.
+    pub name: Text,
+    /// `contact_point` or `wheel_centre`.
+    pub at: Text,
+    /// Three components, if they are right.
+    pub force: Option<Coordinates>,
+    /// Three components, if they are right.
+    pub moment: Option<Coordinates>,
 }
 
 /// `[sweep]`

@@ -13,6 +13,7 @@ mod edit;
 mod error;
 mod file;
 mod geometry;
+mod loads;
 mod motion;
 mod names;
 mod optimise;
@@ -34,6 +35,7 @@ pub use error::{StudyError, StudyErrors};
 use crate::characteristics::Characteristic;
 use crate::kinematics::PoseError;
 use crate::model::{Axis, PointId, Suspension};
+use crate::number::Vector3;
 
 /// A study, resolved and validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,6 +134,30 @@ pub struct Outputs {
     pub sensitivities: Vec<PointId>,
     /// Whether each pose is to be proved.
     pub certify: bool,
+    /// Loads whose way through links and joints is reported.
+    pub loads: Vec<Load>,
+}
+
+/// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// What the names of its columns begin with.
+    pub name: String,
+    /// Where the force acts.
+    pub at: LoadPoint,
+    /// Force, in newtons.
+    pub force: Vector3<f64>,
+    /// Moment, in newtons times the study's length unit.
+    pub moment: Vector3<f64>,
+}
+
+/// Where a load acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadPoint {
+    /// The contact point of wheel and ground.
+    ContactPoint,
+    /// The centre of the wheel.
+    WheelCentre,
 }
 
 /// A sweep.

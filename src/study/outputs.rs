@@ -2,6 +2,7 @@
 
 use super::error::Problems;
 use super::file::{self, File};
+use super::loads::loads;
 use super::names::choose;
 use super::value::{Selection, Text};
 use super::{Order, Outputs};
@@ -33,6 +34,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
             order: Order::Position,
             sensitivities: Vec::new(),
             certify: false,
+            loads: Vec::new(),
         });
     };
     let characteristics = distinct(&section.characteristics, problems, |text, problems| {
@@ -51,6 +53,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
             hardpoint(text, suspension, problems)
         }),
     };
+    let loads = loads(section, suspension, problems);
     let order = order?;
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
@@ -65,6 +68,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
         order,
         sensitivities: sensitivities?,
         certify: section.certify.as_ref().is_some_and(|c| *c.get_ref()),
+        loads: loads?,
     })
 }
 

@@ -118,6 +118,7 @@ pub fn check_outputs(
     check_derivatives(file, formulation, outputs, problems);
     let drive = motion.map(|motion| motion.drive);
     check_certificate(file, formulation, drive, outputs, problems);
+    check_loads(file, formulation, outputs, problems);
     let written = &file.motion.get_ref().drive;
     let (text, what, help) = match (formulation, drive) {
         (Formulation::PointCoordinates, _) => (
@@ -172,6 +173,19 @@ fn check_certificate(
         _ => return,
     };
     problems.add(certify.span(), message).help(help);
+}
+
+/// Refuses to balance loads on the point-coordinate equations.
+fn check_loads(file: &File, formulation: Formulation, outputs: &Outputs, problems: &mut Problems) {
+    let written = file.outputs.as_ref().and_then(|o| o.loads.as_ref());
+    let Some(written) = written.filter(|_| !outputs.loads.is_empty()) else {
+        return;
+    };
+    if formulation == Formulation::PointCoordinates {
+        let message = "the formulation in point coordinates balances no loads";
+        let error = problems.add(written.span(), message);
+        error.help("formulation = \"knuckle_pose\" does");
+    }
 }
 
 fn sensitivities(file: &File) -> Option<Span<usize>> {

@@ -329,6 +329,7 @@ fn with_gains(study: &Study) -> Plan {
     let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());
     Plan {
         time: None,
+        loads: Vec::new(),
         outputs: outputs
             .map(|o| Output {
                 highest: 1,

@@ -35,8 +35,9 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                     moment: random.vector(3e5),
                 };
                 let found = solver
-                    .reactions(pose, point.rack, Support::Spring(spring), &load)
-                    .unwrap();
+                    .balance(pose, point.rack, Support::Spring(spring))
+                    .unwrap()
+                    .under(&load);
 
                 let support_at = match mechanism.body(spring.lower) {
                     Body::Arm(arm) => mechanism.arms[arm.0].outer,
@@ -86,8 +87,9 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
 
                 // Held at the wheel centre instead, the same power is all there is to hold.
                 let held = solver
-                    .reactions(pose, point.rack, Support::WheelCentre, &load)
-                    .unwrap();
+                    .balance(pose, point.rack, Support::WheelCentre)
+                    .unwrap()
+                    .under(&load);
                 work.note((held.support + power) / load.force.norm());
             })
             .unwrap()

@@ -153,7 +153,7 @@ fn file_name(column: &str) -> String {
     name.trim_start_matches('.').to_owned()
 }
 fn is_solved(status: &str) -> bool {
-    [Status::Ok, Status::IllConditioned]
+    [Status::Ok, Status::IllConditioned, Status::Unsupported]
         .map(|s| s.word())
         .contains(&status)
 }

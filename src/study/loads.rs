@@ -1,0 +1,101 @@
+//! `loads` of `[outputs]`: what acts on the wheel.
+
+use super::error::Problems;
+use super::file::{self, Coordinates};
+use super::names::choose;
+use super::{Load, LoadPoint};
+use crate::model::{Axis, Suspension};
+use crate::number::Vector3;
+
+impl LoadPoint {
+    const ALL: [(&str, LoadPoint); 2] = [
+        ("contact_point", LoadPoint::ContactPoint),
+        ("wheel_centre", LoadPoint::WheelCentre),
+    ];
+}
+
+/// The loads, if nothing is wrong with them.
+pub fn loads(
+    section: &file::Outputs,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<Load>> {
+    let written = section.loads.as_ref().map_or(&[][..], |l| l.get_ref());
+    let loads: Vec<_> = written
+        .iter()
+        .map(|load| resolved(load, suspension, problems))
+        .collect();
+    for (i, load) in written.iter().enumerate() {
+        let same = |other: &&file::Load| other.name == load.name;
+        if let Some(first) = written[..i].iter().find(same) {
+            let message = format!("{:?} is the name of another load", load.name.get_ref());
+            let error = problems.add(load.name.span(), message);
+            error.related(first.name.span(), "first here");
+        }
+    }
+    loads.into_iter().collect()
+}
+
+fn resolved(
+    written: &file::Load,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Load> {
+    let name = name(written, problems);
+    let at = choose(&written.at, "place", &LoadPoint::ALL, problems);
+    if at == Some(LoadPoint::ContactPoint) && suspension.wheel_radius.is_none() {
+        let message = "the contact point needs radius in [wheel], which this study does not give";
+        problems.add(written.at.span(), message);
+        return None;
+    }
+    if written.force.is_none() && written.moment.is_none() {
+        let message = "expected a force, a moment or both, found neither";
+        problems.add(written.name.span(), message);
+        return None;
+    }
+    let unit = suspension.length_unit.symbol();
+    let force = components(&written.force, "N", problems);
+    let moment = components(&written.moment, &format!("N {unit}"), problems);
+    let (frame, moment) = (suspension.frame, moment?);
+    let turn = |axis: Axis| frame.turn_sign(axis) * moment.to_array()[axis as usize];
+    Some(Load {
+        name: name?,
+        at: at?,
+        force: frame.vector(force?),
+        moment: Vector3::from(Axis::ALL.map(turn)),
+    })
+}
+
+/// A name that column names can begin with.
+fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
+    let name = written.name.get_ref();
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if name.is_empty() || !name.chars().all(plain) {
+        let message = format!(
+            "expected a name of letters, digits and _, with which column names begin; found {name:?}"
+        );
+        problems.add(written.name.span(), message);
+        return None;
+    }
+    Some(name.clone())
+}
+
+/// Three components in the study's axes; zero where they are not given.
+fn components(
+    written: &Option<Coordinates>,
+    unit: &str,
+    problems: &mut Problems,
+) -> Option<Vector3<f64>> {
+    let Some(written) = written else {
+        return Some(Vector3::default());
+    };
+    match written.get_ref().as_slice() {
+        [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
+        other => {
+            let found = other.len();
+            let message = format!("expected three components [x, y, z] in {unit}, found {found}");
+            problems.add(written.span(), message);
+            None
+        }
+    }
+}

@@ -57,8 +57,8 @@ const layout = (c, more) => ({
 });
 
 const drawn = new Set();
-const draw = async (element, traces, figure) => {
-  await Plotly.react(element, traces, figure, config);
+const draw = async (element, traces, figure, settings = config) => {
+  await Plotly.react(element, traces, figure, settings);
   drawn.add(element);
   root.dataset.plotsDrawn = drawn.size;
 };

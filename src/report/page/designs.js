@@ -11,8 +11,17 @@ const isWhole = (row) => shown.failing[row] === null;
 const allRows = shown.design.map((_, row) => row);
 
 // Light to strong, or low to high.
-const rising = (c) => [[0, c.accent], [0.25, c.accent], [1, c.rule]];
-const eitherWay = (c) => [[0, c.target], [0.5, c.rule], [1, c.accent]];
+const rising = (c) => [[0, c.accent], [1, mixed(c.rule, c.before, 0.4)]];
+const eitherWay = (c) => [[0, c.target], [0.5, mixed(c.rule, c.before, 0.4)], [1, c.accent]];
+const isDeviation = (k) => ['rms', 'misfit'].includes(columns[k].kind);
+const scaleOf = (c, k) => (isDeviation(k) ? rising(c) : eitherWay(c));
+// The colour at a part of a scale.
+const along = (scale, part) => {
+  const next = scale.findIndex(([stop]) => stop >= part);
+  if (next <= 0) return scale[0][1];
+  const [[before, from], [after, to]] = [scale[next - 1], scale[next]];
+  return mixed(from, to, (part - before) / (after - before));
+};
 const quantile = (values, part) => [...values].sort((a, b) => a - b)[Math.floor(part * (values.length - 1))];
 
 const scatter = byId('scatter-plot');
@@ -35,11 +44,10 @@ const drawScatter = async (state) => {
   let looks = { size: 5, color: c.before, opacity: 0.7 };
   if (colour !== 'status') {
     const values = allRows.map((row) => value(colour, row)).filter((v) => v !== null);
-    const deviation = ['rms', 'misfit'].includes(columns[colour].kind);
     looks = {
-      size: 5.5, color: others.map((row) => value(colour, row)), colorscale: deviation ? rising(c) : eitherWay(c),
+      size: 5.5, color: others.map((row) => value(colour, row)), colorscale: scaleOf(c, colour),
       // A few bad designs would leave all others in one shade.
-      ...(values.length && { cmin: quantile(values, 0), cmax: quantile(values, deviation ? 0.9 : 1) }),
+      ...(values.length && { cmin: quantile(values, 0), cmax: quantile(values, isDeviation(colour) ? 0.9 : 1) }),
       colorbar: { title: { text: titled(colour), side: 'right' }, thickness: 12, outlinewidth: 0, x: 1.01 },
     };
   }
@@ -54,7 +62,7 @@ const drawScatter = async (state) => {
       type: 'scatter', mode: 'markers', name: 'as given', x: [columns[x].at_design], y: [columns[y].at_design],
       marker: { symbol: 'cross', size: 10, color: c.ink }, hovertemplate: 'the study as given<br>%{x:.5~g}, %{y:.5~g}<extra></extra>',
     },
-    scatterTrace(c, state, state.picked === null ? [] : [state.picked], 'chosen', { symbol: 'square-open', size: 17, line: { color: c.ink, width: 1.5 } }, { hoverinfo: 'skip', hovertemplate: null }),
+    scatterTrace(c, state, state.picked === null ? [] : [state.picked], 'chosen', { symbol: 'square-open', size: 17, color: c.ink, line: { color: c.ink, width: 1.5 } }, { hoverinfo: 'skip', hovertemplate: null }),
   ].filter((trace) => trace.x.some((v, i) => v !== null && trace.y[i] !== null));
   const type = (k) => (state.logarithmic && isPositive(k) ? 'log' : 'linear');
   await draw(scatter, traces, layout(c, {

@@ -33,14 +33,14 @@ const drawEffects = async () => {
   await draw(element, [{
     type: 'heatmap', x: ranked.map((v) => variableTitles[v]), y: moved.map((k) => titled(first.variables + k)),
     z: cells((k, v) => strengthOf(k, v, measure)), zmin: signed ? -1 : 0, zmax: 1, showscale: false, xgap: 1, ygap: 1,
-    colorscale: signed ? [[0, c.target], [0.5, c.panel], [1, c.accent]] : [[0, c.panel], [1, c.accent]],
+    colorscale: signed ? [[0, c.target], [0.5, c.panel], [1, c.strong]] : [[0, c.panel], [1, c.strong]],
     text: cells((k, v, found) => (found === null || Math.abs(found) < least ? '' : say(found))), texttemplate: '%{text}',
     hovertemplate: '%{x} on %{y}: %{text}<extra></extra>',
   }], layout(c, {
-    xaxis: axis(c, { side: 'top', tickangle: -35, showgrid: false }),
-    yaxis: axis(c, { autorange: 'reversed', showgrid: false }),
-    margin: { l: 10, r: 60, t: 36, b: 10 },
-  }));
+    xaxis: axis(c, { side: 'top', tickangle: -35, showgrid: false, fixedrange: true }),
+    yaxis: axis(c, { autorange: 'reversed', showgrid: false, fixedrange: true }),
+    margin: { l: 10, r: 70, t: 36, b: 10 },
+  }), still);
   await drawEffectRanking();
 };
 
@@ -62,8 +62,8 @@ const drawEffectRanking = async () => {
     marker: { color: ranked.map(([, found]) => (found < 0 ? c.target : c.accent)) },
     hovertemplate: '%{y}: %{x:.4~g}<extra></extra>',
   }], layout(c, {
-    xaxis: axis(c, { title: { text: plain(title), font: { size: 11 } }, rangemode: 'tozero', ...(measure !== 'change' && { tickformat: '.0%' }) }),
-    yaxis: axis(c, { autorange: 'reversed' }),
+    xaxis: axis(c, { title: { text: plain(title), font: { size: 11 } }, rangemode: 'tozero', fixedrange: true, ...(measure !== 'change' && { tickformat: '.0%' }) }),
+    yaxis: axis(c, { autorange: 'reversed', fixedrange: true }),
     margin: { l: 10, r: 16, t: 30, b: 44 },
-  }));
+  }), still);
 };

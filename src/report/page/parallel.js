@@ -1,6 +1,7 @@
 // Designs as lines over several axes, each scaled to the designs drawn.
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
+const SHADES = 8;
 
 // The variables that matter most, then the deviations from the targets, or else what the designs are.
 const parallelAxes = (state) => {
@@ -36,9 +37,18 @@ const drawParallel = async (state) => {
   const selected = (row) => state.selected === null || state.selected.has(row);
   const others = allRows.filter((row) => isWhole(row) && !marked.has(row) && selected(row));
   const failed = allRows.filter((row) => !isWhole(row) && selected(row));
-  const faintness = Math.min(0.9, Math.max(0.06, 60 / (others.length + 1)));
+  // In shades of the column that colours the points above, equally many designs in each, the strongest on top.
+  const shades = () => {
+    if (state.colour === 'status') return [trace(others, 'designs', { color: c.before, width: 1 }, 0.4)];
+    const sorted = [...others].sort((a, b) => value(state.colour, b) - value(state.colour, a));
+    return Array.from({ length: SHADES }, (_, shade) => {
+      const rows = sorted.slice(...[shade, shade + 1].map((n) => Math.round((n * sorted.length) / SHADES)));
+      const line = { color: along(scaleOf(c, state.colour), 1 - shade / (SHADES - 1)), width: 0.8 };
+      return { ...trace(rows, 'designs', line, 0.5), legendgroup: 'designs', showlegend: shade === SHADES - 1 };
+    });
+  };
   const traces = [
-    trace(others, 'designs', { color: c.before, width: 1 }, faintness),
+    ...shades(),
     trace(failed, 'not solved everywhere', { color: c.bad, width: 1 }, Math.min(0.7, Math.max(0.1, 40 / (failed.length + 1)))),
     trace(frontRows.filter(selected), 'Pareto front', { color: c.target, width: 1.6 }, 0.9),
     trace(bestRows.filter(selected), 'best', { color: c.accent, width: 1.8 }, 0.9),
@@ -57,6 +67,6 @@ const drawParallel = async (state) => {
     annotations: ends, hovermode: 'closest', dragmode: false, showlegend: true,
     legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
     margin: { l: 24, r: 24, t: 64, b: 48 },
-  }));
+  }), still);
   byId('parallel-selected').textContent = state.selected === null ? '' : `${state.selected.size} designs selected above; a double click there takes all again.`;
 };

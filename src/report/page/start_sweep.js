@@ -2,7 +2,7 @@
 const [firstX, firstY] = first.deviations.length > 1 ? first.deviations : [0, first.misfit ?? Math.min(first.variables, columns.length - 1)];
 const state = {
   x: firstX, y: firstY, colour: first.misfit ?? 'status', logarithmic: false, more: null, selected: null,
-  picked: rowOf.get(Number(wishes.get('design'))) ?? bestRows[0] ?? (allRows.length ? 0 : null),
+  picked: (wishes.has('design') ? rowOf.get(Number(wishes.get('design'))) : undefined) ?? bestRows[0] ?? (allRows.length ? 0 : null),
 };
 const drawAll = () => Promise.all([drawScatter(state), drawParallel(state), drawEffects()]);
 
@@ -21,7 +21,7 @@ const chooser = (id, name, before, then) => {
 };
 chooser('scatter-x', 'x', [], drawScatter);
 chooser('scatter-y', 'y', [], drawScatter);
-chooser('scatter-colour', 'colour', [['status', 'none']], drawScatter);
+chooser('scatter-colour', 'colour', [['status', 'none']], () => Promise.all([drawScatter(state), drawParallel(state)]));
 chooser('parallel-more', 'more', [['', 'nothing']], drawParallel);
 byId('logarithmic').addEventListener('click', () => {
   state.logarithmic = !state.logarithmic;

@@ -256,7 +256,8 @@ fn best(run: &SweepRun) -> String {
     };
     format!(
         "<section id=\"best\" aria-labelledby=\"best-title\"><h2 id=\"best-title\">Best designs</h2>\
-         <p class=\"note\">By misfit; misfit and deviations in tolerances.</p>{}{front}</section>",
+         <p class=\"note\">By misfit; misfit and deviations in tolerances. \
+         <code>hardpoint sweep STUDY --design NUMBER</code> prints a design as a study.</p>{}{front}</section>",
         best_table(run).html()
     )
 }
@@ -273,7 +274,7 @@ fn header(record: &SweepRecord) -> Vec<String> {
 }
 
 fn command(design: u64) -> String {
-    format!("hardpoint sweep STUDY --design {design}")
+    format!("--design {design}")
 }
 
 fn best_table(run: &SweepRun) -> Table {

@@ -69,7 +69,9 @@ const layout = (c, more) => ({
 
 const drawn = new Set();
 const draw = async (element, traces, figure, settings = config) => {
-  await Plotly.react(element, traces, figure, settings);
+  // On paper nothing resizes a plot once it is drawn; a solid one would be drawn too late.
+  const size = 'print' in root.dataset && !figure.scene ? { width: element.clientWidth, height: element.clientHeight } : {};
+  await Plotly.react(element, traces, { ...figure, ...size }, settings);
   drawn.add(element);
   root.dataset.plotsDrawn = drawn.size;
 };

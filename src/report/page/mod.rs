@@ -64,6 +64,11 @@ impl<Data: Serialize> Page<'_, Data> {
     }
 }
 
+/// A cell's text, which may be broken after the underscores of a column's name where the page is narrow.
+fn breakable(cell: &str) -> String {
+    html(cell).replace('_', "_<wbr>")
+}
+
 impl Table {
     /// The table as HTML.
     fn html(&self) -> String {
@@ -71,7 +76,7 @@ impl Table {
             let cell = |cell: &String| {
                 let number = cell.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
                 let class = if number { " class=\"number\"" } else { "" };
-                format!("<{opening}{class}>{}</{closing}>", html(cell))
+                format!("<{opening}{class}>{}</{closing}>", breakable(cell))
             };
             let cells: String = cells.iter().map(cell).collect();
             format!("<tr>{cells}</tr>")

@@ -44,14 +44,14 @@ const drawParallel = async (state) => {
     return Array.from({ length: SHADES }, (_, shade) => {
       const rows = sorted.slice(...[shade, shade + 1].map((n) => Math.round((n * sorted.length) / SHADES)));
       const line = { color: along(scaleOf(c, state.colour), 1 - shade / (SHADES - 1)), width: 0.8 };
-      return { ...trace(rows, 'designs', line, 0.5), legendgroup: 'designs', showlegend: shade === SHADES - 1 };
+      return { ...trace(rows, 'designs', line, 0.3), legendgroup: 'designs', showlegend: shade === SHADES - 1 };
     });
   };
   const traces = [
     ...shades(),
     trace(failed, 'not solved everywhere', { color: c.bad, width: 1 }, Math.min(0.7, Math.max(0.1, 40 / (failed.length + 1)))),
-    trace(frontRows.filter(selected), 'Pareto front', { color: c.target, width: 1.6 }, 0.9),
-    trace(bestRows.filter(selected), 'best', { color: c.accent, width: 1.8 }, 0.9),
+    trace(frontRows.filter(selected), 'Pareto front', { color: c.target, width: 2 }, 1),
+    trace(bestRows.filter(selected), 'best', { color: c.accent, width: 2.4 }, 1),
     trace(state.picked === null ? [] : [state.picked], 'chosen', { color: c.ink, width: 2.5, dash: 'dot' }, 1),
   ].filter((t) => t.x.length);
   const end = (i, y, v, yanchor) => ({

@@ -18,14 +18,23 @@ prefersDark.addEventListener('change', () => {
   setTheme(root.dataset.theme);
   drawAll();
 });
-// Paper is light.
+// Paper is light, and has a width of its own.
 let before;
+const solid = byId('mechanism-plot');
+const PAPER_WIDTH = 680;
 addEventListener('beforeprint', () => {
   before = root.dataset.theme;
+  if (solid) {
+    const { clientWidth: width, clientHeight: height } = solid;
+    Object.assign(solid.style, { width: `${width}px`, height: `${height}px`, zoom: PAPER_WIDTH / (width + 2) });
+  }
+  root.dataset.print = '';
   setTheme('light');
   drawAll();
 });
 addEventListener('afterprint', () => {
+  delete root.dataset.print;
+  if (solid) solid.removeAttribute('style');
   setTheme(before);
   drawAll();
 });

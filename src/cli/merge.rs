@@ -36,5 +36,5 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
             MergeError::Unwritten(error) => Stop::unwritten(error),
         })?;
     }
-    finish(&output, &parts.record, &tally)
+    finish(&output, &parts.record, &tally, false)
 }

@@ -106,11 +106,14 @@ struct SweepArguments {
     /// Go on with a sweep that was interrupted
     #[arg(long)]
     resume: bool,
+    /// Write report.html as well: one page that needs nothing else
+    #[arg(long)]
+    report: bool,
     /// Do only part I of N, as in --shard 3/8; `hardpoint merge` joins them
     #[arg(long, value_name = "I/N", value_parser = sweep::shard)]
     shard: Option<[u64; 2]>,
     /// Print the study of one design, by its number, and do nothing else
-    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["out", "resume", "shard"])]
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["out", "resume", "shard", "report"])]
     design: Option<u64>,
 }
 

@@ -2,20 +2,31 @@
 
 use super::exit::{Exit, Stop};
 use super::{ReportArguments, RunArguments};
-use crate::report::{Run, RunDirectory, page, pictures};
+use crate::report::{FinishedRun, Run, RunDirectory, SweepRun, page, pictures, sweep_page};
 use std::io::Write;
 use std::path::Path;
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
-    let run = Run::read(&arguments.run).map_err(Stop::wrong_input)?;
+    let run = FinishedRun::read(&arguments.run).map_err(Stop::wrong_input)?;
+    if arguments.plots.is_some() && matches!(run, FinishedRun::Sweep(_)) {
+        return Err(Stop::wrong_input(format!(
+            "--plots makes pictures of curves, {} is a sweep; each plot of its page has a button that \
+             saves it as SVG",
+            arguments.run.display()
+        )));
+    }
     let directory = RunDirectory::create(&arguments.run).map_err(Stop::wrong_input)?;
     let plots = arguments.plots.as_deref().map(RunDirectory::create);
     let plots = plots.transpose().map_err(Stop::wrong_input)?;
-    write_page(&run, &directory)?;
+    let html = match &run {
+        FinishedRun::Curves(run) => page(run),
+        FinishedRun::Sweep(sweep) => sweep_page(sweep),
+    };
+    write_page(&html, &directory)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", arguments.run.join("report.html").display())?;
-    if let Some(plots) = plots {
-        let names = write_pictures(&run, &plots)?;
+    if let (Some(plots), FinishedRun::Curves(run)) = (plots, &run) {
+        let names = write_pictures(run, &plots)?;
         writeln!(out, "{}: {}", plots.path().display(), names.join(", "))?;
     }
     Ok(Exit::Done)
@@ -52,7 +63,7 @@ impl Wanted {
         };
         let run = Run::read(directory.path()).map_err(Stop::wrong_input)?;
         if self.page {
-            write_page(&run, directory)?;
+            write_page(&page(&run), directory)?;
             files.push("report.html");
         }
         if let Some(plots) = &self.plots {
@@ -62,8 +73,13 @@ impl Wanted {
     }
 }
 
-fn write_page(run: &Run, directory: &RunDirectory) -> Result<(), Stop> {
-    let page = page(run);
+/// Reads a sweep's directory back and makes its page.
+pub(super) fn show_sweep(directory: &RunDirectory) -> Result<(), Stop> {
+    let sweep = SweepRun::read(directory.path()).map_err(Stop::wrong_input)?;
+    write_page(&sweep_page(&sweep), directory)
+}
+
+fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     let written = directory.write("report.html", page.as_bytes());
     written.map_err(Stop::unwritten)
 }

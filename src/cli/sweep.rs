@@ -4,6 +4,7 @@ use super::SweepArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
+use super::report::show_sweep;
 use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
 use crate::study::{FileFormat, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, Tally, in_order};
@@ -44,6 +45,11 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             "--resume goes on with the files of a directory; with --out - there are none",
         ));
     }
+    if arguments.report && out == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "--report is made of a run's directory; with --out - there is none",
+        ));
+    }
     if sweep.format == FileFormat::Parquet && out == Path::new("-") {
         return Err(Stop::wrong_input(
             "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
@@ -64,7 +70,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     pool.install(|| sweep_blocks(&plan, &text, &mut files, &mut tally, next))
         .and_then(|()| files.finish())
         .map_err(unwritten)?;
-    finish(&output, record, &tally)
+    finish(&output, record, &tally, arguments.report)
 }
 
 /// Does the blocks from `next` on, until the end or Ctrl-C.
@@ -99,7 +105,12 @@ fn sweep_blocks(
 }
 
 /// Writes and says what a sweep, or all of its shards together, came to.
-pub(super) fn finish(output: &Output, record: &SweepRecord, tally: &Tally) -> Result<Exit, Stop> {
+pub(super) fn finish(
+    output: &Output,
+    record: &SweepRecord,
+    tally: &Tally,
+    with_page: bool,
+) -> Result<Exit, Stop> {
     let summary = SweepSummary::of(record, tally);
     let mut files = vec![record.file_name("designs")];
     files.extend(record.curves.then(|| record.file_name("curves")));
@@ -109,6 +120,10 @@ pub(super) fn finish(output: &Output, record: &SweepRecord, tally: &Tally) -> Re
     }
     output.json("summary.json", &summary)?;
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
+    if let Some(directory) = output.directory().filter(|_| with_page) {
+        show_sweep(directory)?;
+        files.push("report.html".to_owned());
+    }
 
     output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
     let failures = summary.failures_table();

@@ -7,6 +7,7 @@ mod accuracy;
 mod curve_table;
 mod failures;
 mod files;
+mod finished;
 mod influence;
 mod page;
 mod picture;
@@ -24,8 +25,9 @@ pub use accuracy::remarks;
 pub use curve_table::CurveTable;
 pub use failures::Stretch;
 pub use files::{curves_csv, history_csv, sensitivities_csv};
+pub use finished::FinishedRun;
 pub use influence::Influence;
-pub use page::page;
+pub use page::{page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
@@ -33,8 +35,8 @@ pub use run_directory::{RunDirectory, WriteError};
 pub use scene::{Frame, Member, MemberKind, Placement, Scene};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
-    Finished, MergeError, NotThisSweep, Parts, Resumed, SweepFiles, SweepSummary, SweepText,
-    pareto_csv,
+    Choice, Finished, MergeError, NotThisSweep, Parts, Resumed, ShownDesigns, SweepFiles, SweepRun,
+    SweepSummary, SweepText, pareto_csv,
 };
 pub use table::{Format, Table};
 pub use tuning_summary::TuningSummary;

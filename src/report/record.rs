@@ -216,7 +216,7 @@ impl OutputRecord {
 }
 
 /// `deg_per_mm2` -> `deg/mm²`.
-fn readable_unit(unit: &str) -> String {
+pub(super) fn readable_unit(unit: &str) -> String {
     let unit = match unit.strip_prefix("per_") {
         Some(below) => format!("1/{below}"),
         None => unit.replace("_per_", "/"),

@@ -51,7 +51,7 @@ impl Run {
             return Err(folder.error(
                 None,
                 "not the directory of a run: there is no report.json, which `hardpoint solve` and \
-                 `hardpoint optimise` write",
+                 `hardpoint optimise` write, nor a sweep.json of `hardpoint sweep`",
             ));
         }
         let form: Form = folder.json("report.json")?;

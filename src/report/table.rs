@@ -54,6 +54,13 @@ impl Table {
         self.rows.is_empty()
     }
 
+    /// Its first rows, and how many more there are.
+    pub fn first(mut self, most: usize) -> (Self, usize) {
+        let more = self.rows.len().saturating_sub(most);
+        self.rows.truncate(most);
+        (self, more)
+    }
+
     /// Names of the columns.
     pub fn header(&self) -> &[String] {
         &self.header

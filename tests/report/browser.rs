@@ -86,6 +86,49 @@ impl Shown {
     }
 }
 
+#[test]
+fn a_browser_draws_a_sweep_and_shows_a_design() {
+    let Some(browser) = browser() else {
+        skipped();
+        return;
+    };
+    let far = [
+        "--set",
+        "sweep.samples=400",
+        "--set",
+        "motion.travel=[-360.0, 0.0, 300.0]",
+    ];
+    let run = sweep(HOSTILE_NAME, &far);
+    let (header, columns) = run.csv("designs.csv");
+    let status = columns.last().unwrap();
+    let whole = status.iter().position(|s| s == "ok").unwrap();
+    let failed = status.iter().position(|s| s != "ok").unwrap();
+    for design in [whole, failed] {
+        let shown = Shown::of(&browser, &run, &format!("#design={design}&theme=dark"));
+        assert!(shown.console.is_empty(), "{:#?}", shown.console);
+        assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
+        assert_eq!(shown.attribute("ready"), "true");
+        // The scatter, the parallel coordinates and two plots of effects.
+        assert_eq!(shown.attribute("plots-expected"), "4");
+        assert_eq!(shown.attribute("plots-drawn"), "4");
+        assert_eq!(shown.attribute("picked"), design.to_string());
+        let values: Vec<&str> = shown.attribute("picked-values").split(' ').collect();
+        let cells = &columns[1..header.len() - 4];
+        assert_eq!(values.len(), cells.len());
+        for (value, column) in values.iter().zip(cells) {
+            let cell = &column[design];
+            assert_eq!(value.parse::<f64>().ok(), cell.parse().ok(), "{cell}");
+        }
+    }
+}
+
+fn skipped() {
+    eprintln!(
+        "\n*** SKIPPED: no browser ({}) to open the report in ***\n",
+        BROWSERS.join(", ")
+    );
+}
+
 fn wait(mut child: Child) {
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {
@@ -101,10 +144,7 @@ fn wait(mut child: Child) {
 #[test]
 fn a_browser_draws_everything_and_moves_the_wheel() {
     let Some(browser) = browser() else {
-        eprintln!(
-            "\n*** SKIPPED: no browser ({}) to open the report in ***\n",
-            BROWSERS.join(", ")
-        );
+        skipped();
         return;
     };
     let run = hostile();

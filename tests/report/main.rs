@@ -4,6 +4,7 @@ mod browser;
 mod page;
 mod pictures;
 mod refusals;
+mod sweep;
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -16,15 +17,20 @@ struct Run {
 }
 
 impl Run {
-    /// Runs a command on a study of this name and text, with `--report` and `--plots`.
+    /// Runs a command on a study of this name and text, with `--report` and, where there are curves,
+    /// `--plots`.
     fn of(command: &str, name: &str, study: &str, more: &[&str]) -> Run {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join(format!("{name}.toml"));
         fs::write(&path, study).unwrap();
         let run = Run { directory };
+        let is_sweep = command == "sweep";
         let mut command = hardpoint(&[command]);
         command.arg(&path).arg("--out").arg(run.path());
-        command.args(["--report", "--plots"]).arg(run.plots());
+        command.arg("--report");
+        if !is_sweep {
+            command.arg("--plots").arg(run.plots());
+        }
         let ended = command.args(more).output().unwrap();
         let said = String::from_utf8_lossy(&ended.stderr);
         assert!(matches!(ended.status.code(), Some(0 | 1)), "{said}");
@@ -95,6 +101,11 @@ const TOO_FAR: [&str; 4] = [
 
 /// A name that is markup, a script, a template, a sentence that turns round, and a car.
 const HOSTILE_NAME: &str = "<img src=x onerror=alert(1)>\"'&amp;{data} \u{202e}abc 🏎";
+
+/// A sweep of the sample study under this name.
+fn sweep(name: &str, more: &[&str]) -> Run {
+    Run::of("sweep", name, &study("macpherson_sweep.toml"), more)
+}
 
 /// A tuning whose study is named so.
 fn hostile() -> Run {

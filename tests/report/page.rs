@@ -3,7 +3,7 @@
 use super::*;
 
 /// The page without the plotting library, which is somebody else's text.
-fn own_text(page: &str) -> String {
+pub fn own_text(page: &str) -> String {
     let start = page.find("<script>/**").expect("the library's banner");
     let end = start + page[start..].find("</script>").unwrap();
     format!("{}{}", &page[..start], &page[end..])

@@ -65,7 +65,54 @@ fn files_that_do_not_belong_together_are_refused() {
 }
 
 #[test]
+fn a_sweep_whose_files_do_not_belong_together_is_refused() {
+    let run = sweep("plain", &["--set", "sweep.samples=200"]);
+    let page = run.path().join("report.html");
+    fs::remove_file(&page).unwrap();
+    refused(
+        hardpoint(&["report", "--plots", "plots"]).arg(run.path()),
+        "is a sweep",
+    );
+    let [designs, summary] = ["designs.csv", "summary.json"].map(|name| run.path().join(name));
+    let text = fs::read_to_string(&designs).unwrap();
+    let (shorter, _) = text.trim_end().rsplit_once('\n').unwrap();
+    let best = run.csv("designs.csv").1;
+    let misfit = &best[best.len() - 5];
+    let least = misfit.iter().map(|m| m.parse::<f64>().unwrap());
+    let least = least.fold(f64::INFINITY, f64::min).to_string();
+    for (contents, part) in [
+        (shorter.to_owned(), "expected the 200 designs"),
+        (
+            text.replace(&format!(",{least},"), ",0.125,"),
+            "has another misfit",
+        ),
+        (
+            text.replacen("camber", "toe", 1),
+            "the columns are not those",
+        ),
+        (text.replacen("\n0,", "\n0,far", 1), "the row of design 0"),
+    ] {
+        assert_ne!(contents, text, "{part}");
+        fs::write(&designs, contents).unwrap();
+        refused(hardpoint(&["report"]).arg(run.path()), part);
+    }
+    fs::remove_file(&designs).unwrap();
+    refused(hardpoint(&["report"]).arg(run.path()), "designs.csv");
+    fs::remove_file(&summary).unwrap();
+    refused(
+        hardpoint(&["report"]).arg(run.path()),
+        "the sweep has not ended",
+    );
+    assert!(!page.exists(), "nothing is written");
+}
+
+#[test]
 fn a_report_needs_a_directory() {
+    let sweep = studies().join("macpherson_sweep.toml");
+    refused(
+        hardpoint(&["sweep", "--out", "-", "--report"]).arg(&sweep),
+        "with --out - there is none",
+    );
     let study = studies().join("macpherson_solve.toml");
     for option in [&["--report"][..], &["--plots", "plots"]] {
         let mut command = hardpoint(&["solve", "--out", "-"]);

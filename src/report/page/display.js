@@ -16,13 +16,22 @@ document.addEventListener('securitypolicyviolation', (e) => noteError(`${e.viola
 
 const colours = () => {
   const style = getComputedStyle(root);
-  const names = ['paper', 'panel', 'ink', 'muted', 'rule', 'accent', 'before', 'target', 'bad', 'sans'];
+  const names = ['paper', 'panel', 'ink', 'muted', 'rule', 'accent', 'before', 'target', 'bad', 'strong', 'sans'];
   return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 };
 // #rrggbb with an opacity.
 const faint = (colour, opacity) => {
   const [r, g, b] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
   return `rgba(${r},${g},${b},${opacity})`;
+};
+
+// A colour between two.
+const mixed = (from, to, part) => {
+  const mix = [1, 3, 5].map((i) => {
+    const [a, b] = [from, to].map((colour) => parseInt(colour.slice(i, i + 2), 16));
+    return Math.round(a + part * (b - a)).toString(16).padStart(2, '0');
+  });
+  return `#${mix.join('')}`;
 };
 
 // Names from a study, as the plots' labels take them: they read a little markup, which a name is not.
@@ -42,6 +51,8 @@ const config = {
   modeBarButtonsToRemove: ['select2d', 'lasso2d'],
   toImageButtonOptions: { format: 'svg', filename: 'hardpoint' },
 };
+// Where there is nothing to zoom: the buttons would lie on the labels.
+const still = { ...config, displayModeBar: true, modeBarButtons: [['toImage']] };
 const axis = (c, more) => ({
   gridcolor: c.rule, zerolinecolor: c.muted, zerolinewidth: 1, linecolor: c.rule, automargin: true,
   ...more,
@@ -57,8 +68,10 @@ const layout = (c, more) => ({
 });
 
 const drawn = new Set();
-const draw = async (element, traces, figure) => {
-  await Plotly.react(element, traces, figure, config);
+const draw = async (element, traces, figure, settings = config) => {
+  // On paper nothing resizes a plot once it is drawn; a solid one would be drawn too late.
+  const size = 'print' in root.dataset && !figure.scene ? { width: element.clientWidth, height: element.clientHeight } : {};
+  await Plotly.react(element, traces, { ...figure, ...size }, settings);
   drawn.add(element);
   root.dataset.plotsDrawn = drawn.size;
 };

@@ -6,192 +6,67 @@
 mod escape;
 mod library;
 mod policy;
+mod run;
+mod sweep;
 
-use super::TuningSummary;
-use super::curve_table::CurveTable;
-use super::failures::Stretch;
-use super::record::DesignRecord;
-use super::run::{Run, Summary};
+pub use run::page;
+pub use sweep::sweep_page;
+
 use super::table::Table;
 use escape::html;
 use serde::Serialize;
 
 const STYLE: &str = include_str!("style.css");
 
-/// The page's own script.
-const GLUE: &str = concat!(
-    "'use strict';\n(() => {\n",
-    include_str!("display.js"),
-    include_str!("curves.js"),
-    include_str!("mechanism.js"),
-    include_str!("tuning.js"),
-    include_str!("start.js"),
-    "})();\n"
-);
-
-/// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
-const MOST_NUMBERS: usize = 30_000;
-
-/// What the page's script reads.
-#[derive(Serialize)]
-struct Data<'a> {
-    record: &'a super::record::Record,
-    curves: Vec<CurveTable>,
-    history: Option<CurveTable>,
-    kept_start: Option<usize>,
+/// What a page consists of. All but the study's name and the line about the run is HTML.
+struct Page<'a, Data> {
+    study: &'a str,
+    about: String,
+    /// What matters most: names and values.
+    facts: Vec<(&'static str, String)>,
+    /// What the reader has to know before the plots.
+    remarks: String,
+    /// Sections: their identifiers and names.
+    sections: Vec<(&'static str, &'static str)>,
+    controls: &'static str,
+    main: String,
+    files: &'a [String],
+    /// What the script reads.
+    data: Data,
+    /// The page's own script.
+    glue: &'static str,
 }
 
-/// The page of a run.
-pub fn page(run: &Run) -> String {
-    let library = library::script();
-    let (curves, curves_note) = drawn(run);
-    let data = Data {
-        record: &run.record,
-        curves,
-        history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
-        kept_start: match &run.summary {
-            Summary::Optimise(tuning) => tuning.kept_start(),
-            Summary::Solve(_) => None,
-        },
-    };
-    let (tuning, ranges) = match &run.summary {
-        Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
-        Summary::Solve(solve) => (String::new(), solve.table().html()),
-    };
-    let files: Vec<String> = run.files.iter().map(|f| html(f)).collect();
-    format!(
-        include_str!("page.html"),
-        policy = html(&policy::policy(&[&library, GLUE])),
-        study = html(&run.record.study),
-        style = STYLE,
-        about = html(&format!(
-            "{}, {} · hardpoint {}",
-            run.record.topology.replace('_', " "),
-            run.record.command,
-            run.record.version
-        )),
-        facts = facts(run),
-        failures = failures(run) + &remarks(run),
-        sections = sections(run),
-        curves_note = curves_note,
-        ranges = ranges,
-        tuning = tuning,
-        files = files.join(", "),
-        notice = html(library::NOTICE),
-        data = escape::json(&data),
-        library = library,
-        glue = GLUE,
-    )
-}
-
-/// The curves that are drawn, and a remark where those are not all.
-fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
-    let widths = run.curves.iter().map(|table| table.header.len());
-    let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
-    let all = run.curves.iter().map(CurveTable::rows).max().unwrap_or(0);
-    let note = match all > most {
-        true => format!(
-            r#"<p class="notice">{most} of {all} stations are drawn, evenly chosen; the files have all.</p>"#
-        ),
-        false => String::new(),
-    };
-    (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
-}
-
-/// What matters most, first.
-fn facts(run: &Run) -> String {
-    let mut facts = Vec::new();
-    if let Summary::Optimise(tuning) = &run.summary {
-        let [before, after] = tuning.misfits();
-        let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
-        let misfit = format!(
-            "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
-            known(before),
-            known(after)
-        );
-        facts.push(("Misfit", misfit));
-        let [active, all] = tuning.at_bounds();
-        let bounds = format!("{active} of {all} <small>variables</small>");
-        facts.push(("At a bound", bounds));
-    }
-    if let Some(design) = run.record.designs.last() {
-        let failed: usize = design.failures.iter().map(Stretch::stations).sum();
-        let all = design.stations;
-        let solved = all.saturating_sub(failed);
-        let class = if failed == 0 { "" } else { " class=\"bad\"" };
-        let solved = format!("<span{class}>{solved}</span> of {all} <small>stations</small>");
-        facts.push(("Solved", solved));
-    }
-    let item =
-        |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
-    facts.iter().map(item).collect()
-}
-
-/// Every failed stretch with its reason.
-fn failures(run: &Run) -> String {
-    let mut items = String::new();
-    for design in &run.record.designs {
-        for stretch in &design.failures {
-            items += &format!(
-                "<li><b>{}</b>, {}</li>",
-                html(&design.label),
-                html(&stretch.to_string())
-            );
-        }
-    }
-    match items.is_empty() {
-        true => items,
-        false => format!(
-            r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
-        ),
+impl<Data: Serialize> Page<'_, Data> {
+    fn html(&self) -> String {
+        let library = library::script();
+        let fact =
+            |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
+        let link = |(id, name): &(&str, &str)| format!("<li><a href=\"#{id}\">{name}</a></li>");
+        let files: Vec<String> = self.files.iter().map(|f| html(f)).collect();
+        format!(
+            include_str!("page.html"),
+            policy = html(&policy::policy(&[&library, self.glue])),
+            study = html(self.study),
+            style = STYLE,
+            about = html(&self.about),
+            facts = self.facts.iter().map(fact).collect::<String>(),
+            remarks = self.remarks,
+            sections = self.sections.iter().map(link).collect::<String>(),
+            controls = self.controls,
+            main = self.main,
+            files = files.join(", "),
+            notice = html(library::NOTICE),
+            data = escape::json(&self.data),
+            library = library,
+            glue = self.glue,
+        )
     }
 }
 
-/// What has to be said of the accuracy.
-fn remarks(run: &Run) -> String {
-    let of_design = |design: &DesignRecord| {
-        let remarks = design.remarks.iter();
-        let line =
-            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), html(remark));
-        remarks.map(line).collect::<String>()
-    };
-    run.record.designs.iter().map(of_design).collect()
-}
-
-/// The links to the sections.
-fn sections(run: &Run) -> String {
-    let tuned = matches!(run.summary, Summary::Optimise(_));
-    let all = [
-        ("curves", "Curves", true),
-        ("mechanism", "Mechanism", true),
-        ("hardpoints", "Hardpoints", tuned),
-        ("convergence", "Convergence", tuned),
-        ("sensitivities", "Sensitivities", true),
-    ];
-    all.iter()
-        .filter(|(_, _, shown)| *shown)
-        .map(|(id, name, _)| format!("<li><a href=\"#{id}\">{name}</a></li>"))
-        .collect()
-}
-
-/// Targets, moved hardpoints and the course of an optimisation.
-fn tuning_sections(tuning: &TuningSummary) -> String {
-    let unseen: String = tuning
-        .unseen()
-        .iter()
-        .map(|u| format!("<li>{}</li>", html(u)))
-        .collect();
-    let unseen = match unseen.is_empty() {
-        true => unseen,
-        false => format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>"),
-    };
-    format!(
-        include_str!("tuning.html"),
-        targets = tuning.targets_table().html(),
-        variables = tuning.variables_table().html(),
-        unseen = unseen,
-        starts = tuning.starts_table().html(),
-    )
+/// A cell's text, which may be broken after the underscores of a column's name where the page is narrow.
+fn breakable(cell: &str) -> String {
+    html(cell).replace('_', "_<wbr>")
 }
 
 impl Table {
@@ -201,7 +76,7 @@ impl Table {
             let cell = |cell: &String| {
                 let number = cell.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
                 let class = if number { " class=\"number\"" } else { "" };
-                format!("<{opening}{class}>{}</{closing}>", html(cell))
+                format!("<{opening}{class}>{}</{closing}>", breakable(cell))
             };
             let cells: String = cells.iter().map(cell).collect();
             format!("<tr>{cells}</tr>")

@@ -1,9 +1,8 @@
-// Controls, and the first drawing. `#station=5&theme=dark` and the like set them from the address.
+// Controls of a run's page, and the first drawing.
 const nearestToDesign = () => {
   const drives = Array.from({ length: stations }, (_, station) => Math.abs(frameAt(0, { station, rack: 0 }).drive));
   return Math.max(0, drives.indexOf(Math.min(...drives)));
 };
-const wishes = new URLSearchParams(location.hash.slice(1));
 const wished = (name, most, otherwise) => {
   const number = parseInt(wishes.get(name), 10);
   return number >= 0 && number < most ? number : otherwise;
@@ -20,7 +19,6 @@ const state = {
 
 const drawCurves = () => Promise.all(curvePlots.map((plot) => plot(state)));
 const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawHistory(), influenced.length && drawInfluences()]);
-const option = (select, value, text) => select.add(new Option(text, value));
 
 for (const name of [record.drive, ...record.abscissae]) option(byId('abscissa'), name, axisTitle(name));
 byId('abscissa').value = state.abscissa;
@@ -35,33 +33,6 @@ byId('swap').addEventListener('click', () => {
   state.upright = !state.upright;
   sayUpright();
   drawCurves();
-});
-
-const prefersDark = matchMedia('(prefers-color-scheme: dark)');
-const isDark = () => (root.dataset.theme ? root.dataset.theme === 'dark' : prefersDark.matches);
-const setTheme = (theme) => {
-  if (theme) root.dataset.theme = theme;
-  else delete root.dataset.theme;
-  byId('theme').textContent = isDark() ? 'light' : 'dark';
-};
-byId('theme').addEventListener('click', () => {
-  setTheme(isDark() ? 'light' : 'dark');
-  drawAll();
-});
-prefersDark.addEventListener('change', () => {
-  setTheme(root.dataset.theme);
-  drawAll();
-});
-// Paper is light.
-let before;
-addEventListener('beforeprint', () => {
-  before = root.dataset.theme;
-  setTheme('light');
-  drawAll();
-});
-addEventListener('afterprint', () => {
-  setTheme(before);
-  drawAll();
 });
 
 for (const [name, most] of [['station', stations], ['rack', racks.length]]) {

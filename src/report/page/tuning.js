@@ -44,15 +44,15 @@ const drawInfluences = async () => {
   await draw(element, [{
     type: 'heatmap', x: influenced.map((o) => plain(o.title)), y: coordinates.map(plain),
     z: cells((o, _, k) => share(o.column, k)), zmin: 0, zmax: 1, showscale: false, xgap: 1, ygap: 1,
-    colorscale: [[0, c.panel], [1, c.accent]],
+    colorscale: [[0, c.panel], [1, c.strong]],
     text: cells((o, found, k) => (share(o.column, k) < 0.01 ? '' : found[measure()].toPrecision(2))), texttemplate: '%{text}',
     customdata: cells((o, found) => (found ? `moves ${brief(found.rms)}, bends ${brief(found.bend)}, at most ${brief(found.largest)} ${perLength(o)}` : 'none')),
     hovertemplate: '%{y} on %{x}<br>%{customdata}<extra></extra>',
   }], layout(c, {
-    xaxis: axis(c, { side: 'top', tickangle: -35, showgrid: false }),
-    yaxis: axis(c, { autorange: 'reversed', showgrid: false }),
-    margin: { l: 10, r: 10, t: 36, b: 10 },
-  }));
+    xaxis: axis(c, { side: 'top', tickangle: -35, showgrid: false, fixedrange: true }),
+    yaxis: axis(c, { autorange: 'reversed', showgrid: false, fixedrange: true }),
+    margin: { l: 10, r: 70, t: 36, b: 10 },
+  }), still);
   await drawRanking();
 };
 
@@ -67,8 +67,8 @@ const drawRanking = async () => {
     marker: { color: c.accent }, customdata: ranked.map((i) => brief(i.largest)),
     hovertemplate: '%{y}: %{x:.4~g}, at most %{customdata}<extra></extra>',
   }], layout(c, {
-    xaxis: axis(c, { title: { text: plain(`${output.title} [${perLength(output)}]`) }, rangemode: 'tozero' }),
-    yaxis: axis(c, { autorange: 'reversed' }),
+    xaxis: axis(c, { title: { text: plain(`${output.title} [${perLength(output)}]`) }, rangemode: 'tozero', fixedrange: true }),
+    yaxis: axis(c, { autorange: 'reversed', fixedrange: true }),
     margin: { l: 10, r: 16, t: 30, b: 44 },
-  }));
+  }), still);
 };

@@ -195,7 +195,7 @@ impl SweepFiles {
 
 /// Removes what a sweep writes at its end: it would speak of another.
 fn clear(directory: &RunDirectory) -> Result<(), WriteError> {
-    for name in ["summary.json", "pareto.csv"] {
+    for name in ["summary.json", "pareto.csv", "report.html"] {
         let path = directory.path().join(name);
         match std::fs::remove_file(&path) {
             Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritten(&path)(e)),

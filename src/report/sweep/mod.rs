@@ -12,11 +12,16 @@ mod merge;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod rows_csv;
+mod run;
+mod shown;
 mod summary;
 mod table_file;
 
 pub use files::{Finished, NotThisSweep, Resumed, SweepFiles, SweepText};
 pub use merge::{MergeError, Parts};
+pub use run::SweepRun;
+pub use shown::{Choice, ShownDesigns};
+pub(super) use summary::OutputSummary;
 pub use summary::{SweepSummary, pareto_csv};
 
 use crate::report::WriteError;

@@ -13,25 +13,25 @@ pub struct SweepSummary {
     version: String,
     study: String,
     topology: String,
-    method: String,
-    shard: Option<[u64; 2]>,
+    pub(in crate::report) method: String,
+    pub(in crate::report) shard: Option<[u64; 2]>,
     /// Designs asked for here.
-    designs: u64,
+    pub(in crate::report) designs: u64,
     /// Designs done; fewer where the sweep was interrupted.
-    done: u64,
+    pub(in crate::report) done: u64,
     /// Designs solved at every station.
-    solved: u64,
-    failures: Vec<FailureSummary>,
+    pub(in crate::report) solved: u64,
+    pub(in crate::report) failures: Vec<FailureSummary>,
     variables: Vec<String>,
-    outputs: Vec<OutputSummary>,
+    pub(in crate::report) outputs: Vec<OutputSummary>,
     /// By rising misfit.
-    best: Vec<DesignSummary>,
+    pub(in crate::report) best: Vec<DesignSummary>,
     /// By number, where there are several targets; the rows are in `pareto.csv`.
-    pareto: Option<Vec<u64>>,
+    pub(in crate::report) pareto: Option<Vec<u64>>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct FailureSummary {
+pub(in crate::report) struct FailureSummary {
     status: String,
     reason: String,
     designs: u64,
@@ -39,11 +39,11 @@ struct FailureSummary {
     /// The drive value nearest to the design position at which one failed.
     nearest: Option<f64>,
     /// The first of the designs.
-    examples: Vec<u64>,
+    pub(in crate::report) examples: Vec<u64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct OutputSummary {
+pub(in crate::report) struct OutputSummary {
     column: String,
     at_design: Option<f64>,
     /// Designs that have it.
@@ -73,13 +73,13 @@ struct EffectSummary {
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct DesignSummary {
-    design: u64,
-    misfit: f64,
+pub(in crate::report) struct DesignSummary {
+    pub(in crate::report) design: u64,
+    pub(in crate::report) misfit: f64,
     /// Target by target, in tolerances.
-    rms: Vec<f64>,
+    pub(in crate::report) rms: Vec<f64>,
     /// By variable.
-    variables: Vec<f64>,
+    pub(in crate::report) variables: Vec<f64>,
 }
 
 impl SweepSummary {

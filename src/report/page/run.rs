@@ -1,0 +1,182 @@
+//! The page of a solve or an optimisation.
+
+use super::Page;
+use super::escape::html;
+use crate::report::TuningSummary;
+use crate::report::curve_table::CurveTable;
+use crate::report::failures::Stretch;
+use crate::report::record::{DesignRecord, Record};
+use crate::report::run::{Run, Summary};
+use serde::Serialize;
+
+/// The page's own script.
+const GLUE: &str = concat!(
+    "'use strict';\n(() => {\n",
+    include_str!("display.js"),
+    include_str!("curves.js"),
+    include_str!("mechanism.js"),
+    include_str!("tuning.js"),
+    include_str!("theme.js"),
+    include_str!("start.js"),
+    "})();\n"
+);
+
+/// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
+const MOST_NUMBERS: usize = 30_000;
+
+/// What the page's script reads.
+#[derive(Serialize)]
+struct Data<'a> {
+    record: &'a Record,
+    curves: Vec<CurveTable>,
+    history: Option<CurveTable>,
+    kept_start: Option<usize>,
+}
+
+/// The page of a run.
+pub fn page(run: &Run) -> String {
+    let (curves, curves_note) = drawn(run);
+    let data = Data {
+        record: &run.record,
+        curves,
+        history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
+        kept_start: match &run.summary {
+            Summary::Optimise(tuning) => tuning.kept_start(),
+            Summary::Solve(_) => None,
+        },
+    };
+    let (tuning, ranges) = match &run.summary {
+        Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
+        Summary::Solve(solve) => (String::new(), solve.table().html()),
+    };
+    let main = format!(
+        include_str!("run.html"),
+        curves_note = curves_note,
+        ranges = ranges,
+        tuning = tuning,
+    );
+    let page = Page {
+        study: &run.record.study,
+        about: format!(
+            "{}, {} · hardpoint {}",
+            run.record.topology.replace('_', " "),
+            run.record.command,
+            run.record.version
+        ),
+        facts: facts(run),
+        remarks: failures(run) + &remarks(run),
+        sections: sections(run),
+        controls: include_str!("controls.html"),
+        main,
+        files: &run.files,
+        data,
+        glue: GLUE,
+    };
+    page.html()
+}
+
+/// The curves that are drawn, and a remark where those are not all.
+fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
+    let widths = run.curves.iter().map(|table| table.header.len());
+    let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
+    let all = run.curves.iter().map(CurveTable::rows).max().unwrap_or(0);
+    let note = match all > most {
+        true => format!(
+            r#"<p class="notice">{most} of {all} stations are drawn, evenly chosen; the files have all.</p>"#
+        ),
+        false => String::new(),
+    };
+    (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
+}
+
+/// What matters most, first.
+fn facts(run: &Run) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    if let Summary::Optimise(tuning) = &run.summary {
+        let [before, after] = tuning.misfits();
+        let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
+        let misfit = format!(
+            "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
+            known(before),
+            known(after)
+        );
+        facts.push(("Misfit", misfit));
+        let [active, all] = tuning.at_bounds();
+        let bounds = format!("{active} of {all} <small>variables</small>");
+        facts.push(("At a bound", bounds));
+    }
+    if let Some(design) = run.record.designs.last() {
+        let failed: usize = design.failures.iter().map(Stretch::stations).sum();
+        let all = design.stations;
+        let solved = all.saturating_sub(failed);
+        let class = if failed == 0 { "" } else { " class=\"bad\"" };
+        let solved = format!("<span{class}>{solved}</span> of {all} <small>stations</small>");
+        facts.push(("Solved", solved));
+    }
+    facts
+}
+
+/// Every failed stretch with its reason.
+fn failures(run: &Run) -> String {
+    let mut items = String::new();
+    for design in &run.record.designs {
+        for stretch in &design.failures {
+            items += &format!(
+                "<li><b>{}</b>, {}</li>",
+                html(&design.label),
+                html(&stretch.to_string())
+            );
+        }
+    }
+    match items.is_empty() {
+        true => items,
+        false => format!(
+            r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
+        ),
+    }
+}
+
+/// What has to be said of the accuracy.
+fn remarks(run: &Run) -> String {
+    let of_design = |design: &DesignRecord| {
+        let remarks = design.remarks.iter();
+        let line =
+            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), html(remark));
+        remarks.map(line).collect::<String>()
+    };
+    run.record.designs.iter().map(of_design).collect()
+}
+
+/// The links to the sections.
+fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
+    let tuned = matches!(run.summary, Summary::Optimise(_));
+    let all = [
+        ("curves", "Curves", true),
+        ("mechanism", "Mechanism", true),
+        ("hardpoints", "Hardpoints", tuned),
+        ("convergence", "Convergence", tuned),
+        ("sensitivities", "Sensitivities", true),
+    ];
+    let shown = all.into_iter().filter(|(_, _, shown)| *shown);
+    shown.map(|(id, name, _)| (id, name)).collect()
+}
+
+/// Targets, moved hardpoints and the course of an optimisation.
+fn tuning_sections(tuning: &TuningSummary) -> String {
+    let unseen: String = tuning
+        .unseen()
+        .iter()
+        .map(|u| format!("<li>{}</li>", html(u)))
+        .collect();
+    let unseen = match unseen.is_empty() {
+        true => unseen,
+        false => format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>"),
+    };
+    format!(
+        include_str!("tuning.html"),
+        targets = tuning.targets_table().html(),
+        variables = tuning.variables_table().html(),
+        unseen = unseen,
+        starts = tuning.starts_table().html(),
+    )
+}

@@ -1,0 +1,340 @@
+//! The page of a sweep.
+
+use super::Page;
+use super::escape::html;
+use crate::report::record::readable_unit;
+use crate::report::solve_summary::brief;
+use crate::report::sweep::{OutputSummary, ShownDesigns, SweepRun};
+use crate::report::table::Table;
+use crate::sweep::{Kind, SweepRecord};
+use serde::Serialize;
+
+/// The page's own script.
+const GLUE: &str = concat!(
+    "'use strict';\n(() => {\n",
+    include_str!("display.js"),
+    include_str!("theme.js"),
+    include_str!("designs.js"),
+    include_str!("parallel.js"),
+    include_str!("effects.js"),
+    include_str!("start_sweep.js"),
+    "})();\n"
+);
+
+/// The most rows of a table.
+const MOST_ROWS: usize = 50;
+
+/// What the page's script reads.
+#[derive(Serialize)]
+struct Data<'a> {
+    columns: Vec<Column<'a>>,
+    shown: &'a ShownDesigns,
+    best: Vec<u64>,
+    front: &'a [u64],
+    /// Numbers of the columns that a plot begins with.
+    first: First,
+    effects: &'a [OutputSummary],
+}
+
+/// A column of the designs.
+#[derive(Serialize)]
+struct Column<'a> {
+    column: &'a str,
+    title: String,
+    unit: String,
+    kind: Option<Kind>,
+    at_design: Option<f64>,
+}
+
+/// Numbers of columns.
+#[derive(Serialize)]
+struct First {
+    variables: usize,
+    misfit: Option<usize>,
+    deviations: Vec<usize>,
+}
+
+/// The page of a sweep.
+pub fn sweep_page(run: &SweepRun) -> String {
+    let (record, summary) = (&run.record, &run.summary);
+    let after_variables = |k: usize| record.variables.len() + k;
+    let data = Data {
+        columns: columns(record),
+        shown: &run.shown,
+        best: summary.best.iter().map(|d| d.design).collect(),
+        front: &run.choice.front,
+        first: First {
+            variables: record.variables.len(),
+            misfit: record.misfit().map(after_variables),
+            deviations: record
+                .deviations()
+                .into_iter()
+                .map(after_variables)
+                .collect(),
+        },
+        effects: &summary.outputs,
+    };
+    let mut sections = vec![("designs", "Designs"), ("design", "One design")];
+    sections.extend((!summary.best.is_empty()).then_some(("best", "Best")));
+    sections.push(("effects", "What matters"));
+    let page = Page {
+        study: &record.study,
+        about: about(record),
+        facts: facts(run),
+        remarks: remarks(run),
+        sections,
+        controls: "",
+        main: format!(
+            include_str!("sweep.html"),
+            choice = choice(run),
+            best = best(run),
+            effects = effects(record),
+            outputs = summary.outputs_table().html(),
+        ),
+        files: &run.files,
+        data,
+        glue: GLUE,
+    };
+    page.html()
+}
+
+fn about(record: &SweepRecord) -> String {
+    let seed = record.seed.map(|seed| format!(", seed {seed}"));
+    let shard = record.shard.map(|[i, n]| format!(", shard {i} of {n}"));
+    format!(
+        "{}, sweep by {}{}{}, {} stations · hardpoint {}",
+        record.topology.replace('_', " "),
+        record.method.replace('_', " "),
+        seed.unwrap_or_default(),
+        shard.unwrap_or_default(),
+        record.stations,
+        record.version
+    )
+}
+
+fn columns(record: &SweepRecord) -> Vec<Column<'_>> {
+    let length = &record.length_unit;
+    let variables = record.variables.iter().map(|v| Column {
+        column: &v.column,
+        title: without_unit(&v.column, length).to_owned(),
+        unit: length.clone(),
+        kind: None,
+        at_design: Some(v.at_design),
+    });
+    let outputs = record.outputs.iter().map(|o| Column {
+        column: &o.column,
+        title: without_unit(&o.column, &o.unit).replace('_', " "),
+        unit: match o.kind {
+            Kind::Rms | Kind::Misfit => "tolerances".to_owned(),
+            _ => readable_unit(&o.unit),
+        },
+        kind: Some(o.kind),
+        at_design: o.at_design,
+    });
+    variables.chain(outputs).collect()
+}
+
+/// `camber_min_deg` -> `camber_min`
+fn without_unit<'a>(column: &'a str, unit: &str) -> &'a str {
+    let name = column.strip_suffix(unit);
+    name.and_then(|name| name.strip_suffix('_'))
+        .unwrap_or(column)
+}
+
+/// What matters most, first.
+fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
+    let summary = &run.summary;
+    let class = match summary.solved == summary.done {
+        true => "",
+        false => " class=\"bad\"",
+    };
+    let mut facts = Vec::new();
+    if let Some(best) = summary.best.first() {
+        let misfit = run.record.misfit();
+        let given = misfit.and_then(|m| run.record.outputs[m].at_design);
+        let given = given.map(|m| format!("{} <span class=\"to\">→</span> ", brief(m)));
+        let misfit = format!(
+            "{}<strong>{}</strong> <small>tolerances, design {}</small>",
+            given.unwrap_or_default(),
+            brief(best.misfit),
+            best.design
+        );
+        facts.push(("Misfit, as given and best", misfit));
+    }
+    if let Some(count) = summary.on_front() {
+        let front = format!(
+            "{count} <small>designs, {} targets</small>",
+            run.record.deviations().len()
+        );
+        facts.push(("On the Pareto front", front));
+    }
+    let solved = format!(
+        "<span{class}>{}</span> of {} <small>designs</small>",
+        summary.solved, summary.done
+    );
+    facts.push(("Solved", solved));
+    facts
+}
+
+/// Failures by reason, and what is missing of an interrupted sweep.
+fn remarks(run: &SweepRun) -> String {
+    let summary = &run.summary;
+    let mut remarks = String::new();
+    if summary.done < summary.designs {
+        remarks += &format!(
+            "<p class=\"notice\">Interrupted after {} of {} designs: <code>hardpoint sweep</code> with \
+             <code>--resume</code> goes on. All below is of the designs done.</p>",
+            summary.done, summary.designs
+        );
+    }
+    if !summary.failures.is_empty() {
+        let (table, left_out) = summary.failures_table().first(MOST_ROWS);
+        let more = match left_out {
+            0 => String::new(),
+            more => format!("<p>And {more} more reasons, in <code>summary.json</code>.</p>"),
+        };
+        remarks += &format!(
+            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with the drive \
+             value nearest to the design position at which one failed. What could not be computed is \
+             missing from the plots.</p>{}{more}</div>",
+            table.html()
+        );
+    }
+    remarks
+}
+
+/// Which designs are drawn.
+fn choice(run: &SweepRun) -> String {
+    let (summary, shown) = (&run.summary, run.shown.design.len());
+    let file = html(&run.record.file_name("designs"));
+    if run.choice.every == 1 {
+        return format!("All {shown} designs are drawn, with the values of <code>{file}</code>.");
+    }
+    let front = match summary.on_front() {
+        None => String::new(),
+        Some(all) if all == run.choice.front.len() => format!("the {all} of the Pareto front, "),
+        Some(all) => format!(
+            "{} of the {all} of the Pareto front (evenly chosen), ",
+            run.choice.front.len()
+        ),
+    };
+    let best = match summary.best.len() {
+        0 => String::new(),
+        best => format!("the {best} best, "),
+    };
+    let failures = match summary.failures.is_empty() {
+        true => "",
+        false => "examples of every failure listed above, ",
+    };
+    format!(
+        "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all designs those \
+         whose numbers are multiples of {}. <code>{file}</code> has all; what the tables say is of all.",
+        summary.done, run.choice.every
+    )
+}
+
+/// The best designs and the front, with the way to their studies.
+fn best(run: &SweepRun) -> String {
+    let summary = &run.summary;
+    if summary.best.is_empty() {
+        return String::new();
+    }
+    let front = match run.choice.front.is_empty() {
+        true => String::new(),
+        false => {
+            let (table, left_out) = front_table(run).first(MOST_ROWS);
+            let more = match left_out {
+                0 => String::new(),
+                _ => "<p class=\"note\"><code>pareto.csv</code> has all of them.</p>".to_owned(),
+            };
+            format!(
+                "<h3>Pareto front</h3><p class=\"note\">No design is better in one target without being \
+                 worse in another. Deviations in tolerances.</p>{}{more}",
+                table.html()
+            )
+        }
+    };
+    format!(
+        "<section id=\"best\" aria-labelledby=\"best-title\"><h2 id=\"best-title\">Best designs</h2>\
+         <p class=\"note\">By misfit; misfit and deviations in tolerances. \
+         <code>hardpoint sweep STUDY --design NUMBER</code> prints a design as a study.</p>{}{front}</section>",
+        best_table(run).html()
+    )
+}
+
+fn header(record: &SweepRecord) -> Vec<String> {
+    let outputs = record
+        .deviations()
+        .into_iter()
+        .map(|k| &record.outputs[k].column);
+    let variables = record.variables.iter().map(|v| &v.column);
+    let columns = ["design", "misfit"].map(str::to_owned).into_iter();
+    let columns = columns.chain(outputs.chain(variables).cloned());
+    columns.chain(["as a study".to_owned()]).collect()
+}
+
+fn command(design: u64) -> String {
+    format!("--design {design}")
+}
+
+fn best_table(run: &SweepRun) -> Table {
+    let mut table = Table::with_columns(header(&run.record));
+    for best in &run.summary.best {
+        let values = [best.misfit].into_iter().chain(best.rms.iter().copied());
+        let mut row = vec![best.design.to_string()];
+        row.extend(values.chain(best.variables.iter().copied()).map(brief));
+        row.push(command(best.design));
+        table.push_row(row);
+    }
+    table
+}
+
+/// By rising deviation from the first target.
+fn front_table(run: &SweepRun) -> Table {
+    let record = &run.record;
+    let mut table = Table::with_columns(header(record));
+    let variables = record.variables.len();
+    let outputs = record.misfit().into_iter().chain(record.deviations());
+    let order: Vec<usize> = outputs.map(|k| variables + k).chain(0..variables).collect();
+    let value = |row: usize, column: usize| run.shown.columns[column][row];
+    let first = record.deviations().first().map_or(0, |k| variables + k);
+    let mut rows: Vec<usize> = run
+        .choice
+        .front
+        .iter()
+        .filter_map(|d| run.shown.row(*d))
+        .collect();
+    rows.sort_by(|a, b| f64::total_cmp(&key(value(*a, first)), &key(value(*b, first))));
+    for row in rows {
+        let mut cells = vec![run.shown.design[row].to_string()];
+        let values = order.iter().map(|column| value(row, *column));
+        cells.extend(values.map(|v| v.map_or_else(String::new, brief)));
+        cells.push(command(run.shown.design[row]));
+        table.push_row(cells);
+    }
+    table
+}
+
+fn key(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::INFINITY)
+}
+
+/// What the numbers of the effects are.
+fn effects(record: &SweepRecord) -> String {
+    let change = "The change is that from the low to the high end of a variable's range in the plane of least \
+                  squares through all designs that have every output";
+    let share = match record.method.as_str() {
+        "file" => {
+            " Designs from a file need not be independent, so there are no shares of the variance."
+        }
+        "saltelli" => {
+            " The share is the first-order Sobol index, the part of the output's variance that goes when \
+             the variable is known; the total index is the part that stays when everything else is."
+        }
+        _ => {
+            " The share is the first-order Sobol index, the part of the output's variance that goes when \
+             the variable is known."
+        }
+    };
+    format!("{change}.{share} Outputs that nothing moves are left out.")
+}

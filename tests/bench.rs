@@ -3,7 +3,9 @@
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
 use hardpoint::bench::effects::Effects;
+use hardpoint::bench::throughput::Throughput;
 use hardpoint::bench::{Clock, Unmeasurable};
+use hardpoint::number::Width;
 use hardpoint::study::Study;
 use std::path::Path;
 use std::time::Duration;
@@ -163,6 +165,32 @@ fn a_motion_of_two_stations_is_no_curve() {
         needed: 5,
     };
     assert_eq!(refused, expected);
+}
+
+/// A strut and a double wishbone run in lanes of every width there is, a five-link one by one; the paper
+/// knows struts only.
+#[test]
+fn throughput_is_measured_by_every_way_there_is() {
+    let widths = Width::ALL.iter().filter(|w| w.is_available()).count();
+    for (name, lanes, paper) in [
+        ("macpherson_solve.toml", widths, 1),
+        ("double_wishbone_solve.toml", widths, 0),
+        ("five_link_solve.toml", 0, 0),
+    ] {
+        let study = study(name, &["motion.travel=[-30.0, 0.0, 30.0]"]);
+        let found = Throughput::measure(&study, 2, &NO_TIME).unwrap();
+        let of = |method: &str| {
+            let all = found.measurements.iter();
+            all.filter(|m| m.method.starts_with(method)).count()
+        };
+        // Angles and gains on one thread, and the widest on two.
+        let expected = if lanes > 0 { 2 * lanes + 1 } else { 0 };
+        assert_eq!(of("lanes"), expected, "{name}");
+        assert_eq!(of("point coordinates"), paper, "{name}");
+        let rows = found.measurements.len();
+        assert_eq!(rows, expected + paper + of("one by one"), "{name}");
+        assert!(found.measurements.iter().all(|m| m.timing.median > 0.0));
+    }
 }
 
 fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {

@@ -1,7 +1,7 @@
 //! Poses per second, as a sweep has them: many designs, their preparation and the values written down
 //! included.
 //!
-//! Designs are the study's own with every hardpoint moved by up to [`SCATTER`] of the mechanism's size,
+//! Designs are the study's own with every hardpoint moved by up to a hundredth of the mechanism's size,
 //! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
 //! same rounds, and reads off nothing.
 

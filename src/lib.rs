@@ -32,9 +32,9 @@
 //! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`report`] | files and tables |
-//! | [`mod@bench`] | what a digit and an effect cost on this machine |
+//! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
 //! | [`cli`] | the command line |
-//! | [`number`] | Taylor series and gradients as numbers: how one formula serves for all derivatives |
+//! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 //!
 //! # Example
 //!

@@ -537,3 +537,21 @@ fn loads_without_support_are_reported() {
     let warning = "warning: loads not carried at 1 station, the first at travel 0: the spring has next to no leverage";
     assert!(text(said).contains(warning), "{}", text(said));
 }
+
+/// A page beside the results of another run would be believed.
+#[test]
+fn a_run_without_a_page_removes_that_of_an_earlier_one() {
+    let (directory, _) = run("solve", "five_link_solve.toml", &["--report"]);
+    let page = directory.path().join("run/report.html");
+    assert!(page.exists());
+    let study = studies().join("five_link_solve.toml");
+    let out = directory.path().join("run");
+    hardpoint(&[
+        "solve",
+        study.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ])
+    .success();
+    assert!(!page.exists());
+}

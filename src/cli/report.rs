@@ -58,9 +58,15 @@ impl Wanted {
     /// Reads the finished run back and shows it. Returns the files written into the run's directory.
     pub(super) fn show(&self, directory: Option<&RunDirectory>) -> Result<Vec<&'static str>, Stop> {
         let mut files = Vec::new();
-        let Some(directory) = directory.filter(|_| self.page || self.plots.is_some()) else {
+        let Some(directory) = directory else {
             return Ok(files);
         };
+        if !self.page {
+            directory.remove("report.html").map_err(Stop::unwritten)?;
+        }
+        if !self.page && self.plots.is_none() {
+            return Ok(files);
+        }
         let run = Run::read(directory.path()).map_err(Stop::wrong_input)?;
         if self.page {
             write_page(&page(&run), directory)?;

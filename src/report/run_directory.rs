@@ -53,6 +53,17 @@ impl RunDirectory {
             source,
         })
     }
+
+    /// Removes a file of an earlier run, if there is one: beside the new results it would speak of others.
+    pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(WriteError { path, source })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A file beside the place it will take when it is whole.

@@ -4,8 +4,8 @@
 //! run, its files hold whole rows, and `--resume` goes on after the last whole block.
 
 use super::curves_csv::CurvesCsv;
+use super::rows_csv;
 use super::table_file::{TableFile, open_lines};
-use super::{rows_csv, unwritten};
 use crate::report::{RunDirectory, WriteError};
 use crate::study::Study;
 use crate::sweep::{FORM, SweepPlan, SweepRecord, Tally, Worker};
@@ -195,14 +195,8 @@ impl SweepFiles {
 
 /// Removes what a sweep writes at its end: it would speak of another.
 fn clear(directory: &RunDirectory) -> Result<(), WriteError> {
-    for name in ["summary.json", "pareto.csv", "report.html"] {
-        let path = directory.path().join(name);
-        match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(unwritten(&path)(e)),
-            _ => {}
-        }
-    }
-    Ok(())
+    let mut names = ["summary.json", "pareto.csv", "report.html"].into_iter();
+    names.try_for_each(|name| directory.remove(name))
 }
 
 /// Reads the record of a sweep's directory.

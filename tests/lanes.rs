@@ -78,6 +78,8 @@ struct Found {
     unreachable: usize,
     /// Designs the lanes left to the careful path.
     left: usize,
+    /// Whether rates were among what was compared.
+    with_rates: bool,
     /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
     worst: f64,
     of: Option<(Quantity, f64)>,
@@ -97,7 +99,10 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         base: suspension.design.clone(),
         by,
     };
-    let mut found = Found::default();
+    let mut found = Found {
+        with_rates: quantities.iter().any(|q| q.depth() > 0),
+        ..Found::default()
+    };
     let mut wanted = Block::new(quantities.len(), stations.count());
     let mut block = wanted.clone();
     while found.designs < designs {
@@ -175,11 +180,18 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     found
 }
 
-/// Sensible designs (no hardpoint moved by more than 10 mm) agree to 1e-12. The others come as close to
-/// their folds and toggles as lanes go, where what is left of a residual is amplified.
+/// What lanes leave of a residual is 2e-14 sizes. Sensible designs (no hardpoint moved by more than
+/// 10 mm) agree to 1e-12 in everything. The others come as close to folds and toggles as lanes go: to an
+/// angle of sine 0.2, where the knuckle turns five times as fast, and to an arm four times as steep by the
+/// travel. That is a factor of 20 for a position, with the roundings of both paths beside it, and of its cube
+/// for a rate: 8000 x 2e-14 is 1.6e-10, times the number of things that turn.
 fn check(all: Vec<(f64, Found)>) {
     for (by, found) in all {
-        let bound = if by <= 10.0 { 1e-12 } else { 4e-11 };
+        let bound = match (by <= 10.0, found.with_rates) {
+            (true, _) => 1e-12,
+            (false, false) => 1e-11,
+            (false, true) => 1e-9,
+        };
         assert!(found.worst < bound, "{by}: {found:?}");
     }
 }

@@ -52,6 +52,7 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
+const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
 
 impl Throughput {
@@ -111,26 +112,36 @@ impl Throughput {
                 let method = format!("lanes, {}", width.name());
                 add(asked, method, 1, sweep.job(quantities, Some(width), 1)?);
             }
-            add(
-                asked,
-                "one by one".to_owned(),
-                1,
-                sweep.job(quantities, None, 1)?,
-            );
+            let job = sweep.job(quantities, None, 1)?;
+            add(asked, ONE_BY_ONE.to_owned(), 1, job);
         }
         let widest = has_lanes.then(Width::widest);
-        let method = widest.map_or("one by one".to_owned(), |w| format!("lanes, {}", w.name()));
+        let method = widest.map_or(ONE_BY_ONE.to_owned(), |w| format!("lanes, {}", w.name()));
         for threads in 2..=threads {
             let job = sweep.job(&angles, widest, threads)?;
             add(ANGLES, method.clone(), threads, job);
         }
-        let one = "one by one";
         let job = sweep.series::<3>(&angles);
-        add("four angles, rates, curvatures", one.to_owned(), 1, job);
+        add(
+            "four angles, rates, curvatures",
+            ONE_BY_ONE.to_owned(),
+            1,
+            job,
+        );
         let job = sweep.gradients::<1>(&angles);
-        add("four angles by every hardpoint", one.to_owned(), 1, job);
+        add(
+            "four angles by every hardpoint",
+            ONE_BY_ONE.to_owned(),
+            1,
+            job,
+        );
         let job = sweep.gradients::<3>(&angles);
-        add("all of it by every hardpoint", one.to_owned(), 1, job);
+        add(
+            "all of it by every hardpoint",
+            ONE_BY_ONE.to_owned(),
+            1,
+            job,
+        );
         if let Some(job) = sweep.by_the_paper() {
             add("positions", PAPER.to_owned(), 1, job);
         }

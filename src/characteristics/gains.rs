@@ -19,15 +19,7 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     }
     // An angle reads the two directions and nothing else.
     let still = Jet::constant(inputs.turn.x.zero());
-    let none = Vector3::new(still, still, still);
-    let nothing = Wheel {
-        spin_axis: none,
-        centre: none,
-        steering_point: none,
-        steering_direction: none,
-        spring_length: still,
-        strut_upper: none,
-    };
+    let nothing = Wheel::filled(still);
     let (now, rate) = (&inputs.now, &inputs.rate);
     let moving = Inputs {
         now: Wheel {
@@ -36,7 +28,7 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
             ..nothing
         },
         rate: nothing,
-        turn: none,
+        turn: nothing.centre,
         design: nothing,
         constants: inputs.constants,
     };

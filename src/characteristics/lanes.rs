@@ -3,7 +3,7 @@
 //! Only what the formulas asked for read is formed; which that is has been decided when the reader is
 //! made, by their [`Slot`]s.
 
-use super::{Characteristic, Constants, Inputs, Slot, Wheel};
+use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates};
 use crate::model::{Body, Mechanism, PointId, SpinAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Vector3};
@@ -52,21 +52,17 @@ impl<'a> LaneReader<'a> {
         constants: Constants,
         characteristics: Vec<Characteristic>,
     ) -> Option<Self> {
-        let mut reads = Reads::default();
-        for slot in characteristics.iter().flat_map(|c| c.info().reads) {
-            match slot {
-                Slot::SpinAxis | Slot::DesignSpinAxis => reads.spin_axis = true,
-                Slot::Centre | Slot::DesignCentre => reads.centre = true,
-                Slot::SteeringPoint | Slot::SteeringDirection => reads.steering_axis = true,
-                Slot::StrutUpper => reads.strut_upper = true,
-                Slot::SpringLength => reads.spring = true,
-                Slot::SpinAxisRate => (reads.spin_axis, reads.rates) = (true, true),
-                Slot::CentreRate => (reads.centre, reads.rates) = (true, true),
-                Slot::SteeringDirectionRate => (reads.steering_axis, reads.rates) = (true, true),
-                Slot::SpringLengthRate => (reads.spring, reads.rates) = (true, true),
-                Slot::Turn => reads.rates = true,
-            }
-        }
+        let slots = characteristics
+            .iter()
+            .fold(Slots::default(), |slots, c| slots.with(c.info().reads));
+        let reads = Reads {
+            spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
+            centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
+            steering_axis: slots.contain_steering_axis(),
+            strut_upper: slots.contains(Slot::StrutUpper),
+            spring: slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate),
+            rates: characteristics.iter().any(|c| c.info().reads_rates()),
+        };
         let on = |id: PointId, bodies: &[Body]| bodies.contains(&mechanism.body(id));
         let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
             && mechanism
@@ -100,7 +96,6 @@ impl<'a> LaneReader<'a> {
             SpinAxis::From(inner) => (centre - design[inner.0]).normalised(),
             SpinAxis::Along(direction) => centre.lit(direction),
         };
-        let zero = centre.zero();
         let end = |id: PointId| match mechanism.body(id) {
             Body::Chassis => SpringEnd::Chassis(design[id.0]),
             _ => SpringEnd::Knuckle(lanes.point(design[id.0])),
@@ -119,10 +114,7 @@ impl<'a> LaneReader<'a> {
             design: Wheel {
                 spin_axis,
                 centre,
-                steering_point: zero,
-                steering_direction: zero,
-                spring_length: zero.x,
-                strut_upper: zero,
+                ..Wheel::filled(centre.x.zero())
             },
         }
     }
@@ -131,14 +123,7 @@ impl<'a> LaneReader<'a> {
     #[inline(always)]
     pub fn inputs<B: Bundle>(&self, wheels: &LaneWheels<B>) -> Inputs<B> {
         let zero = wheels.design.centre.zero();
-        let nothing = Wheel {
-            spin_axis: zero,
-            centre: zero,
-            steering_point: zero,
-            steering_direction: zero,
-            spring_length: zero.x,
-            strut_upper: zero,
-        };
+        let nothing = Wheel::filled(zero.x);
         Inputs {
             now: nothing,
             rate: nothing,
@@ -225,14 +210,11 @@ impl<'a> LaneReader<'a> {
             )
         };
         let still = inputs.design.centre.zero();
-        let nothing = pairs(still, still);
+        let nothing = Wheel::filled(Jet::constant(0.0));
         let design = Wheel {
             spin_axis: pairs(inputs.design.spin_axis, still),
             centre: pairs(inputs.design.centre, still),
-            steering_point: nothing,
-            steering_direction: nothing,
-            spring_length: nothing.x,
-            strut_upper: nothing,
+            ..nothing
         };
         Inputs {
             now: Wheel {
@@ -243,8 +225,8 @@ impl<'a> LaneReader<'a> {
                 spring_length: pair(now.spring_length, rate.spring_length),
                 strut_upper: pairs(now.strut_upper, rate.strut_upper),
             },
-            rate: design,
-            turn: nothing,
+            rate: nothing,
+            turn: nothing.centre,
             design,
             constants: inputs.constants,
         }

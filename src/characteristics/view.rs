@@ -274,17 +274,10 @@ impl<T: Real> Inputs<T> {
     /// is not among the slots.
     #[inline]
     pub fn standing(at: &Posture<T>, constants: Constants, slots: Slots) -> Self {
-        let reads = |now: Slot, rate: Slot| slots.contains(now) || slots.contains(rate);
+        let reads = |now: Slot, rate: Slot| slots.contain_either(now, rate);
         let mechanism = at.mechanism;
         let unknown = at.pose.origin.map(|c| c.lit(f64::NAN));
-        let nothing = Wheel {
-            spin_axis: unknown,
-            centre: unknown,
-            steering_point: unknown,
-            steering_direction: unknown,
-            spring_length: unknown.x,
-            strut_upper: unknown,
-        };
+        let nothing = Wheel::filled(unknown.x);
         let (mut now, mut design) = (nothing, nothing);
         if reads(Slot::SpinAxis, Slot::SpinAxisRate) {
             now.spin_axis = at.spin_axis();

@@ -94,6 +94,12 @@ impl Slots {
         self.0 & (1 << slot as u16) != 0
     }
 
+    /// Whether a quantity or its rate is among them.
+    #[inline]
+    pub fn contain_either(self, now: Slot, rate: Slot) -> bool {
+        self.contains(now) || self.contains(rate)
+    }
+
     /// Whether they need the steering axis.
     pub fn contain_steering_axis(self) -> bool {
         Slot::ALL
@@ -179,6 +185,20 @@ impl Slot {
 }
 
 impl<T: Real> Wheel<T> {
+    /// The same number everywhere: for what is not read.
+    #[inline(always)]
+    pub(super) fn filled(number: T) -> Self {
+        let vector = Vector3::new(number, number, number);
+        Wheel {
+            spin_axis: vector,
+            centre: vector,
+            steering_point: vector,
+            steering_direction: vector,
+            spring_length: number,
+            strut_upper: vector,
+        }
+    }
+
     /// The wheel over another kind of number.
     #[inline]
     pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Wheel<U> {

@@ -329,11 +329,8 @@ impl<'m> Solver<'m> {
                 return Err(DesignFault::NotFinite(PointId(i)));
             }
         }
-        let origin = design[self.mechanism.origin.0];
-        let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
-        self.size = design.iter().fold(0.0, farthest).sqrt();
-        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
-        self.reach = design.iter().fold(0.0, largest).sqrt().max(self.size);
+        self.size = self.mechanism.size(design);
+        self.reach = self.mechanism.reach(design);
         self.lifted_is_current = false;
         self.settled = None;
         self.formed = None;

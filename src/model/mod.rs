@@ -191,6 +191,23 @@ impl Mechanism {
         })
     }
 
+    /// The size of a design: the largest distance of a point from the knuckle's origin.
+    pub fn size(&self, design: &[Vector3<f64>]) -> f64 {
+        let origin = design[self.origin.0];
+        let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
+        design.iter().fold(0.0, farthest).sqrt()
+    }
+
+    /// The largest coordinates of a design, at least its size: what positions are rounded at.
+    pub fn reach(&self, design: &[Vector3<f64>]) -> f64 {
+        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
+        design
+            .iter()
+            .fold(0.0, largest)
+            .sqrt()
+            .max(self.size(design))
+    }
+
     /// Pairs of points that something with a length or a direction runs between: arm axes, rods, strut and
     /// spin axis.
     pub fn lengths(&self) -> impl Iterator<Item = (PointId, PointId)> {
@@ -250,10 +267,6 @@ impl Suspension {
     /// The size of the mechanism: the largest distance of a point from the knuckle's origin. Bounds
     /// on rounding and step lengths are stated relative to it.
     pub fn size(&self) -> f64 {
-        let origin = self.design[self.mechanism.origin.0];
-        self.design
-            .iter()
-            .map(|p| (*p - origin).norm())
-            .fold(0.0, f64::max)
+        self.mechanism.size(&self.design)
     }
 }

@@ -35,17 +35,6 @@ pub trait Bundle: Real {
     fn all(mask: Self::Mask) -> bool;
     /// Whether the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
-
-    /// The larger of two numbers.
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self::select(self.less(other), other, self)
-    }
-    /// The smaller of two numbers.
-    #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
-        Self::select(other.less(self), other, self)
-    }
 }
 
 impl Bundle for f64 {

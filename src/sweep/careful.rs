@@ -53,12 +53,10 @@ impl<'a, const N: usize> Careful<'a, N> {
         let points = self.solver.design().len();
         for &number in numbers {
             let design = &designs[number * points..(number + 1) * points];
+            block.forget(number);
             if let Err(fault) = self.evaluate_design(number, design, block) {
                 // What was found before the fault showed is not to be used.
-                let (outputs, stations) = (block.outputs, block.stations);
-                let size = outputs * stations;
-                block.values[number * size..(number + 1) * size].fill(f64::NAN);
-                block.slopes[number * outputs..(number + 1) * outputs].fill(f64::NAN);
+                block.forget(number);
                 block.failures.retain(|f| f.design != number);
                 block.faults.push((number, fault));
             }

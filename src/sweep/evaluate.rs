@@ -31,8 +31,8 @@ pub struct FailedStation {
 /// there is none.
 #[derive(Clone, Debug)]
 pub struct Block {
-    pub(super) outputs: usize,
-    pub(super) stations: usize,
+    outputs: usize,
+    stations: usize,
     designs: usize,
     /// `[design][output][station]`
     pub(super) values: Vec<f64>,
@@ -58,12 +58,10 @@ impl Block {
         }
     }
 
-    /// Makes ready for so many designs, without values so far.
+    /// Makes ready for so many designs. Their values are still those of another block.
     fn clear(&mut self, designs: usize) {
         assert!(designs <= BLOCK);
         self.designs = designs;
-        self.values[..designs * self.outputs * self.stations].fill(f64::NAN);
-        self.slopes[..designs * self.outputs].fill(f64::NAN);
         self.failures.clear();
         self.faults.clear();
     }
@@ -91,6 +89,12 @@ impl Block {
     #[inline]
     pub(super) fn slopes_of(&mut self, design: usize) -> &mut [f64] {
         &mut self.slopes[design * self.outputs..(design + 1) * self.outputs]
+    }
+
+    /// Leaves a design without values.
+    pub(super) fn forget(&mut self, design: usize) {
+        self.values_of(design).fill(f64::NAN);
+        self.slopes_of(design).fill(f64::NAN);
     }
 
     /// The derivative by the drive in the design position; NaN for what is made of velocities itself.
@@ -206,7 +210,7 @@ mod tests {
         .unwrap()
     }
 
-    /// The values are those of `hardpoint solve`, to the bit, and a design's do not depend on its
+    /// The values of the careful path are those of `hardpoint solve`, to the bit, and a design's do not depend on its
     /// neighbours, nor on what the evaluator did before.
     #[test]
     fn values_are_those_of_the_curves_whatever_the_neighbours() {

@@ -2,8 +2,9 @@
 //!
 //! What the careful path ([`Solver`](super::Solver)) does for one design, this does for as many as fit
 //! into SIMD registers, by the same closed form, provided that nothing is close to changing. Along the
-//! travel the tangent of half the arm angle is predicted from the places visited; nearly always the
-//! one correction is all it takes. Elsewhere a secant step or two follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
+//! travel the tangent of half the arm angle is predicted from the places visited; nearly always one
+//! correction is all it takes, elsewhere secant steps follow. A lane is frozen once it has converged, so
+//! it does not matter what its neighbours still do.
 //!
 //! A lane is *lost*, and its design left to the careful path, where
 //!
@@ -180,11 +181,7 @@ impl Batch {
         racks: &[f64],
     ) -> Option<Batch> {
         let roles = Roles::of(mechanism)?;
-        let origin = base[mechanism.origin.0];
-        let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
-        let size = base.iter().fold(0.0, farthest).sqrt();
-        let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
-        let reach = base.iter().fold(0.0, largest).sqrt().max(size);
+        let (size, reach) = (mechanism.size(base), mechanism.reach(base));
         let longest = match drive {
             Drive::Travel => LONGEST_STEP * size,
             Drive::ArmAngle => LONGEST_STEP,
@@ -379,7 +376,7 @@ impl<B: Bundle> Watch<B> {
         }
     }
 
-    /// At the place after this one, one `1/inverse_step` on.
+    /// At the place after this one, a step of the drive further on.
     #[inline(always)]
     fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
         let rate = (tangent - self.tangent) * inverse_step;

@@ -214,7 +214,7 @@ impl<T: Real> Wheel<T> {
 
     /// From the wheel centre to the contact point: in the wheel plane, straight down, as long as the
     /// loaded radius. C - W = -r (z - (z.a) a)/|z - (z.a) a|
-    #[inline]
+    #[inline(always)]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
         let a = self.spin_axis;
         let down = Vector3::new(a.z * a.x, a.z * a.y, a.z * a.z - a.z.one());
@@ -222,14 +222,14 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The contact point C.
-    #[inline]
+    #[inline(always)]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
         self.centre + self.contact_lever(radius)
     }
 
     /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
     /// to it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
         let a = self.spin_axis;
         let zero = a.x.zero();
@@ -241,7 +241,7 @@ impl<T: Real> Wheel<T> {
     }
 
     /// The point of the steering axis at this height.
-    #[inline]
+    #[inline(always)]
     pub(super) fn steering_axis_at(&self, height: T) -> Vector3<T> {
         let (point, along) = (self.steering_point, self.steering_direction);
         point + along * ((height - point.z) / along.z)
@@ -262,14 +262,14 @@ impl<T: Real> Inputs<T> {
     }
 
     /// The contact point in the present pose.
-    #[inline]
+    #[inline(always)]
     pub(super) fn contact_point(&self) -> Vector3<T> {
         self.now.contact_point(self.constants.wheel_radius)
     }
 
     /// Velocity of the knuckle-fixed point that is at the contact point now: the wheel is taken as
     /// locked to the knuckle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);
         self.rate.centre + self.turn.cross(lever)

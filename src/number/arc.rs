@@ -58,17 +58,17 @@ fn odd<B: Bundle, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     let (mut last, mut before) = (x.lit(coefficients[N - 1]), x.lit(coefficients[N - 2]));
     let mut k = N - 2;
     while k >= 2 {
-        last = last * v + x.lit(coefficients[k - 1]);
-        before = before * v + x.lit(coefficients[k - 2]);
+        last = x.lit(coefficients[k - 1]).plus_product(last, v);
+        before = x.lit(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
     // What is left over when N is odd.
     let (even, odd) = if k == 1 {
-        (last * v + x.lit(coefficients[0]), before)
+        (x.lit(coefficients[0]).plus_product(last, v), before)
     } else {
         (before, last)
     };
-    x + x * (u * (even + odd * u))
+    x.plus_product(x, u * even.plus_product(odd, u))
 }
 
 /// Arc sine; NaN outside [-1, 1].

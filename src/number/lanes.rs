@@ -2,7 +2,9 @@
 //!
 //! The instruction set is chosen when the program runs ([`Width`]): AVX-512 or AVX2 where the processor
 //! has it, two registers at a time since one chain of dependent operations leaves it idle; plain numbers
-//! elsewhere. Products and sums are not fused, so every width yields the same bits.
+//! elsewhere. [`Real::plus_product`] and [`Real::minus_product`] are rounded once, everything else is the
+//! IEEE operation, so every width yields the same bits. (On a processor without a fused product and sum, an
+//! x86 from before 2013, the mathematical library's makes up for it: the same bits, slowly.)
 //!
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
@@ -71,6 +73,16 @@ impl<S: Simd> Neg for Lanes<S> {
 impl<S: Simd> Real for Lanes<S> {
     const IN_REGISTERS: bool = true;
 
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        let (a, b) = (a.register, b.register);
+        self.with(self.simd.mul_add_f64s(a, b, self.register))
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        let (a, b) = (a.register, b.register);
+        self.with(self.simd.negate_mul_add_f64s(a, b, self.register))
+    }
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Lanes::splat(self.simd, value)
@@ -238,9 +250,14 @@ impl Width {
                     return Simd::vectorize(simd, Task(task));
                 }
             }
-            Width::Scalar => {}
+            // One number, but the processor's own fused product and sum if it has one.
+            Width::Scalar => {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    return Simd::vectorize(simd, OneByOne(task));
+                }
+            }
         }
-        task.run(0.0)
+        OneByOne(task).with_simd(pulp::Scalar)
     }
 }
 
@@ -250,6 +267,17 @@ pub trait InLanes {
     type Output;
     /// Does it; `like` says in which kind of lanes. To be marked `#[inline(always)]`.
     fn run<B: Bundle>(self, like: B) -> Self::Output;
+}
+
+/// One number at a time, with the instruction set of wider lanes.
+struct OneByOne<T>(T);
+
+impl<T: InLanes> WithSimd for OneByOne<T> {
+    type Output = T::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> T::Output {
+        self.0.run(Lanes::splat(pulp::Scalar, 0.0))
+    }
 }
 
 struct Task<T>(T);

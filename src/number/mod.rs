@@ -54,6 +54,17 @@ pub trait Real:
     /// The constant 1 or -1, whichever has the sign of the value.
     fn sign(self) -> Self;
 
+    /// `self` + `a` `b`; rounded once in SIMD lanes.
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+    /// `self` - `a` `b`, likewise.
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
     /// Zero, in the shape of `self`.
     #[inline(always)]
     fn zero(self) -> Self {

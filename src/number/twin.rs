@@ -50,6 +50,17 @@ impl<B: Bundle> Real for Twin<B> {
     const IN_REGISTERS: bool = B::IN_REGISTERS;
 
     #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Twin(self.0.plus_product(a.0, b.0), self.1.plus_product(a.1, b.1))
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Twin(
+            self.0.minus_product(a.0, b.0),
+            self.1.minus_product(a.1, b.1),
+        )
+    }
+    #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Twin(self.0.lit(value), self.1.lit(value))
     }

@@ -50,16 +50,28 @@ impl<T: Real> Vector3<T> {
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        (self.x * other.x)
+            .plus_product(self.y, other.y)
+            .plus_product(self.z, other.z)
     }
 
     /// Vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Vector3::new(
-            self.y * other.z - self.z * other.y,
-            self.z * other.x - self.x * other.z,
-            self.x * other.y - self.y * other.x,
+            (self.y * other.z).minus_product(self.z, other.y),
+            (self.z * other.x).minus_product(self.x, other.z),
+            (self.x * other.y).minus_product(self.y, other.x),
+        )
+    }
+
+    /// This vector and a multiple of another.
+    #[inline(always)]
+    pub fn plus_scaled(self, other: Self, factor: T) -> Self {
+        Vector3::new(
+            self.x.plus_product(other.x, factor),
+            self.y.plus_product(other.y, factor),
+            self.z.plus_product(other.z, factor),
         )
     }
 

@@ -6,6 +6,7 @@ use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, Lane
 use crate::kinematics::{Batch, LaneDesign, LanePose, Visit};
 use crate::model::Suspension;
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
+use std::hint::black_box;
 
 /// Solves as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
@@ -193,7 +194,9 @@ impl<B: Bundle> Visit<B> for Reading<'_, B> {
         self.reader
             .read(self.design, self.wheels, at, rates, &mut self.inputs);
         for (k, c) in self.reader.characteristics().iter().enumerate() {
-            let value = c.evaluate(&self.inputs);
+            // Else the compiler takes what does not depend on `k` out of the loop: the divisions and roots of
+            // every formula there is, for any one of them.
+            let value = c.evaluate(black_box(&self.inputs));
             value.store(&mut self.values[(k * self.count + station) * B::LANES..]);
         }
         if in_design {

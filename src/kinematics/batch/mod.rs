@@ -124,7 +124,7 @@ impl<B: Bundle> LanePose<B> {
         let one = self.tangent.one();
         LaneRates(velocity.scaled(match self.drive {
             Drive::Travel => one / velocity.rise,
-            Drive::ArmAngle => one / (one + self.tangent * self.tangent),
+            Drive::ArmAngle => one / velocity.arm_angle,
         }))
     }
 }
@@ -336,7 +336,7 @@ fn weighted<B: Bundle>(weights: &Stencil, history: &[B], like: B) -> B {
     while k > 0 {
         k -= 1;
         let (place, weight) = weights[k];
-        sum = sum + history[place] * like.lit(weight);
+        sum = sum.plus_product(history[place], like.lit(weight));
     }
     sum
 }
@@ -413,5 +413,5 @@ impl<B: Bundle> Watch<B> {
 /// Whether `now` lies between half of and twice `before`, whatever its sign.
 #[inline(always)]
 fn within_half<B: Bundle>(now: B, before: B) -> B::Mask {
-    ((now - (before + before)) * (now - before * before.lit(0.5))).less(before.zero())
+    ((now - (before + before)) * now.minus_product(before, before.lit(0.5))).less(before.zero())
 }

@@ -39,7 +39,9 @@ impl<T: Real> Circle<T> {
     /// The joint at an angle.
     #[inline(always)]
     pub(super) fn at(&self, cosine: T, sine: T) -> Vector3<T> {
-        self.centre + self.radius * cosine + self.turned * sine
+        self.centre
+            .plus_scaled(self.radius, cosine)
+            .plus_scaled(self.turned, sine)
     }
 }
 

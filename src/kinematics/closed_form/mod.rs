@@ -211,15 +211,18 @@ impl<T: Real> ClosedForm<T> {
         g.y = g.y + rack;
         let n = d.cross(g);
         let (dd, gg, dg) = (d.norm_squared(), g.norm_squared(), d.dot(g));
-        let tau = self.tie_by_m + self.tie_by_u * slide;
-        let kappa = self.tie_difference + gg.scaled(0.5);
-        let gram = dd * gg - dg * dg;
-        let e = dd * self.tie_squared - tau * tau;
+        let tau = self.tie_by_m.plus_product(self.tie_by_u, slide);
+        let kappa = self.tie_difference.plus_product(gg, gg.lit(0.5));
+        let gram = (dd * gg).minus_product(dg, dg);
+        let e = (dd * self.tie_squared).minus_product(tau, tau);
         let inverse = dd.one() / (gram * e);
         let (inverse_gram, inverse_e) = (inverse * e, inverse * gram);
-        let al = (gg * tau - dg * kappa) * inverse_gram;
-        let be = (dd * kappa - dg * tau) * inverse_gram;
-        let rest = self.tie_squared - al * tau - be * kappa;
+        let al = (gg * tau).minus_product(dg, kappa) * inverse_gram;
+        let be = (dd * kappa).minus_product(dg, tau) * inverse_gram;
+        let rest = self
+            .tie_squared
+            .minus_product(al, tau)
+            .minus_product(be, kappa);
         State {
             ball_joint,
             d,
@@ -254,7 +257,9 @@ impl<T: Real> ClosedForm<T> {
     #[inline(always)]
     pub(super) fn travel(&self, state: &State<T>) -> T {
         let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
-        let rise = by_d * state.d.z + by_g * state.g.z + by_n * state.n.z;
+        let rise = (by_d * state.d.z)
+            .plus_product(by_g, state.g.z)
+            .plus_product(by_n, state.n.z);
         state.ball_joint.z - self.wheel_height + rise
     }
 
@@ -396,21 +401,24 @@ impl<T: Real> State<T> {
     #[inline(always)]
     pub(super) fn carry(&self, x: &Carried<T>) -> Vector3<T> {
         let (by_d, by_g, by_n) = self.image(x);
-        self.d * by_d + self.g * by_g + self.n * by_n
+        (self.d * by_d)
+            .plus_scaled(self.g, by_g)
+            .plus_scaled(self.n, by_n)
     }
 
     /// The image of a knuckle vector, in d, g and n.
     #[inline(always)]
     fn image(&self, x: &Carried<T>) -> (T, T, T) {
-        let by_v = x.by_m + self.slide * x.by_u;
-        let a = (self.tie_squared * by_v - self.tau * x.by_t) * self.inverse_e;
-        let b = (self.dd * x.by_t - self.tau * by_v) * self.inverse_e;
-        let k = (x.by_mt + self.slide * x.by_ut) * self.inverse_e;
+        let by_v = x.by_m.plus_product(self.slide, x.by_u);
+        let a = (self.tie_squared * by_v).minus_product(self.tau, x.by_t) * self.inverse_e;
+        let b = (self.dd * x.by_t).minus_product(self.tau, by_v) * self.inverse_e;
+        let k = x.by_mt.plus_product(self.slide, x.by_ut) * self.inverse_e;
         // d x t = be n + ga d x n, and d x n = (d.g) d - (d.d) g.
         (
-            a + b * self.al + k * self.ga * self.dg,
-            b * self.be - k * self.ga * self.dd,
-            b * self.ga + k * self.be,
+            a.plus_product(b, self.al)
+                .plus_product(k * self.ga, self.dg),
+            (b * self.be).minus_product(k * self.ga, self.dd),
+            (b * self.ga).plus_product(k, self.be),
         )
     }
 }

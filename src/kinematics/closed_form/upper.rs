@@ -119,12 +119,14 @@ impl<T: Real> Upper<T> {
                 let q = circle.centre - ball_joint;
                 let (a, b) = (q.dot(circle.radius), q.dot(circle.turned));
                 let c = *half_difference - q.norm_squared().scaled(0.5);
-                let h = a * a + b * b;
-                let lever = (h - c * c).sqrt();
+                let h = (a * a).plus_product(b, b);
+                let lever = h.minus_product(c, c).sqrt();
                 let (w, inverse) = (*side * lever, h.one() / h);
-                let cosine = (a * c - b * w) * inverse;
-                let sine = (b * c + a * w) * inverse;
-                let d = q + circle.radius * cosine + circle.turned * sine;
+                let cosine = (a * c).minus_product(b, w) * inverse;
+                let sine = (b * c).plus_product(a, w) * inverse;
+                let d = q
+                    .plus_scaled(circle.radius, cosine)
+                    .plus_scaled(circle.turned, sine);
                 (d, c.zero(), lever * *scale)
             }
         }

@@ -1,7 +1,8 @@
-//! Velocities in a pose of the closed form, by the drive.
+//! Velocities in a pose of the closed form.
 //!
-//! With the arm turning at a rate of its own, the ball joint moves along its circle with r' and the upper
-//! end with d' + r'. The knuckle vector v = m + s u is carried onto d, so
+//! They all have one factor in common, so that nothing is divided before it is known by what they are to be
+//! derivatives. With the arm turning, the ball joint moves along its circle with r' and the upper end with
+//! d' + r'. The knuckle vector v = m + s u is carried onto d, so
 //!
 //! ```text
 //! d' = w x d + s' u        w = (d x (d' - s' u))/|d|^2 + k d
@@ -13,15 +14,21 @@
 //! l.(w x t) + l.r' = 0     k = -(l.r' + l.((w - k d) x t))/(l.(d x t)),   l.(d x t) = ga |n|^2
 //! ```
 //!
-//! *Strut.* The mount is fixed: d' = -r', and |d|^2 = |m|^2 + s^2 gives s' = d.d'/s.
-//! *Upper arm.* s' = 0; its joint moves along its own circle, and |d| is constant: d.(d' of the joint) = d.r'.
+//! What turns d is normal to it, and is -r' but for what the upper end is free to do, along some f:
+//!
+//! ```text
+//! d' - s' u = f (d.r')/(d.f) - r'
+//! ```
+//!
+//! *Strut.* The mount is fixed, d' = -r', and the knuckle slides along its line: f = u, d.u = s.
+//! *Upper arm.* s' = 0, and the joint moves along its own circle: f is the tangent there.
 
 use super::circle::Circle;
 use super::upper::Upper;
 use super::{Carried, ClosedForm, State};
 use crate::number::{Real, Vector3};
 
-/// Derivatives of a pose by the drive.
+/// How a pose changes, at a rate of its own.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kinematics) struct Velocity<T> {
     /// Of the lower ball joint.
@@ -32,10 +39,12 @@ pub(in crate::kinematics) struct Velocity<T> {
     pub steering_axis: Vector3<T>,
     /// Of the height of the wheel centre.
     pub rise: T,
+    /// Of the arm's angle.
+    pub arm_angle: T,
 }
 
 impl<T: Real> Velocity<T> {
-    /// The same at another rate of the drive.
+    /// The same at another rate.
     #[inline(always)]
     pub(in crate::kinematics) fn scaled(&self, factor: T) -> Self {
         Velocity {
@@ -43,28 +52,45 @@ impl<T: Real> Velocity<T> {
             turn: self.turn * factor,
             steering_axis: self.steering_axis * factor,
             rise: self.rise * factor,
+            arm_angle: self.arm_angle * factor,
         }
     }
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The derivatives of a state by the arm angle, times 1 + tangent^2.
+    /// How a state changes, the arm's angle given by the tangent of its half.
     #[inline(always)]
     pub(in crate::kinematics) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
-        let ball_joint = self.ball_joint.velocity(tangent);
         let (d, g, n) = (state.d, state.g, state.n);
-        let (steering_axis, along_line) = self.upper.velocity(state, &self.line, ball_joint);
-        let held = d.cross(steering_axis - along_line) * (d.x.one() / state.dd);
-        let tie_rod_outer = d * state.al + g * state.be + n * state.ga;
-        let tie_rod = tie_rod_outer - g;
-        let needed = tie_rod.dot(ball_joint + held.cross(tie_rod_outer));
-        let turn = held - d * (needed / (state.ga * state.gram));
+        let (free, lever) = self.upper.free(state, &self.line);
+        let tie_rod_lever = state.ga * state.gram;
+        let joint = self.ball_joint.velocity(tangent);
+
+        // Times the lever, times d.d as well, and in the end times that of the tie rod.
+        let across = free * d.dot(joint) - joint * lever;
+        let twofold = state.dd * lever;
+        let joint_twofold = joint * twofold;
+        let held = d.cross(across);
+        let tie_rod_outer = (d * state.al)
+            .plus_scaled(g, state.be)
+            .plus_scaled(n, state.ga);
+        let needed = (tie_rod_outer - g).dot(joint_twofold + held.cross(tie_rod_outer));
+        let turn = (held * tie_rod_lever).plus_scaled(d, -needed);
+        let ball_joint = joint_twofold * tie_rod_lever;
         let wheel_centre = state.carry(&self.wheel_centre);
+        let one = tangent.one();
         Velocity {
             ball_joint,
             turn,
-            steering_axis,
-            rise: ball_joint.z + turn.x * wheel_centre.y - turn.y * wheel_centre.x,
+            steering_axis: match self.upper {
+                Upper::Strut { .. } => -ball_joint,
+                Upper::Arm { .. } => across * (state.dd * tie_rod_lever),
+            },
+            rise: ball_joint
+                .z
+                .plus_product(turn.x, wheel_centre.y)
+                .minus_product(turn.y, wheel_centre.x),
+            arm_angle: twofold * tie_rod_lever * one.plus_product(tangent, tangent),
         }
     }
 }
@@ -78,26 +104,16 @@ impl<T: Real> Circle<T> {
 }
 
 impl<T: Real> Upper<T> {
-    /// d' and s' u.
+    /// f and d.f
     #[inline(always)]
-    fn velocity(
-        &self,
-        state: &State<T>,
-        line: &Carried<T>,
-        ball_joint: Vector3<T>,
-    ) -> (Vector3<T>, Vector3<T>) {
-        let d = state.d;
+    fn free(&self, state: &State<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {
-            Upper::Strut { .. } => {
-                let along = -(d.dot(ball_joint) / state.slide);
-                (-ball_joint, state.carry(line) * along)
-            }
+            Upper::Strut { .. } => (state.carry(line), state.slide),
             Upper::Arm { circle, .. } => {
                 let normal = circle.radius.cross(circle.turned);
-                let from_centre = state.ball_joint + d - circle.centre;
+                let from_centre = state.ball_joint + state.d - circle.centre;
                 let along_circle = normal.cross(from_centre);
-                let rate = d.dot(ball_joint) / d.dot(along_circle);
-                (along_circle * rate - ball_joint, d.zero())
+                (along_circle, state.d.dot(along_circle))
             }
         }
     }

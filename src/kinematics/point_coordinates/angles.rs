@@ -10,6 +10,7 @@ use crate::number::{Real, Vector3};
 ///
 /// A MacPherson strut is steered about the line 5-4, not 5-7, so this is not the kingpin inclination:
 /// for an ordinary car even its sign differs.
+#[inline(always)]
 pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3<T>) -> T {
     let line = strut_upper - lower_ball_joint;
     arc_tangent(line.y / line.z)
@@ -20,11 +21,13 @@ pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3
 ///
 /// It takes 7-10 for the spin axis, which no strut obliges it to be, and it projects: it is camber only
 /// where the line 7-10 is the spin axis and the wheel is not steered.
+#[inline(always)]
 pub fn attia_camber<T: Real>(strut_upper: Vector3<T>, wheel_centre: Vector3<T>) -> T {
     let line = strut_upper - wheel_centre;
     arc_tangent(-line.z / line.y)
 }
 
+#[inline(always)]
 fn arc_tangent<T: Real>(slope: T) -> T {
     slope.atan2(slope.one())
 }

@@ -8,7 +8,7 @@ use super::constraint::{ArmAngle, Row};
 use super::lu::{Lu6, Matrix6, Vector6};
 use super::pose::{Pose, Posture, Sink};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Matrix3, Real, Scalar, Vector3};
+use crate::number::{Matrix3, Real, Vector3};
 
 /// The sixth equation: what drives the mechanism, with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,30 +99,39 @@ impl<T> Sink<T> for Touches<'_> {
 /// The closure equations of one design.
 #[derive(Clone, Debug)]
 pub struct Closure<T> {
-    rows: Vec<Row<T>>,
+    rows: [Row<T>; 5],
 }
 
-impl<T: Scalar> Closure<T> {
+impl<T: Real> Closure<T> {
     /// The equations of a design.
+    #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
-        let mut closure = Closure {
-            rows: Vec::with_capacity(5),
+        let place = |row: usize| {
+            let mut first = 0;
+            for constraint in &mechanism.constraints {
+                if row < first + constraint.freedoms() {
+                    return (*constraint, row - first);
+                }
+                first += constraint.freedoms();
+            }
+            panic!("five constraints hold a knuckle");
         };
-        closure.prepare(mechanism, design);
-        closure
+        Closure {
+            rows: [0, 1, 2, 3, 4].map(|row| {
+                let (constraint, number) = place(row);
+                Row::of(constraint, number, design)
+            }),
+        }
     }
 
-    /// Takes over another design of the same mechanism, without allocating.
+    /// Takes over another design of the same mechanism.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<T>]) {
-        self.rows.clear();
-        for constraint in &mechanism.constraints {
-            Row::prepare(*constraint, design, &mut self.rows);
-        }
-        debug_assert_eq!(self.rows.len(), 5, "five constraints hold a knuckle");
+        *self = Closure::new(mechanism, design);
     }
 
     /// The five constraints, one by one.
-    pub(super) fn rows(&self) -> &[Row<T>] {
+    #[inline(always)]
+    pub(super) fn rows(&self) -> &[Row<T>; 5] {
         &self.rows
     }
 
@@ -264,7 +273,7 @@ impl<T> Driver<T> {
     }
 }
 
-impl<T: Scalar> Driver<T> {
+impl<T: Real> Driver<T> {
     /// The drive over another kind of number.
     #[inline]
     pub(super) fn map<U>(self, mut f: impl FnMut(T) -> U) -> Driver<U> {

@@ -89,13 +89,13 @@ pub(super) trait Sink<T> {
 
 impl<'a, T: Real> Posture<'a, T> {
     /// Design position of a point.
-    #[inline]
+    #[inline(always)]
     pub fn designed(&self, id: PointId) -> Vector3<T> {
         self.design[id.0]
     }
 
     /// From the knuckle's origin to a knuckle point, in the design position.
-    #[inline]
+    #[inline(always)]
     pub fn designed_lever(&self, id: PointId) -> Vector3<T> {
         self.designed(id) - self.designed(self.mechanism.origin)
     }
@@ -104,11 +104,7 @@ impl<'a, T: Real> Posture<'a, T> {
     #[inline]
     pub fn point(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
-            Body::Chassis => self.designed(id),
-            Body::Rack => {
-                let p = self.designed(id);
-                Vector3::new(p.x, p.y + self.rack, p.z)
-            }
+            Body::Chassis | Body::Rack => self.grounded(id),
             Body::Knuckle => self.carried(id),
             Body::StrutRod(top) => {
                 let top = self.designed(top);
@@ -121,8 +117,27 @@ impl<'a, T: Real> Posture<'a, T> {
         }
     }
 
+    /// Present position of a point of the chassis or the rack.
+    #[inline(always)]
+    pub(super) fn grounded(&self, id: PointId) -> Vector3<T> {
+        let p = self.designed(id);
+        match self.mechanism.body(id) {
+            Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
+            _ => p,
+        }
+    }
+
+    /// Adds the derivative of `gradient . grounded(id)` to the sink.
+    #[inline(always)]
+    pub(super) fn push_grounded(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        sink.hardpoint(id, gradient);
+        if self.mechanism.body(id) == Body::Rack {
+            sink.rack(gradient.y);
+        }
+    }
+
     /// Present position of the knuckle's point that was at this one in the design position.
-    #[inline]
+    #[inline(always)]
     pub(super) fn carried(&self, id: PointId) -> Vector3<T> {
         if id == self.mechanism.origin {
             return self.pose.origin;
@@ -131,7 +146,7 @@ impl<'a, T: Real> Posture<'a, T> {
     }
 
     /// Adds the derivative of `gradient . carried(id)` to the sink.
-    #[inline]
+    #[inline(always)]
     pub(super) fn push_carried(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         if id == self.mechanism.origin {
             return sink.wrench(gradient, gradient.zero());
@@ -147,11 +162,7 @@ impl<'a, T: Real> Posture<'a, T> {
     #[inline]
     pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
-            Body::Chassis => sink.hardpoint(id, gradient),
-            Body::Rack => {
-                sink.hardpoint(id, gradient);
-                sink.rack(gradient.y);
-            }
+            Body::Chassis | Body::Rack => self.push_grounded(id, gradient, sink),
             Body::Knuckle => self.push_carried(id, gradient, sink),
             Body::StrutRod(top) => {
                 let in_knuckle = self.pose.rotation.apply_transposed(gradient);

@@ -91,6 +91,17 @@ pub enum Constraint {
     },
 }
 
+impl Constraint {
+    /// Freedoms it takes.
+    pub fn freedoms(&self) -> usize {
+        match self {
+            Constraint::Link { .. } => 1,
+            Constraint::StrutLine { .. } => 2,
+            Constraint::Revolute { .. } => 5,
+        }
+    }
+}
+
 /// The axis the knuckle turns about when it is steered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SteeringAxis {

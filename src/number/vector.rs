@@ -167,7 +167,9 @@ impl<T: Real> Matrix3<T> {
     /// The matrix times a column.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
-        self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
+        (self.columns[0] * v.x)
+            .plus_scaled(self.columns[1], v.y)
+            .plus_scaled(self.columns[2], v.z)
     }
 
     /// The transposed matrix (the inverse rotation) times a column.

@@ -12,7 +12,7 @@
 
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::{Arm, PointId};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Real, Vector3};
 
 /// The wanted angle of the mechanism's first arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,20 +23,25 @@ pub(in crate::kinematics) struct ArmAngle<T> {
 
 /// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
 #[inline]
-pub(in crate::kinematics) fn axis_ends<T: Scalar>(
+pub(in crate::kinematics) fn axis_ends(
     arm: Arm,
-    design: &[Vector3<T>],
+    design: &[Vector3<f64>],
 ) -> (PointId, PointId) {
-    let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
-    let lift = (front - rear).cross(outer - rear).z;
-    if lift.value() >= 0.0 {
+    if sense(arm, design) > 0.0 {
         (arm.rear, arm.front)
     } else {
         (arm.front, arm.rear)
     }
 }
 
-impl<T: Scalar> ArmAngle<T> {
+/// 1 where a positive turn about the axis from rear to front raises the outer joint, else -1.
+#[inline]
+fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
+    let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+    (front - rear).cross(outer - rear).z.sign()
+}
+
+impl<T: Real> ArmAngle<T> {
     #[inline]
     pub(in crate::kinematics) fn residual(&self, at: &Posture<T>) -> T {
         let arm = Turned::of(at);
@@ -59,12 +64,11 @@ impl<T: Scalar> ArmAngle<T> {
         let by_designed = to.cross(e) * c - (to - e * along.1) * s;
         let by_axis = from.cross(to) * c + (to * along.0 + from * along.1) * s;
         let by_base = (by_axis - e * e.dot(by_axis)) * arm.inverse_base;
-        let (tail, head) = arm.tail_and_head;
-        let outer = at.mechanism.arms[0].outer;
+        let Arm { front, rear, outer } = at.mechanism.arms[0];
         at.push_point(outer, by_now, sink);
         sink.hardpoint(outer, by_designed);
-        sink.hardpoint(tail, -(by_now + by_designed + by_base));
-        sink.hardpoint(head, by_base);
+        sink.hardpoint(rear, -(by_now + by_designed + by_base));
+        sink.hardpoint(front, by_base);
     }
 }
 
@@ -72,32 +76,30 @@ impl<T: Scalar> ArmAngle<T> {
 struct Turned<T> {
     /// e
     axis: Vector3<T>,
-    /// a0, from the tail of the axis
+    /// a0, from the rear point of the axis
     designed: Vector3<T>,
     /// a, from there as well
     now: Vector3<T>,
-    /// The axis points from the first to the second.
-    tail_and_head: (PointId, PointId),
+    /// 1 over the distance of the two points of the axis, negative if it runs from front to rear.
     inverse_base: T,
     /// 1/r, held fixed: it only scales the row.
     inverse_radius: T,
 }
 
-impl<T: Scalar> Turned<T> {
+impl<T: Real> Turned<T> {
     #[inline]
     fn of(at: &Posture<T>) -> Self {
         let arm = at.mechanism.arms[0];
-        let (tail, head) = axis_ends(arm, at.design);
-        let base = at.designed(head) - at.designed(tail);
-        let inverse_base = base.x.one() / base.norm();
+        let rear = at.designed(arm.rear);
+        let base = at.designed(arm.front) - rear;
+        let inverse_base = sense(arm, at.design) / base.norm();
         let axis = base * inverse_base;
-        let designed = at.designed(arm.outer) - at.designed(tail);
+        let designed = at.designed(arm.outer) - rear;
         let radius = (designed - axis * axis.dot(designed)).norm();
         Turned {
             axis,
             designed,
-            now: at.point(arm.outer) - at.designed(tail),
-            tail_and_head: (tail, head),
+            now: at.point(arm.outer) - rear,
             inverse_base,
             inverse_radius: radius.one() / radius,
         }

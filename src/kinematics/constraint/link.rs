@@ -25,6 +25,7 @@ pub(in crate::kinematics) struct Link<T> {
 }
 
 impl<T: Real> Link<T> {
+    #[inline(always)]
     pub(super) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
         let squared = (design[outer.0] - design[inner.0]).norm_squared();
         Link {
@@ -35,20 +36,20 @@ impl<T: Real> Link<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn residual(&self, at: &Posture<T>) -> T {
-        let d = at.point(self.outer) - at.point(self.inner);
+        let d = at.carried(self.outer) - at.grounded(self.inner);
         (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         let (inner, outer) = (self.inner, self.outer);
         let weight = weight * self.scale;
-        let now = (at.point(outer) - at.point(inner)) * weight;
+        let now = (at.carried(outer) - at.grounded(inner)) * weight;
         let designed = (at.designed(outer) - at.designed(inner)) * weight;
-        at.push_point(outer, now, sink);
-        at.push_point(inner, -now, sink);
+        at.push_carried(outer, now, sink);
+        at.push_grounded(inner, -now, sink);
         sink.hardpoint(outer, -designed);
         sink.hardpoint(inner, designed);
     }

@@ -22,7 +22,7 @@ use strut_line::StrutLine;
 
 use super::pose::{Posture, Sink};
 use crate::model::Constraint;
-use crate::number::{Scalar, Vector3};
+use crate::number::{Real, Vector3};
 
 /// One scalar constraint, with what of it depends on the design alone.
 #[derive(Clone, Copy, Debug)]
@@ -32,24 +32,23 @@ pub(super) enum Row<T> {
     Pinned(Pinned<T>),
 }
 
-impl<T: Scalar> Row<T> {
-    /// Appends the rows of a constraint.
-    pub(super) fn prepare(constraint: Constraint, design: &[Vector3<T>], rows: &mut Vec<Row<T>>) {
+impl<T: Real> Row<T> {
+    /// One of a constraint's rows, by its number among them.
+    #[inline(always)]
+    pub(super) fn of(constraint: Constraint, number: usize, design: &[Vector3<T>]) -> Row<T> {
         match constraint {
-            Constraint::Link { inner, outer } => {
-                rows.push(Row::Link(Link::new(inner, outer, design)));
-            }
+            Constraint::Link { inner, outer } => Row::Link(Link::new(inner, outer, design)),
             Constraint::StrutLine { top, lower, upper } => {
-                rows.extend(StrutLine::both(top, lower, upper, design).map(Row::StrutLine));
+                Row::StrutLine(StrutLine::both(top, lower, upper, design)[number])
             }
             Constraint::Revolute { first, second } => {
-                rows.extend(Pinned::all(first, second, design).map(Row::Pinned));
+                Row::Pinned(Pinned::all(first, second, design)[number])
             }
         }
     }
 
     /// F, as a length.
-    #[inline]
+    #[inline(always)]
     pub(super) fn residual(&self, at: &Posture<T>) -> T {
         match self {
             Row::Link(row) => row.residual(at),
@@ -59,7 +58,7 @@ impl<T: Scalar> Row<T> {
     }
 
     /// Adds `weight` times the differential to the sink.
-    #[inline]
+    #[inline(always)]
     pub(super) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         match self {
             Row::Link(row) => row.differential(at, weight, sink),
@@ -69,16 +68,13 @@ impl<T: Scalar> Row<T> {
     }
 }
 
-/// Two unit vectors that form a right-handed frame with the given one.
-fn normals<T: Scalar>(along: Vector3<T>) -> [Vector3<T>; 2] {
-    let size = along.map(|c| c.value().abs());
-    let helper = if size.x <= size.y && size.x <= size.z {
-        Vector3::new(1.0, 0.0, 0.0)
-    } else if size.y <= size.z {
-        Vector3::new(0.0, 1.0, 0.0)
-    } else {
-        Vector3::new(0.0, 0.0, 1.0)
-    };
-    let first = along.cross(along.lit(helper)).normalised();
+/// Two unit vectors that form a right-handed frame with the given one, without a branch (T. Duff et al.,
+/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017).
+#[inline(always)]
+fn normals<T: Real>(along: Vector3<T>) -> [Vector3<T>; 2] {
+    let Vector3 { x, y, z } = along;
+    let (one, sign) = (z.one(), z.sign());
+    let a = -(one / (sign + z));
+    let first = Vector3::new(one + sign * x * x * a, sign * x * y * a, -(sign * x));
     [first, along.cross(first)]
 }

@@ -14,7 +14,7 @@
 use super::normals;
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::PointId;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Real, Vector3};
 
 /// One of a hinge's five equations.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,8 @@ pub(in crate::kinematics) struct Pinned<T> {
     pub direction: Vector3<T>,
 }
 
-impl<T: Scalar> Pinned<T> {
+impl<T: Real> Pinned<T> {
+    #[inline(always)]
     pub(super) fn all(first: PointId, second: PointId, design: &[Vector3<T>]) -> [Self; 5] {
         let axis = (design[second.0] - design[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
@@ -39,13 +40,13 @@ impl<T: Scalar> Pinned<T> {
         ]
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn residual(&self, at: &Posture<T>) -> T {
         self.direction
             .dot(at.carried(self.point) - at.designed(self.point))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
         at.push_carried(self.point, along, sink);

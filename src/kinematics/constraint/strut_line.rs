@@ -13,7 +13,7 @@
 use super::normals;
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::PointId;
-use crate::number::{Scalar, Vector3};
+use crate::number::{Real, Vector3};
 
 /// One of a strut's two equations.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ pub(in crate::kinematics) struct StrutLine<T> {
     inverse_base: T,
 }
 
-impl<T: Scalar> StrutLine<T> {
+impl<T: Real> StrutLine<T> {
     pub(super) fn both(
         top: PointId,
         lower: PointId,

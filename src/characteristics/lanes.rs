@@ -48,7 +48,7 @@ impl<'a> LaneReader<'a> {
     /// A reader of these characteristics; `None` if one of them cannot be read in lanes.
     pub fn new(
         mechanism: &'a Mechanism,
-        batch: &Batch,
+        batch: &Batch<'_>,
         constants: Constants,
         characteristics: Vec<Characteristic>,
     ) -> Option<Self> {
@@ -89,7 +89,11 @@ impl<'a> LaneReader<'a> {
 
     /// What is to be read off the poses of designs, given as their points.
     #[inline(always)]
-    pub fn wheels<B: Bundle>(&self, lanes: &LaneDesign<B>, design: &[Vector3<B>]) -> LaneWheels<B> {
+    pub fn wheels<B: Bundle>(
+        &self,
+        lanes: &LaneDesign<'_, B>,
+        design: &[Vector3<B>],
+    ) -> LaneWheels<B> {
         let mechanism = self.mechanism;
         let centre = design[mechanism.wheel_centre.0];
         let spin_axis = match mechanism.spin_axis {
@@ -142,9 +146,8 @@ impl<'a> LaneReader<'a> {
     #[inline(always)]
     pub fn read<B: Bundle>(
         &self,
-        lanes: &LaneDesign<B>,
         wheels: &LaneWheels<B>,
-        at: &LanePose<B>,
+        at: &impl LanePose<B>,
         rates: bool,
         inputs: &mut Inputs<B>,
     ) {
@@ -168,7 +171,7 @@ impl<'a> LaneReader<'a> {
         if !rates {
             return;
         }
-        let rates = at.rates(lanes);
+        let rates = at.rates();
         inputs.turn = rates.turn();
         let (now, rate) = (&inputs.now, &mut inputs.rate);
         if reads.spin_axis {
@@ -178,8 +181,7 @@ impl<'a> LaneReader<'a> {
             rate.centre = rates.point(at, now.centre);
         }
         if reads.steering_axis {
-            rate.steering_point = rates.point(at, now.steering_point);
-            rate.steering_direction = rates.steering_axis();
+            (rate.steering_point, rate.steering_direction) = at.steering_axis_rates(&rates);
         }
         if reads.strut_upper {
             rate.strut_upper = rates.point(at, now.strut_upper);
@@ -253,7 +255,7 @@ impl Characteristic {
 
 impl<B: Bundle> SpringEnd<B> {
     #[inline(always)]
-    fn now(&self, at: &LanePose<B>) -> Vector3<B> {
+    fn now(&self, at: &impl LanePose<B>) -> Vector3<B> {
         match self {
             SpringEnd::Chassis(point) => *point,
             SpringEnd::Knuckle(point) => at.point(point),
@@ -261,7 +263,7 @@ impl<B: Bundle> SpringEnd<B> {
     }
 
     #[inline(always)]
-    fn rate(&self, at: &LanePose<B>, rates: &LaneRates<B>) -> Vector3<B> {
+    fn rate(&self, at: &impl LanePose<B>, rates: &LaneRates<B>) -> Vector3<B> {
         match self {
             SpringEnd::Chassis(point) => point.zero(),
             SpringEnd::Knuckle(point) => rates.point(at, at.point(point)),

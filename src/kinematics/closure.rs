@@ -6,7 +6,7 @@
 
 use super::constraint::{ArmAngle, Row};
 use super::lu::{Lu6, Matrix6, Vector6};
-use super::pose::{Pose, Posture, Sink};
+use super::pose::{Pose, Posture, Sink, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
 use crate::number::{Matrix3, Real, Vector3};
 
@@ -22,45 +22,6 @@ pub enum Driver<T> {
         /// Cosine of the angle.
         cosine: T,
     },
-}
-
-/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
-/// pose. With it the force along the rack, which is the derivative by the rack's displacement.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Wrench<T> {
-    pub force: Vector3<T>,
-    pub moment: Vector3<T>,
-    pub rack: T,
-}
-
-impl<T: Real> Wrench<T> {
-    pub(super) fn zero(like: T) -> Self {
-        let zero = Vector3::new(like, like, like).zero();
-        Wrench {
-            force: zero,
-            moment: zero,
-            rack: zero.x,
-        }
-    }
-
-    pub(super) fn to_row(self) -> Vector6<T> {
-        let (f, m) = (self.force, self.moment);
-        [f.x, f.y, f.z, m.x, m.y, m.z]
-    }
-}
-
-impl<T: Real> Sink<T> for Wrench<T> {
-    #[inline]
-    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
-        self.force = self.force + force;
-        self.moment = self.moment + moment;
-    }
-    #[inline]
-    fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
-    #[inline]
-    fn rack(&mut self, gradient: T) {
-        self.rack = self.rack + gradient;
-    }
 }
 
 /// Some of the six closure equations; the sixth in each of its kinds.
@@ -136,7 +97,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// The residuals, as lengths: five constraints, then the drive.
-    #[inline]
+    #[inline(always)]
     pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
         for (residual, row) in residuals.iter_mut().zip(&self.rows) {
@@ -162,6 +123,40 @@ impl<T: Real> Closure<T> {
         }
         driver.differential(at, like.one(), &mut wrenches[5]);
         wrenches
+    }
+
+    /// The residuals, and the Jacobian as [`Closure::wrenches`] has it.
+    #[inline(always)]
+    pub(super) fn linearised(
+        &self,
+        at: &Posture<T>,
+        driver: Driver<T>,
+    ) -> (Vector6<T>, [Wrench<T>; 6]) {
+        let (zero, one) = (at.rack.zero(), at.rack.one());
+        let mut residuals = [zero; 6];
+        let mut wrenches = [Wrench::zero(zero); 6];
+        for (number, row) in self.rows.iter().enumerate() {
+            residuals[number] = row.residual(at);
+            row.differential(at, one, &mut wrenches[number]);
+        }
+        residuals[5] = driver.residual(at);
+        driver.differential(at, one, &mut wrenches[5]);
+        (residuals, wrenches)
+    }
+
+    /// How the rows of [`Closure::wrenches`] change along a motion of the knuckle, the rack held; the sixth
+    /// is that of the travel.
+    #[inline(always)]
+    pub(super) fn wrench_rates(&self, at: &Posture<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
+        let mut rates = [Wrench::zero(at.rack); 6];
+        for (rate, row) in rates.iter_mut().zip(&self.rows) {
+            *rate = row.wrench_rate(at, along);
+        }
+        let centre = at.designed_lever(at.mechanism.wheel_centre);
+        let velocity = along.turn.cross(at.pose.rotation.apply(centre));
+        let zero = velocity.x.zero();
+        rates[5].moment = Vector3::new(velocity.y, -velocity.x, zero);
+        rates
     }
 
     /// The equations that depend on one of these hardpoints, at some pose.
@@ -286,25 +281,25 @@ impl<T: Real> Driver<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn residual(&self, at: &Posture<T>) -> T {
         match *self {
             Driver::Travel(travel) => {
                 let centre = at.mechanism.wheel_centre;
-                at.point(centre).z - at.designed(centre).z - travel
+                at.carried(centre).z - at.designed(centre).z - travel
             }
             Driver::ArmAngle { sine, cosine } => ArmAngle { sine, cosine }.residual(at),
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
         match *self {
             Driver::Travel(_) => {
                 let centre = at.mechanism.wheel_centre;
                 let zero = weight.zero();
                 let up = Vector3::new(zero, zero, weight);
-                at.push_point(centre, up, sink);
+                at.push_carried(centre, up, sink);
                 sink.hardpoint(centre, -up);
             }
             Driver::ArmAngle { sine, cosine } => {

@@ -11,11 +11,11 @@
 //! a hinge are unit forces at its points. The sixth row is what keeps the suspension from moving: the
 //! spring, or, where a study has none, a vertical force at the wheel centre.
 
-use super::closure::{Closure, Wrench};
+use super::closure::Closure;
 use super::conditioning::Conditioning;
 use super::constraint::Row;
 use super::lu::Lu6;
-use super::pose::{Posture, Sink};
+use super::pose::{Posture, Sink, Wrench};
 use super::work::Tally;
 use crate::model::{PointId, Spring};
 use crate::number::Vector3;

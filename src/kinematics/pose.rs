@@ -59,6 +59,7 @@ pub struct Twist<T> {
 
 impl<T> Twist<T> {
     /// From the six components, the shift first.
+    #[inline(always)]
     pub(super) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
         Twist {
             shift: Vector3::new(x, y, z),
@@ -85,6 +86,46 @@ pub(super) trait Sink<T> {
     /// Adds a derivative by the displacement of the rack at fixed pose.
     #[inline]
     fn rack(&mut self, _gradient: T) {}
+}
+
+/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
+/// pose. With it the force along the rack, which is the derivative by the rack's displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wrench<T> {
+    pub force: Vector3<T>,
+    pub moment: Vector3<T>,
+    pub rack: T,
+}
+
+impl<T: Real> Wrench<T> {
+    #[inline(always)]
+    pub(super) fn zero(like: T) -> Self {
+        let zero = Vector3::new(like, like, like).zero();
+        Wrench {
+            force: zero,
+            moment: zero,
+            rack: zero.x,
+        }
+    }
+
+    pub(super) fn to_row(self) -> [T; 6] {
+        let (f, m) = (self.force, self.moment);
+        [f.x, f.y, f.z, m.x, m.y, m.z]
+    }
+}
+
+impl<T: Real> Sink<T> for Wrench<T> {
+    #[inline(always)]
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        self.force = self.force + force;
+        self.moment = self.moment + moment;
+    }
+    #[inline(always)]
+    fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
+    #[inline(always)]
+    fn rack(&mut self, gradient: T) {
+        self.rack = self.rack + gradient;
+    }
 }
 
 impl<'a, T: Real> Posture<'a, T> {

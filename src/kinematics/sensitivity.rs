@@ -13,9 +13,9 @@
 //! Run on power series in the drive, the same lines give d/ds(dy/dp), which is d/dp(dy/ds): the
 //! sensitivities of rates and curvatures.
 
-use super::closure::{Closure, Driver, RowSet, Wrench};
+use super::closure::{Closure, Driver, RowSet};
 use super::lu::{Lu6, Matrix6};
-use super::pose::{Posture, Sink, Twist};
+use super::pose::{Posture, Sink, Twist, Wrench};
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
 use super::work::Tally;
 use crate::model::{PointId, SpinAxis, SteeringAxis};

@@ -19,9 +19,9 @@
 //! of e is f' . d(origin) + (m' + m x w) . d(rotation). It joins y_x, and the usual adjoint does the
 //! rest. On series in the drive all of this yields series.
 
-use super::closure::{Closure, Driver, Wrench};
+use super::closure::{Closure, Driver};
 use super::lu::{Lu6, Vector6};
-use super::pose::{Posture, Sink, Twist};
+use super::pose::{Posture, Sink, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
 use crate::number::{Dual, Jet, Real, Vector3};
 
@@ -120,7 +120,7 @@ pub(super) fn twist_by_rack<const N: usize>(
 }
 
 /// A point and the direction, taken upward, of the screw axis of a twist whose origin is at `origin`.
-#[inline]
+#[inline(always)]
 pub(super) fn screw_axis<T: Real>(
     origin: Vector3<T>,
     twist: &Twist<T>,

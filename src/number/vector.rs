@@ -164,6 +164,35 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
+    /// The rotation with Rodrigues vector `half_turn` = tan(angle/2) times the axis.
+    #[inline(always)]
+    pub fn by_half_turn(half_turn: Vector3<T>) -> Self {
+        let Vector3 { x, y, z } = half_turn;
+        let one = x.one();
+        let factor = (one + one) / (one + half_turn.norm_squared());
+        let (p, q, r) = (x * factor, y * factor, z * factor);
+        let (xx, yy, zz) = (x * p, y * q, z * r);
+        Matrix3 {
+            columns: [
+                Vector3::new(
+                    one - (yy + zz),
+                    r.plus_product(x, q),
+                    (-q).plus_product(x, r),
+                ),
+                Vector3::new(
+                    (-r).plus_product(x, q),
+                    one - (zz + xx),
+                    p.plus_product(y, r),
+                ),
+                Vector3::new(
+                    q.plus_product(x, r),
+                    (-p).plus_product(y, r),
+                    one - (xx + yy),
+                ),
+            ],
+        }
+    }
+
     /// The matrix times a column.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {

@@ -3,7 +3,7 @@
 use super::Stations;
 use super::evaluate::{Block, finite};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels, Quantity};
-use crate::kinematics::{Batch, LaneDesign, LanePose, Visit};
+use crate::kinematics::{Batch, LanePose, Visit};
 use crate::model::Suspension;
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
 use std::hint::black_box;
@@ -11,7 +11,7 @@ use std::hint::black_box;
 /// Solves as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
     width: Width,
-    batch: Batch,
+    batch: Batch<'a>,
     reader: LaneReader<'a>,
     stations: &'a Stations,
     points: usize,
@@ -108,7 +108,6 @@ impl InLanes for Evaluation<'_, '_> {
             let wheels = reader.wheels(&design, &group);
             let mut reading = Reading {
                 reader,
-                design: &design,
                 wheels: &wheels,
                 inputs: reader.inputs(&wheels),
                 count: stations.count(),
@@ -174,7 +173,6 @@ fn scatter(values: &[f64], lanes: usize, lane: usize, to: &mut [f64]) {
 /// Reads the characteristics off the poses of a group.
 struct Reading<'r, B: Bundle> {
     reader: &'r LaneReader<'r>,
-    design: &'r LaneDesign<B>,
     wheels: &'r LaneWheels<B>,
     inputs: Inputs<B>,
     /// Stations in all, and the first one with the rack where it is.
@@ -187,12 +185,11 @@ struct Reading<'r, B: Bundle> {
 
 impl<B: Bundle> Visit<B> for Reading<'_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &LanePose<B>) {
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
-        self.reader
-            .read(self.design, self.wheels, at, rates, &mut self.inputs);
+        self.reader.read(self.wheels, at, rates, &mut self.inputs);
         for (k, c) in self.reader.characteristics().iter().enumerate() {
             // Else the compiler takes what does not depend on `k` out of the loop: the divisions and roots of
             // every formula there is, for any one of them.

@@ -48,6 +48,8 @@ pub(super) struct Place {
     /// ... together with this much of the drive along the slope of the base design: the first step has
     /// nothing else to go by.
     pub along_slope: f64,
+    /// ... and this much of the rack along the slope by the rack.
+    pub along_rack: f64,
 }
 
 /// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
@@ -97,6 +99,7 @@ impl Route {
             step,
             prediction: straight_on(number),
             along_slope: 0.0,
+            along_rack: if number == 1 { rack } else { 0.0 },
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
         if rack != 0.0 {
@@ -122,6 +125,7 @@ impl Route {
                 step,
                 prediction,
                 along_slope: if visited.len() == 1 { value } else { 0.0 },
+                along_rack: 0.0,
             });
             visited.push(value);
         }

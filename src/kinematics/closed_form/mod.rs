@@ -30,7 +30,6 @@ mod velocity;
 use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
-pub(in crate::kinematics) use velocity::Velocity;
 
 use super::path::DesignFault;
 use super::pose::Pose;
@@ -251,6 +250,12 @@ impl<T: Real> ClosedForm<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
         let cosine = inverse + inverse - tangent.one();
         self.at(cosine, (tangent + tangent) * inverse, rack)
+    }
+
+    /// A number in the shape of the constants.
+    #[inline(always)]
+    pub(super) fn like(&self) -> T {
+        self.wheel_height
     }
 
     /// Height of the wheel centre above its design position.

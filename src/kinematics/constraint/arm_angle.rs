@@ -23,10 +23,7 @@ pub(in crate::kinematics) struct ArmAngle<T> {
 
 /// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
 #[inline]
-pub(in crate::kinematics) fn axis_ends(
-    arm: Arm,
-    design: &[Vector3<f64>],
-) -> (PointId, PointId) {
+pub(in crate::kinematics) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (PointId, PointId) {
     if sense(arm, design) > 0.0 {
         (arm.rear, arm.front)
     } else {

@@ -10,8 +10,8 @@
 //! Without a root F is quadratic in the pose and has no singular point; the factor 1/|d0| makes it a
 //! length and is held fixed (where F = 0 it does not matter).
 
-use crate::kinematics::pose::{Posture, Sink};
-use crate::model::PointId;
+use crate::kinematics::pose::{Posture, Sink, Twist, Wrench};
+use crate::model::{Body, PointId};
 use crate::number::{Real, Vector3};
 
 /// The equation of one rod.
@@ -52,5 +52,21 @@ impl<T: Real> Link<T> {
         at.push_grounded(inner, -now, sink);
         sink.hardpoint(outer, -designed);
         sink.hardpoint(inner, designed);
+    }
+
+    #[inline(always)]
+    pub(super) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        let lever = at.pose.rotation.apply(at.designed_lever(self.outer));
+        let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.scale;
+        let lever_rate = along.turn.cross(lever);
+        let d_rate = (along.shift + lever_rate) * self.scale;
+        Wrench {
+            force: d_rate,
+            moment: lever_rate.cross(d) + lever.cross(d_rate),
+            rack: match at.mechanism.body(self.inner) {
+                Body::Rack => -d_rate.y,
+                _ => d_rate.y.zero(),
+            },
+        }
     }
 }

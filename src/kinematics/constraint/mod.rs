@@ -20,7 +20,7 @@ use link::Link;
 use revolute::Pinned;
 use strut_line::StrutLine;
 
-use super::pose::{Posture, Sink};
+use super::pose::{Posture, Sink, Twist, Wrench};
 use crate::model::Constraint;
 use crate::number::{Real, Vector3};
 
@@ -64,6 +64,17 @@ impl<T: Real> Row<T> {
             Row::Link(row) => row.differential(at, weight, sink),
             Row::StrutLine(row) => row.differential(at, weight, sink),
             Row::Pinned(row) => row.differential(at, weight, sink),
+        }
+    }
+
+    /// How force, moment and force along the rack of the differential change along a motion of the knuckle,
+    /// the rack held.
+    #[inline(always)]
+    pub(super) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        match self {
+            Row::Link(row) => row.wrench_rate(at, along),
+            Row::StrutLine(row) => row.wrench_rate(at, along),
+            Row::Pinned(row) => row.wrench_rate(at, along),
         }
     }
 }

@@ -12,7 +12,7 @@
 //! the axis are left to hold. These turn with the axis, but as p = c in every pose that adds nothing.
 
 use super::normals;
-use crate::kinematics::pose::{Posture, Sink};
+use crate::kinematics::pose::{Posture, Sink, Twist, Wrench};
 use crate::model::PointId;
 use crate::number::{Matrix3, Real, Vector3};
 
@@ -51,5 +51,15 @@ impl<T: Real> Pinned<T> {
         let along = self.direction * weight;
         at.push_carried(self.point, along, sink);
         sink.hardpoint(self.point, -along);
+    }
+
+    #[inline(always)]
+    pub(super) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        let lever = at.pose.rotation.apply(at.designed_lever(self.point));
+        Wrench {
+            force: lever.zero(),
+            moment: along.turn.cross(lever).cross(self.direction),
+            rack: lever.x.zero(),
+        }
     }
 }

@@ -11,7 +11,7 @@
 //! how far the knuckle has slid along the line.
 
 use super::normals;
-use crate::kinematics::pose::{Posture, Sink};
+use crate::kinematics::pose::{Posture, Sink, Twist, Wrench};
 use crate::model::PointId;
 use crate::number::{Real, Vector3};
 
@@ -69,5 +69,17 @@ impl<T: Real> StrutLine<T> {
         let by_direction = normal * (-(slid * weight) * self.inverse_base);
         sink.hardpoint(self.upper.unwrap_or(top), by_direction);
         sink.hardpoint(self.lower, -by_direction);
+    }
+
+    #[inline]
+    pub(super) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        let gap = at.point(self.top) - at.pose.origin;
+        let turned = at.pose.rotation.apply(self.normal);
+        let turned_rate = along.turn.cross(turned);
+        Wrench {
+            force: -turned_rate,
+            moment: turned_rate.cross(gap) - turned.cross(along.shift),
+            rack: gap.x.zero(),
+        }
     }
 }

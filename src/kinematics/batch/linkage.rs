@@ -1,0 +1,485 @@
+//! Six unknowns: where the knuckle is, by the closure equations themselves.
+//!
+//! The unknowns are the displacement of the knuckle's origin and its rotation from the design position, as
+//! tan(angle/2) times the axis. At a prediction, Newton's method on five constraints and the travel
+//!
+//! ```text
+//! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
+//! ```
+//!
+//! leaves an error of second order; the residuals at what it yields say whether that is enough.
+//!
+//! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
+//!
+//! ```text
+//! J = | A  B |        S = D - C A^-1 B,   det J = det A det S
+//!     | C  D |
+//! ```
+//!
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Two
+//! determinants are then all that may not vanish. A lane where one of them is less than a fourth of the base
+//! design's, or changes by more than half (or doubles) from one place to the next, is lost.
+//!
+//! The steering axis, where it is the instantaneous one, is that of the screw J t = -F_r (module `steering`).
+//! Along the motion t' follows from J t' = -(F_r' + J' t).
+
+use super::route::{Leg, Place};
+use super::{InKnuckle, KnuckleVector, LanePose, LaneRates, Visit, weighted, within_half};
+use crate::kinematics::closure::{Closure, Driver};
+use crate::kinematics::pose::{Pose, Posture, Twist, Wrench};
+use crate::kinematics::steering::screw_axis;
+use crate::model::{Drive, Mechanism};
+use crate::number::{Bundle, Jet, Matrix3, Real, Vector3};
+use std::array::from_fn;
+
+/// Of displacement and rotation.
+pub(super) const UNKNOWNS: usize = 6;
+/// The least determinant of a block, in those of the base design.
+const LEAST: f64 = 0.25;
+/// The least pivot of the base design.
+const LEAST_PIVOT: f64 = 1e-3;
+/// The largest correction of a prediction, in sizes.
+const LARGEST_CORRECTION: f64 = 0.02;
+/// The farthest the knuckle may turn in one step, as a tangent of half the angle.
+const LONGEST: f64 = 0.05;
+/// Corrections a lane may take to settle.
+const MOST_ROUNDS: usize = 5;
+
+/// How designs of any mechanism are solved.
+#[derive(Clone, Debug)]
+pub(super) struct ByLinkage {
+    order: Order,
+    size: f64,
+    /// Determinants of A and S in the base design.
+    determinants: [f64; 2],
+    /// Derivatives of the unknowns in the base design by travel and by the rack.
+    by_travel: [f64; UNKNOWNS],
+    by_rack: [f64; UNKNOWNS],
+}
+
+/// An order of rows and columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Order {
+    rows: [usize; 6],
+    columns: [usize; 6],
+}
+
+/// The constants of a design in each lane.
+#[derive(Clone)]
+pub(super) struct LinkageDesign<'d, B> {
+    mechanism: &'d Mechanism,
+    design: &'d [Vector3<B>],
+    closure: Closure<B>,
+}
+
+impl<'d, B: Real> LinkageDesign<'d, B> {
+    #[inline(always)]
+    pub(super) fn new(mechanism: &'d Mechanism, design: &'d [Vector3<B>]) -> Self {
+        LinkageDesign {
+            mechanism,
+            design,
+            closure: Closure::new(mechanism, design),
+        }
+    }
+
+    /// The mechanism with these unknowns.
+    #[inline(always)]
+    fn posture(&self, [x, y, z, a, b, c]: [B; UNKNOWNS], rack: B) -> Posture<'d, B> {
+        let shift = Vector3::new(x, y, z);
+        Posture {
+            mechanism: self.mechanism,
+            design: self.design,
+            pose: Pose {
+                origin: self.design[self.mechanism.origin.0] + shift,
+                rotation: Matrix3::by_half_turn(Vector3::new(a, b, c)),
+            },
+            rack,
+            steering: None,
+        }
+    }
+}
+
+/// The blocks of a Jacobian.
+struct Blocks<B> {
+    order: Order,
+    inverse_size: B,
+    inverse_a: Inverse<B>,
+    /// Rows of A^-1 B and C.
+    w: [Vector3<B>; 3],
+    c: [Vector3<B>; 3],
+    inverse_s: Inverse<B>,
+}
+
+/// The inverse of a matrix of three rows, by columns.
+struct Inverse<B> {
+    columns: [Vector3<B>; 3],
+    determinant: B,
+}
+
+impl<B: Real> Inverse<B> {
+    #[inline(always)]
+    fn of([a, b, c]: [Vector3<B>; 3]) -> Self {
+        let across = b.cross(c);
+        let determinant = a.dot(across);
+        let inverse = determinant.one() / determinant;
+        Inverse {
+            columns: [across * inverse, c.cross(a) * inverse, a.cross(b) * inverse],
+            determinant,
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: Vector3<B>) -> Vector3<B> {
+        let [a, b, c] = self.columns;
+        (a * v.x).plus_scaled(b, v.y).plus_scaled(c, v.z)
+    }
+}
+
+impl<B: Real> Blocks<B> {
+    #[inline(always)]
+    fn of(wrenches: &[Wrench<B>; 6], order: Order, inverse_size: B) -> Self {
+        let rows: [[B; 6]; 6] = from_fn(|k| {
+            let Wrench { force, moment, .. } = wrenches[k];
+            let m = moment * inverse_size;
+            [force.x, force.y, force.z, m.x, m.y, m.z]
+        });
+        let part = |row: usize, first: usize| {
+            let row = &rows[order.rows[row]];
+            let [x, y, z] = [0, 1, 2].map(|k| row[order.columns[first + k]]);
+            Vector3::new(x, y, z)
+        };
+        let inverse_a = Inverse::of([part(0, 0), part(1, 0), part(2, 0)]);
+        let [p, q, r] = inverse_a.columns;
+        let (b0, b1, b2) = (part(0, 3), part(1, 3), part(2, 3));
+        let combined = |x: B, y: B, z: B| (b0 * x).plus_scaled(b1, y).plus_scaled(b2, z);
+        let w = [
+            combined(p.x, q.x, r.x),
+            combined(p.y, q.y, r.y),
+            combined(p.z, q.z, r.z),
+        ];
+        let c = [part(3, 0), part(4, 0), part(5, 0)];
+        let s = [0, 1, 2].map(|k| {
+            part(3 + k, 3)
+                .plus_scaled(w[0], -c[k].x)
+                .plus_scaled(w[1], -c[k].y)
+                .plus_scaled(w[2], -c[k].z)
+        });
+        Blocks {
+            order,
+            inverse_size,
+            inverse_a,
+            w,
+            c,
+            inverse_s: Inverse::of(s),
+        }
+    }
+
+    /// The twist (v, w) with J (v, w) = f.
+    #[inline(always)]
+    fn solve(&self, f: [B; 6]) -> Twist<B> {
+        let [a, b, c, d, e, g] = self.order.rows.map(|row| f[row]);
+        let upper = self.inverse_a.apply(Vector3::new(a, b, c));
+        let lower = self.inverse_s.apply(Vector3::new(
+            d - self.c[0].dot(upper),
+            e - self.c[1].dot(upper),
+            g - self.c[2].dot(upper),
+        ));
+        let upper = upper
+            - Vector3::new(
+                self.w[0].dot(lower),
+                self.w[1].dot(lower),
+                self.w[2].dot(lower),
+            );
+        let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
+        let mut twist = solution;
+        for (value, column) in solution.into_iter().zip(self.order.columns) {
+            twist[column] = value;
+        }
+        let Twist { shift, turn } = Twist::from_array(twist);
+        Twist {
+            shift,
+            turn: turn * self.inverse_size,
+        }
+    }
+
+    #[inline(always)]
+    fn determinants(&self) -> [B; 2] {
+        [self.inverse_a.determinant, self.inverse_s.determinant]
+    }
+}
+
+/// What the unknowns become by a twist of the mechanism.
+#[inline(always)]
+fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
+    let [x, y, z, a, b, c] = unknowns;
+    let turned = Vector3::new(a, b, c);
+    let half = turned.x.lit(0.5);
+    let h = twist.turn * half;
+    let r = (turned + h + h.cross(turned)).plus_scaled(turned, turned.dot(h));
+    let v = twist.shift;
+    [x + v.x, y + v.y, z + v.z, r.x, r.y, r.z]
+}
+
+/// A pose of a linkage.
+struct LinkagePose<'p, 'd, B> {
+    way: &'p ByLinkage,
+    linkage: &'p LinkageDesign<'d, B>,
+    at: Posture<'d, B>,
+    travel: B,
+}
+
+impl<B: Bundle> LinkagePose<'_, '_, B> {
+    #[inline(always)]
+    fn wrenches(&self) -> [Wrench<B>; 6] {
+        let driver = Driver::Travel(self.travel);
+        self.linkage.closure.linearised(&self.at, driver).1
+    }
+
+    /// The twist of the knuckle per unit of rack displacement.
+    #[inline(always)]
+    fn steering(&self, wrenches: &[Wrench<B>; 6]) -> (Blocks<B>, Twist<B>) {
+        let blocks = self.way.blocks(wrenches);
+        let by_rack = blocks.solve(from_fn(|k| -wrenches[k].rack));
+        (blocks, by_rack)
+    }
+}
+
+impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
+    #[inline(always)]
+    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
+        match vector.0 {
+            InKnuckle::Designed(vector) => self.at.pose.rotation.apply(vector),
+            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
+        }
+    }
+
+    #[inline(always)]
+    fn origin(&self) -> Vector3<B> {
+        self.at.pose.origin
+    }
+
+    #[inline(always)]
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>) {
+        let (_, twist) = self.steering(&self.wrenches());
+        screw_axis(self.at.pose.origin, &twist)
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> LaneRates<B> {
+        let mut by_travel = [self.travel.zero(); 6];
+        by_travel[5] = self.travel.one();
+        let twist = self.way.blocks(&self.wrenches()).solve(by_travel);
+        LaneRates {
+            origin: twist.shift,
+            turn: twist.turn,
+            steering_axis: twist.turn.zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
+        let (blocks, by_rack) = self.steering(&self.wrenches());
+        let motion = Twist {
+            shift: rates.origin,
+            turn: rates.turn,
+        };
+        let slopes = self.linkage.closure.wrench_rates(&self.at, &motion);
+        let rate =
+            blocks.solve(slopes.map(|row| {
+                -(row.rack + row.force.dot(by_rack.shift) + row.moment.dot(by_rack.turn))
+            }));
+        let along = |now: Vector3<B>, rate: Vector3<B>| {
+            Vector3::new(
+                Jet([now.x, rate.x]),
+                Jet([now.y, rate.y]),
+                Jet([now.z, rate.z]),
+            )
+        };
+        let moving = Twist {
+            shift: along(by_rack.shift, rate.shift),
+            turn: along(by_rack.turn, rate.turn),
+        };
+        let (point, direction) = screw_axis(along(self.at.pose.origin, rates.origin), &moving);
+        (point.map(|c| c[1]), direction.map(|c| c[1]))
+    }
+}
+
+impl ByLinkage {
+    /// For a mechanism driven by its travel; `None` where `base` is no start.
+    pub(super) fn of(
+        mechanism: &Mechanism,
+        base: &[Vector3<f64>],
+        drive: Drive,
+        size: f64,
+    ) -> Option<ByLinkage> {
+        (drive == Drive::Travel).then_some(())?;
+        let linkage = LinkageDesign::new(mechanism, base);
+        let at = linkage.posture([0.0; UNKNOWNS], 0.0);
+        let wrenches = linkage.closure.linearised(&at, Driver::Travel(0.0)).1;
+        let blocks = Blocks::of(&wrenches, Order::of(&wrenches, size)?, 1.0 / size);
+        let slope = |twist: Twist<f64>| moved([0.0; UNKNOWNS], &twist);
+        Some(ByLinkage {
+            order: blocks.order,
+            size,
+            determinants: blocks.determinants(),
+            by_travel: slope(blocks.solve([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])),
+            by_rack: slope(blocks.solve(wrenches.map(|row| -row.rack))),
+        })
+    }
+
+    #[inline(always)]
+    fn blocks<B: Real>(&self, wrenches: &[Wrench<B>; 6]) -> Blocks<B> {
+        let inverse_size = wrenches[0].rack.lit(1.0 / self.size);
+        Blocks::of(wrenches, self.order, inverse_size)
+    }
+
+    /// Visits every place; says which lanes are right throughout.
+    #[inline(always)]
+    pub(super) fn march<B: Bundle>(
+        &self,
+        linkage: &LinkageDesign<'_, B>,
+        places: &[Place],
+        tolerance: f64,
+        history: &mut [B],
+        visit: &mut impl Visit<B>,
+    ) -> B::Mask {
+        let zero = linkage.design[0].x.zero();
+        let tolerance = zero.lit(tolerance);
+        let largest = zero.lit(LARGEST_CORRECTION);
+        let inverse_size = zero.lit(1.0 / self.size);
+        let mut sound = zero.less(zero.one());
+        let mut last = [Watch {
+            turned: Vector3::new(zero, zero, zero),
+            determinants: [zero; 2],
+        }; 2];
+        for (number, place) in places.iter().enumerate() {
+            let rack = zero.lit(place.rack);
+            let driver = Driver::Travel(zero.lit(place.value));
+            let mut unknowns: [B; UNKNOWNS] = from_fn(|k| {
+                weighted::<UNKNOWNS, B>(&place.prediction, history, k, zero)
+                    .plus_product(zero.lit(self.by_travel[k]), zero.lit(place.along_slope))
+                    .plus_product(zero.lit(self.by_rack[k]), zero.lit(place.along_rack))
+            });
+            let mut settled = zero.less(zero);
+            let mut close = sound;
+            let mut round = 1;
+            loop {
+                let at = linkage.posture(unknowns, rack);
+                let (residuals, wrenches) = linkage.closure.linearised(&at, driver);
+                let blocks = self.blocks(&wrenches);
+                let twist = blocks.solve(residuals.map(|r| -r));
+                let corrected = moved(unknowns, &twist);
+                let next: [B; UNKNOWNS] =
+                    from_fn(|k| B::select(settled, unknowns[k], corrected[k]));
+                if round == 1 {
+                    close =
+                        is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
+                }
+                let at = linkage.posture(next, rack);
+                let missed = linkage.closure.residuals(&at, driver);
+                let [a, b, c, d, e, g] = missed;
+                settled = is_less(Vector3::new(a, b, c), tolerance)
+                    & is_less(Vector3::new(d, e, g), tolerance);
+                unknowns = next;
+                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                    round += 1;
+                    continue;
+                }
+                let first = UNKNOWNS * number;
+                history[first..first + UNKNOWNS].copy_from_slice(&unknowns);
+                let [_, _, _, x, y, z] = unknowns;
+                let watch = Watch {
+                    turned: Vector3::new(x, y, z),
+                    determinants: blocks.determinants(),
+                };
+                sound = sound & settled & close & watch.is_sound(&self.determinants);
+                let side = place.leg.side();
+                if number > 0 {
+                    sound = sound & watch.continues(&last[side]);
+                }
+                match place.leg {
+                    Leg::Rack => last = [watch; 2],
+                    _ => last[side] = watch,
+                }
+                if let Some(station) = place.station {
+                    let pose = LinkagePose {
+                        way: self,
+                        linkage,
+                        at,
+                        travel: zero.lit(place.value),
+                    };
+                    visit.pose(station, &pose);
+                }
+                break;
+            }
+        }
+        sound
+    }
+}
+
+impl Order {
+    /// The order of complete pivoting, moments divided by the size; `None` where the matrix is singular
+    /// or as good as that.
+    fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
+        let mut a = wrenches.map(|row| {
+            let mut row = row.to_row();
+            row[3..].iter_mut().for_each(|moment| *moment /= size);
+            row
+        });
+        let mut order = Order {
+            rows: from_fn(|i| i),
+            columns: from_fn(|i| i),
+        };
+        for k in 0..6 {
+            let entries = (k..6).flat_map(|i| (k..6).map(move |j| (i, j)));
+            let (i, j) = entries.max_by(|p, q| a[p.0][p.1].abs().total_cmp(&a[q.0][q.1].abs()))?;
+            a.swap(k, i);
+            order.rows.swap(k, i);
+            a.iter_mut().for_each(|row| row.swap(k, j));
+            order.columns.swap(k, j);
+            // Written so that NaN is refused.
+            (a[k][k].abs() > LEAST_PIVOT).then_some(())?;
+            let pivot_row = a[k];
+            for row in &mut a[k + 1..] {
+                let factor = row[k] / pivot_row[k];
+                for (entry, above) in row.iter_mut().zip(pivot_row).skip(k) {
+                    *entry -= factor * above;
+                }
+            }
+        }
+        Some(order)
+    }
+}
+
+/// What is watched along the path.
+#[derive(Clone, Copy)]
+struct Watch<B> {
+    /// The knuckle's turn, as tan(angle/2) times the axis.
+    turned: Vector3<B>,
+    determinants: [B; 2],
+}
+
+impl<B: Bundle> Watch<B> {
+    /// Whether the Jacobian is about as well conditioned as in the base design. False for NaN.
+    #[inline(always)]
+    fn is_sound(&self, base: &[f64; 2]) -> B::Mask {
+        let [a, s] = self.determinants;
+        a.lit(LEAST * base[0].abs()).less(a.abs()) & s.lit(LEAST * base[1].abs()).less(s.abs())
+    }
+
+    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    #[inline(always)]
+    fn continues(&self, before: &Self) -> B::Mask {
+        let [a, s] = self.determinants;
+        let longest = a.lit(LONGEST);
+        within_half(a, before.determinants[0])
+            & within_half(s, before.determinants[1])
+            & is_less(self.turned - before.turned, longest)
+    }
+}
+
+/// Whether every component is less than a bound, whatever its sign.
+#[inline(always)]
+fn is_less<B: Bundle>(vector: Vector3<B>, bound: B) -> B::Mask {
+    vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)
+}

@@ -67,22 +67,16 @@ impl<T: Real> Closure<T> {
     /// The equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
-        let place = |row: usize| {
-            let mut first = 0;
-            for constraint in &mechanism.constraints {
-                if row < first + constraint.freedoms() {
-                    return (*constraint, row - first);
-                }
-                first += constraint.freedoms();
+        let [mut constraint, mut number] = [0; 2];
+        let mut rows = [Row::of(mechanism.constraints[0], 0, design); 5];
+        for row in &mut rows[1..] {
+            number += 1;
+            if number == mechanism.constraints[constraint].freedoms() {
+                (constraint, number) = (constraint + 1, 0);
             }
-            panic!("five constraints hold a knuckle");
-        };
-        Closure {
-            rows: [0, 1, 2, 3, 4].map(|row| {
-                let (constraint, number) = place(row);
-                Row::of(constraint, number, design)
-            }),
+            *row = Row::of(mechanism.constraints[constraint], number, design);
         }
+        Closure { rows }
     }
 
     /// Takes over another design of the same mechanism.

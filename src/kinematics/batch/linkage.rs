@@ -130,40 +130,53 @@ impl<B: Real> Inverse<B> {
 
     #[inline(always)]
     fn apply(&self, v: Vector3<B>) -> Vector3<B> {
-        let [a, b, c] = self.columns;
-        (a * v.x).plus_scaled(b, v.y).plus_scaled(c, v.z)
+        combined(self.columns, v.x, v.y, v.z)
     }
+}
+
+/// Three entries of a row, in an order of columns.
+#[inline(always)]
+fn three<B: Copy>(row: &[B; 6], columns: &[usize; 6], first: usize) -> Vector3<B> {
+    Vector3::new(
+        row[columns[first]],
+        row[columns[first + 1]],
+        row[columns[first + 2]],
+    )
+}
+
+/// x a + y b + z c
+#[inline(always)]
+fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B> {
+    (a * x).plus_scaled(b, y).plus_scaled(c, z)
 }
 
 impl<B: Real> Blocks<B> {
     #[inline(always)]
     fn of(wrenches: &[Wrench<B>; 6], order: Order, inverse_size: B) -> Self {
-        let rows: [[B; 6]; 6] = from_fn(|k| {
-            let Wrench { force, moment, .. } = wrenches[k];
+        let zero = inverse_size.zero();
+        let null = Vector3::new(zero, zero, zero);
+        let (mut left, mut right) = ([null; 6], [null; 6]);
+        for k in 0..6 {
+            let Wrench { force, moment, .. } = wrenches[order.rows[k]];
             let m = moment * inverse_size;
-            [force.x, force.y, force.z, m.x, m.y, m.z]
-        });
-        let part = |row: usize, first: usize| {
-            let row = &rows[order.rows[row]];
-            let [x, y, z] = [0, 1, 2].map(|k| row[order.columns[first + k]]);
-            Vector3::new(x, y, z)
-        };
-        let inverse_a = Inverse::of([part(0, 0), part(1, 0), part(2, 0)]);
+            let row = [force.x, force.y, force.z, m.x, m.y, m.z];
+            left[k] = three(&row, &order.columns, 0);
+            right[k] = three(&row, &order.columns, 3);
+        }
+        let inverse_a = Inverse::of([left[0], left[1], left[2]]);
         let [p, q, r] = inverse_a.columns;
-        let (b0, b1, b2) = (part(0, 3), part(1, 3), part(2, 3));
-        let combined = |x: B, y: B, z: B| (b0 * x).plus_scaled(b1, y).plus_scaled(b2, z);
+        let b = [right[0], right[1], right[2]];
         let w = [
-            combined(p.x, q.x, r.x),
-            combined(p.y, q.y, r.y),
-            combined(p.z, q.z, r.z),
+            combined(b, p.x, q.x, r.x),
+            combined(b, p.y, q.y, r.y),
+            combined(b, p.z, q.z, r.z),
         ];
-        let c = [part(3, 0), part(4, 0), part(5, 0)];
-        let s = [0, 1, 2].map(|k| {
-            part(3 + k, 3)
-                .plus_scaled(w[0], -c[k].x)
-                .plus_scaled(w[1], -c[k].y)
-                .plus_scaled(w[2], -c[k].z)
-        });
+        let c = [left[3], left[4], left[5]];
+        let s = [
+            right[3] - combined(w, c[0].x, c[0].y, c[0].z),
+            right[4] - combined(w, c[1].x, c[1].y, c[1].z),
+            right[5] - combined(w, c[2].x, c[2].y, c[2].z),
+        ];
         Blocks {
             order,
             inverse_size,
@@ -177,12 +190,15 @@ impl<B: Real> Blocks<B> {
     /// The twist (v, w) with J (v, w) = f.
     #[inline(always)]
     fn solve(&self, f: [B; 6]) -> Twist<B> {
-        let [a, b, c, d, e, g] = self.order.rows.map(|row| f[row]);
-        let upper = self.inverse_a.apply(Vector3::new(a, b, c));
+        let (above, below) = (
+            three(&f, &self.order.rows, 0),
+            three(&f, &self.order.rows, 3),
+        );
+        let upper = self.inverse_a.apply(above);
         let lower = self.inverse_s.apply(Vector3::new(
-            d - self.c[0].dot(upper),
-            e - self.c[1].dot(upper),
-            g - self.c[2].dot(upper),
+            below.x - self.c[0].dot(upper),
+            below.y - self.c[1].dot(upper),
+            below.z - self.c[2].dot(upper),
         ));
         let upper = upper
             - Vector3::new(
@@ -192,8 +208,8 @@ impl<B: Real> Blocks<B> {
             );
         let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
         let mut twist = solution;
-        for (value, column) in solution.into_iter().zip(self.order.columns) {
-            twist[column] = value;
+        for k in 0..6 {
+            twist[self.order.columns[k]] = solution[k];
         }
         let Twist { shift, turn } = Twist::from_array(twist);
         Twist {
@@ -206,6 +222,22 @@ impl<B: Real> Blocks<B> {
     fn determinants(&self) -> [B; 2] {
         [self.inverse_a.determinant, self.inverse_s.determinant]
     }
+}
+
+/// A vector with its derivative.
+#[inline(always)]
+fn along<B: Real>(now: Vector3<B>, rate: Vector3<B>) -> Vector3<Jet<B, 2>> {
+    Vector3::new(
+        Jet([now.x, rate.x]),
+        Jet([now.y, rate.y]),
+        Jet([now.z, rate.z]),
+    )
+}
+
+/// The derivative.
+#[inline(always)]
+fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
+    Vector3::new(vector.x[1], vector.y[1], vector.z[1])
 }
 
 /// What the unknowns become by a twist of the mechanism.
@@ -239,7 +271,11 @@ impl<B: Bundle> LinkagePose<'_, '_, B> {
     #[inline(always)]
     fn steering(&self, wrenches: &[Wrench<B>; 6]) -> (Blocks<B>, Twist<B>) {
         let blocks = self.way.blocks(wrenches);
-        let by_rack = blocks.solve(from_fn(|k| -wrenches[k].rack));
+        let mut right = [self.travel.zero(); 6];
+        for k in 0..6 {
+            right[k] = -wrenches[k].rack;
+        }
+        let by_rack = blocks.solve(right);
         (blocks, by_rack)
     }
 }
@@ -284,23 +320,22 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
             turn: rates.turn,
         };
         let slopes = self.linkage.closure.wrench_rates(&self.at, &motion);
-        let rate =
-            blocks.solve(slopes.map(|row| {
-                -(row.rack + row.force.dot(by_rack.shift) + row.moment.dot(by_rack.turn))
-            }));
-        let along = |now: Vector3<B>, rate: Vector3<B>| {
-            Vector3::new(
-                Jet([now.x, rate.x]),
-                Jet([now.y, rate.y]),
-                Jet([now.z, rate.z]),
-            )
-        };
+        let mut right = [self.travel.zero(); 6];
+        for k in 0..6 {
+            let Wrench {
+                force,
+                moment,
+                rack,
+            } = slopes[k];
+            right[k] = -(rack + force.dot(by_rack.shift) + moment.dot(by_rack.turn));
+        }
+        let rate = blocks.solve(right);
         let moving = Twist {
             shift: along(by_rack.shift, rate.shift),
             turn: along(by_rack.turn, rate.turn),
         };
         let (point, direction) = screw_axis(along(self.at.pose.origin, rates.origin), &moving);
-        (point.map(|c| c[1]), direction.map(|c| c[1]))
+        (slope(point), slope(direction))
     }
 }
 
@@ -355,11 +390,13 @@ impl ByLinkage {
         for (number, place) in places.iter().enumerate() {
             let rack = zero.lit(place.rack);
             let driver = Driver::Travel(zero.lit(place.value));
-            let mut unknowns: [B; UNKNOWNS] = from_fn(|k| {
-                weighted::<UNKNOWNS, B>(&place.prediction, history, k, zero)
-                    .plus_product(zero.lit(self.by_travel[k]), zero.lit(place.along_slope))
-                    .plus_product(zero.lit(self.by_rack[k]), zero.lit(place.along_rack))
-            });
+            let mut unknowns = [zero; UNKNOWNS];
+            for k in 0..UNKNOWNS {
+                let slope =
+                    self.by_travel[k] * place.along_slope + self.by_rack[k] * place.along_rack;
+                unknowns[k] =
+                    weighted::<UNKNOWNS, B>(&place.prediction, history, k, zero) + zero.lit(slope);
+            }
             let mut settled = zero.less(zero);
             let mut close = sound;
             let mut round = 1;
@@ -367,10 +404,15 @@ impl ByLinkage {
                 let at = linkage.posture(unknowns, rack);
                 let (residuals, wrenches) = linkage.closure.linearised(&at, driver);
                 let blocks = self.blocks(&wrenches);
-                let twist = blocks.solve(residuals.map(|r| -r));
-                let corrected = moved(unknowns, &twist);
-                let next: [B; UNKNOWNS] =
-                    from_fn(|k| B::select(settled, unknowns[k], corrected[k]));
+                let twist = blocks.solve(residuals);
+                let twist = Twist {
+                    shift: -twist.shift,
+                    turn: -twist.turn,
+                };
+                let mut next = moved(unknowns, &twist);
+                for k in 0..UNKNOWNS {
+                    next[k] = B::select(settled, unknowns[k], next[k]);
+                }
                 if round == 1 {
                     close =
                         is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);

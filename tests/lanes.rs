@@ -5,7 +5,7 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Quantity, Unit};
+use hardpoint::characteristics::{Characteristic, Need, Quantity, Unit};
 use hardpoint::model::Body;
 use hardpoint::number::{Vector3, Width};
 use hardpoint::study::Study;
@@ -29,16 +29,17 @@ const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
 /// What is usually asked for.
-const ANGLES: [Quantity; 4] = [
-    Quantity::Characteristic(Characteristic::Camber),
-    Quantity::Characteristic(Characteristic::Toe),
-    Quantity::Characteristic(Characteristic::KingpinInclination),
-    Quantity::Characteristic(Characteristic::Caster),
+const ANGLES: [Characteristic; 4] = [
+    Characteristic::Camber,
+    Characteristic::Toe,
+    Characteristic::KingpinInclination,
+    Characteristic::Caster,
 ];
 
 /// Everything else that can be read in lanes.
 fn quantities(study: &Study) -> Vec<Quantity> {
     let has_strut = study.suspension.mechanism.strut_upper().is_some();
+    let steers = study.suspension.mechanism.steering_axis.is_some();
     // The spring of the sample double wishbone stands on an arm: what reads it is not for the lanes.
     let mechanism = &study.suspension.mechanism;
     let on_arm = mechanism
@@ -47,7 +48,7 @@ fn quantities(study: &Study) -> Vec<Quantity> {
     let possible = |c: &&Characteristic| match c {
         Characteristic::AttiaKingpin | Characteristic::AttiaCamber => has_strut,
         Characteristic::MotionRatio => !on_arm,
-        _ => true,
+        c => steers || !c.info().needs.contains(&Need::SteeringAxis),
     };
     let all = Characteristic::ALL.iter().filter(possible);
     all.map(|c| Quantity::Characteristic(*c)).collect()
@@ -83,6 +84,8 @@ struct Found {
     /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
     worst: f64,
     of: Option<(Quantity, f64)>,
+    /// Of slopes by the travel in the design position.
+    worst_slope: f64,
 }
 
 fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: usize) -> Found {
@@ -137,6 +140,10 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 }
                 let (a, b) = (block.slope(design, k), wanted.slope(design, k));
                 assert_eq!(a.is_nan(), b.is_nan(), "slope of {quantity:?}");
+                if !a.is_nan() {
+                    let scale = (scale / suspension.size()).max(b.abs());
+                    found.worst_slope = found.worst_slope.max((a - b).abs() / scale);
+                }
             }
         }
     }
@@ -161,12 +168,19 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     for (name, scatters) in [
         ("macpherson_solve.toml", [10.0, 60.0, 150.0]),
         ("double_wishbone_solve.toml", [10.0, 40.0, 100.0]),
+        ("five_link_solve.toml", [10.0, 30.0, 80.0]),
+        ("semi_trailing_arm_solve.toml", [10.0, 60.0, 150.0]),
     ] {
         for (k, by) in scatters.into_iter().enumerate() {
             let seed = 17 + k as u64;
             let fine = study(name, FINE, "[0.0]");
             let coarse = study(name, COARSE, "[-40.0, 0.0, 35.0]");
-            found.push((by, compare(&fine, &ANGLES, by, seed, designs)));
+            let angles = ANGLES.map(|c| Quantity::Characteristic(c));
+            let angles: Vec<_> = angles
+                .into_iter()
+                .filter(|q| quantities(&fine).contains(q))
+                .collect();
+            found.push((by, compare(&fine, &angles, by, seed, designs)));
             found.push((
                 by,
                 compare(&fine, &quantities(&fine), by, seed, designs / 2),
@@ -210,7 +224,12 @@ fn a_million_designs_in_lanes_agree_with_the_careful_path() {
 
 #[test]
 fn ordinary_designs_stay_in_the_lanes() {
-    for name in ["macpherson_solve.toml", "double_wishbone_solve.toml"] {
+    for name in [
+        "macpherson_solve.toml",
+        "double_wishbone_solve.toml",
+        "five_link_solve.toml",
+        "semi_trailing_arm_solve.toml",
+    ] {
         let study = study(name, FINE, "[0.0, 30.0]");
         let found = compare(&study, &quantities(&study), 10.0, 3, 1000);
         assert_eq!(found.left, 0, "{found:?}");
@@ -222,6 +241,8 @@ fn every_width_gives_the_same_bits() {
     for (name, by) in [
         ("macpherson_solve.toml", 120.0),
         ("double_wishbone_solve.toml", 80.0),
+        ("five_link_solve.toml", 60.0),
+        ("semi_trailing_arm_solve.toml", 100.0),
     ] {
         let study = study(name, FINE, "[0.0, 25.0]");
         let suspension = &study.suspension;

@@ -41,7 +41,7 @@ const LEAST_PIVOT: f64 = 1e-3;
 /// The largest correction of a prediction, in sizes.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// The farthest the knuckle may turn in one step, as a tangent of half the angle.
-const LONGEST: f64 = 0.05;
+const LONGEST: f64 = 0.1;
 /// Corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 5;
 

@@ -4,11 +4,23 @@
 //! formula that could differ, and divides by the rise of the wheel centre. That makes it a derivative
 //! by wheel travel whatever drives the mechanism.
 
-use super::{Formula, Info, Inputs, Slot, Unit, Wheel, angles};
-use crate::number::{Jet, Real, Vector3};
+use super::{Characteristic, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
+use crate::number::{Jet, Matrix3, Real, Vector3};
 
 #[inline(always)]
 fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
+    let rate = &inputs.rate;
+    slope::<F, T>(inputs, rate.spin_axis, rate.steering_direction) / rate.centre.z
+}
+
+/// How an angle changes where spin axis and steering direction do so at these rates: it reads one of the two
+/// directions and nothing else.
+#[inline(always)]
+fn slope<F: Formula, T: Real>(
+    inputs: &Inputs<T>,
+    spin_axis: Vector3<T>,
+    steering_direction: Vector3<T>,
+) -> T {
     #[inline(always)]
     fn along<T: Real>(now: Vector3<T>, rate: Vector3<T>) -> Vector3<Jet<T, 2>> {
         Vector3::new(
@@ -17,14 +29,13 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
             Jet([now.z, rate.z]),
         )
     }
-    // An angle reads the two directions and nothing else.
     let still = Jet::constant(inputs.turn.x.zero());
     let nothing = Wheel::filled(still);
-    let (now, rate) = (&inputs.now, &inputs.rate);
+    let now = &inputs.now;
     let moving = Inputs {
         now: Wheel {
-            spin_axis: along(now.spin_axis, rate.spin_axis),
-            steering_direction: along(now.steering_direction, rate.steering_direction),
+            spin_axis: along(now.spin_axis, spin_axis),
+            steering_direction: along(now.steering_direction, steering_direction),
             ..nothing
         },
         rate: nothing,
@@ -32,7 +43,28 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
         design: nothing,
         constants: inputs.constants,
     };
-    F::evaluate(&moving)[1] / inputs.rate.centre.z
+    F::evaluate(&moving)[1]
+}
+
+/// The derivative of an angle by the direction it reads; `None` for anything else.
+#[inline(always)]
+pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
+    #[inline(always)]
+    fn by<F: Formula, T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
+        let [x, y, z] = Matrix3::identity(inputs.turn.x).columns;
+        Vector3::new(
+            slope::<F, T>(inputs, x, x),
+            slope::<F, T>(inputs, y, y),
+            slope::<F, T>(inputs, z, z),
+        )
+    }
+    match c {
+        Characteristic::Camber => Some(by::<angles::Camber, T>(inputs)),
+        Characteristic::Toe => Some(by::<angles::Toe, T>(inputs)),
+        Characteristic::Caster => Some(by::<angles::Caster, T>(inputs)),
+        Characteristic::KingpinInclination => Some(by::<angles::KingpinInclination, T>(inputs)),
+        _ => None,
+    }
 }
 
 macro_rules! gain {

@@ -3,9 +3,12 @@
 //! Only what the formulas asked for read is formed; which that is has been decided when the reader is
 //! made, by their [`Slot`]s.
 
+use super::gains::by_direction;
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
-use crate::kinematics::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates};
-use crate::model::{Body, Mechanism, PointId, SpinAxis};
+use crate::kinematics::{
+    Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Posture, Seeds,
+};
+use crate::model::{Body, Mechanism, PointId, SpinAxis, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Vector3};
 
 /// Reads characteristics off poses in lanes.
@@ -190,6 +193,43 @@ impl<'a> LaneReader<'a> {
             let apart = upper.now(at) - lower.now(at);
             let velocity = upper.rate(at, &rates) - lower.rate(at, &rates);
             rate.spring_length = apart.dot(velocity) / now.spring_length;
+        }
+    }
+
+    /// Whether the derivatives by the hardpoints can be had in lanes: those of the four angles, and not of an
+    /// instantaneous steering axis. (All formulas differentiated in one function would take the compiler too
+    /// long.)
+    pub fn has_gradients(&self) -> bool {
+        let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
+        let is_angle = |c: &Characteristic| {
+            matches!(
+                c,
+                Characteristic::Camber
+                    | Characteristic::Toe
+                    | Characteristic::Caster
+                    | Characteristic::KingpinInclination
+            )
+        };
+        self.characteristics.iter().all(is_angle) && !(self.reads.steering_axis && instantaneous)
+    }
+
+    /// Adds, times `weight`, how the characteristic of this number depends on the posture that the inputs
+    /// have been read in.
+    #[inline(always)]
+    pub fn seed<B: Bundle>(
+        &self,
+        number: usize,
+        weight: B,
+        inputs: &Inputs<B>,
+        at: &Posture<'_, B>,
+        seeds: &mut Seeds<'_, '_, B>,
+    ) {
+        let c = self.characteristics[number];
+        if let Some(gradient) = by_direction(c, inputs) {
+            match c.info().reads {
+                [Slot::SpinAxis] => seeds.spin_axis(gradient * weight),
+                _ => seeds.steering_axis(at.pose.origin.zero(), gradient * weight),
+            }
         }
     }
 

@@ -240,8 +240,13 @@ impl<const N: usize> View<N> {
 
 impl Slot {
     /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
-    #[inline]
-    fn push<T: Real>(self, seed: Vector3<T>, at: &Posture<T>, seeds: &mut Seeds<'_, '_, T>) {
+    #[inline(always)]
+    pub(super) fn push<T: Real>(
+        self,
+        seed: Vector3<T>,
+        at: &Posture<T>,
+        seeds: &mut Seeds<'_, '_, T>,
+    ) {
         let mechanism = at.mechanism;
         match self {
             Slot::SpinAxis | Slot::SpinAxisRate => seeds.spin_axis(seed),

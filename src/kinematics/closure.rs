@@ -202,7 +202,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// As [`Closure::differential`], of some of the equations.
-    #[inline]
+    #[inline(always)]
     pub(super) fn differential_of(
         &self,
         rows: RowSet,
@@ -222,7 +222,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// Adds `weights` times the differentials of the six equations to the sink.
-    #[inline]
+    #[inline(always)]
     pub(super) fn differential(
         &self,
         at: &Posture<T>,

@@ -33,7 +33,9 @@ mod work;
 
 pub use accuracy::PoseError;
 pub use assemblies::{Assemblies, Assembly};
-pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Visit};
+pub use batch::{
+    Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, Visit,
+};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
@@ -42,7 +44,7 @@ pub use loads::{Balance, Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
-pub use pose::{Pose, Posture, Twist};
+pub use pose::{Pose, Posture, Twist, Wrench};
 pub use sensitivity::{Linearised, Seeds};
 pub(crate) use work::Tally;
 pub use work::Work;

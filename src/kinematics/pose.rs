@@ -91,9 +91,12 @@ pub(super) trait Sink<T> {
 /// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
 /// pose. With it the force along the rack, which is the derivative by the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Wrench<T> {
+pub struct Wrench<T> {
+    /// Derivative by the position of the knuckle's origin.
     pub force: Vector3<T>,
+    /// Derivative by its rotation.
     pub moment: Vector3<T>,
+    /// Derivative by the displacement of the rack.
     pub rack: T,
 }
 
@@ -142,7 +145,7 @@ impl<'a, T: Real> Posture<'a, T> {
     }
 
     /// Present position of a point.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack => self.grounded(id),
@@ -151,10 +154,7 @@ impl<'a, T: Real> Posture<'a, T> {
                 let top = self.designed(top);
                 top + self.pose.rotation.apply(self.designed(id) - top)
             }
-            Body::Arm(arm) => {
-                let arm = self.mechanism.arms[arm.0];
-                arm_point(self.arm_inputs(arm, id))
-            }
+            Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
         }
     }
 
@@ -200,7 +200,7 @@ impl<'a, T: Real> Posture<'a, T> {
     }
 
     /// Adds the derivative of `gradient . point(id)` to the sink.
-    #[inline]
+    #[inline(always)]
     pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack => self.push_grounded(id, gradient, sink),
@@ -240,6 +240,11 @@ impl<'a, T: Real> Posture<'a, T> {
             sink.hardpoint(hardpoint, by(k));
         }
         self.push_point(arm.outer, by(4), sink);
+    }
+
+    #[inline(never)]
+    fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
+        arm_point(self.arm_inputs(arm, id))
     }
 
     /// What [`arm_point`] reads.

@@ -28,11 +28,11 @@ pub struct Adjoint<'a, T> {
 }
 
 impl<T: Real> Sink<T> for Adjoint<'_, T> {
-    #[inline]
+    #[inline(always)]
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         self.wrench.wrench(force, moment);
     }
-    #[inline]
+    #[inline(always)]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.gradient[id.0] = self.gradient[id.0] + gradient;
     }
@@ -42,9 +42,9 @@ impl<T: Real> Sink<T> for Adjoint<'_, T> {
 pub(super) struct HardpointGradient<'a, T>(pub &'a mut [Vector3<T>]);
 
 impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
-    #[inline]
+    #[inline(always)]
     fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
-    #[inline]
+    #[inline(always)]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.0[id.0] = self.0[id.0] + gradient;
     }
@@ -99,15 +99,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
         gradient: &mut [Vector3<Jet<f64, N>>],
         seed: impl FnOnce(&mut Seeds<'_, '_, Jet<f64, N>>),
     ) {
-        let like = self.at.rack;
-        let mut seeds = Seeds {
-            at: &self.at,
-            adjoint: Adjoint {
-                wrench: Wrench::zero(like),
-                gradient,
-            },
-            by_twist: None,
-        };
+        let mut seeds = Seeds::new(&self.at, gradient);
         seed(&mut seeds);
         let by_twist = seeds.by_twist;
         let Adjoint {
@@ -154,9 +146,28 @@ pub struct Seeds<'s, 'a, T> {
     by_twist: Option<Twist<T>>,
 }
 
-impl<T: Real> Seeds<'_, '_, T> {
+impl<'s, 'a, T: Real> Seeds<'s, 'a, T> {
+    /// For an output of a posture; what it depends on directly is added to `gradient`.
+    #[inline(always)]
+    pub fn new(at: &'s Posture<'a, T>, gradient: &'s mut [Vector3<T>]) -> Self {
+        Seeds {
+            at,
+            adjoint: Adjoint {
+                wrench: Wrench::zero(at.rack),
+                gradient,
+            },
+            by_twist: None,
+        }
+    }
+
+    /// The derivative by the pose.
+    #[inline(always)]
+    pub fn wrench(&self) -> Wrench<T> {
+        self.adjoint.wrench
+    }
+
     /// By a point of the steering axis and by its direction, as [`Posture::steering_axis`] has them.
-    #[inline]
+    #[inline(always)]
     pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
         match (self.at.mechanism.steering_axis, &self.at.steering) {
             (Some(SteeringAxis::Through { lower, upper }), _) => {
@@ -179,25 +190,25 @@ impl<T: Real> Seeds<'_, '_, T> {
     }
 
     /// By the present position of a point.
-    #[inline]
+    #[inline(always)]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
         self.at.push_point(id, gradient, &mut self.adjoint);
     }
 
     /// By a hardpoint, directly.
-    #[inline]
+    #[inline(always)]
     pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.adjoint.hardpoint(id, gradient);
     }
 
     /// By the rotation of the knuckle.
-    #[inline]
+    #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
     }
 
     /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
-    #[inline]
+    #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let axis = self.at.spin_axis();
         self.turn(axis.cross(gradient));
@@ -205,7 +216,7 @@ impl<T: Real> Seeds<'_, '_, T> {
     }
 
     /// By the unit spin axis in the design position.
-    #[inline]
+    #[inline(always)]
     pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
         if let SpinAxis::From(inner) = self.at.mechanism.spin_axis {
             let centre = self.at.mechanism.wheel_centre;
@@ -222,7 +233,7 @@ impl<T: Real> Seeds<'_, '_, T> {
 impl<T: Real> Posture<'_, T> {
     /// A point of the steering axis, and a vector along it, upward but of any length. `None` where the
     /// wheel is not steered, or nothing that reads the axis was asked for.
-    #[inline]
+    #[inline(always)]
     pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
         match self.mechanism.steering_axis? {
             SteeringAxis::Through { lower, upper } => {
@@ -237,7 +248,7 @@ impl<T: Real> Posture<'_, T> {
     }
 
     /// Unit vector along the spin axis, outboard, in the design position.
-    #[inline]
+    #[inline(always)]
     pub fn designed_spin_axis(&self) -> Vector3<T> {
         match self.mechanism.spin_axis {
             SpinAxis::From(inner) => {
@@ -248,7 +259,7 @@ impl<T: Real> Posture<'_, T> {
     }
 
     /// Unit vector along the spin axis, outboard.
-    #[inline]
+    #[inline(always)]
     pub fn spin_axis(&self) -> Vector3<T> {
         self.pose.rotation.apply(self.designed_spin_axis())
     }

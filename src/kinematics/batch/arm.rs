@@ -1,8 +1,11 @@
 //! One unknown: the tangent of half the angle of the lower arm, by the closed form.
 
 use super::route::{Leg, Place};
-use super::{InKnuckle, KnuckleVector, LanePose, LaneRates, Visit, weighted, within_half};
-use crate::kinematics::closed_form::{Carrier, ClosedForm, Roles, State};
+use super::{
+    InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates, Visit, weighted, within_half,
+};
+use crate::kinematics::closed_form::{Adjoint, Carrier, ClosedForm, Roles, State};
+use crate::kinematics::pose::{Posture, Wrench};
 use crate::model::{Drive, Mechanism, SteeringAxis};
 use crate::number::{Bundle, Jet, Vector3};
 
@@ -18,14 +21,17 @@ pub(super) struct ByArm {
 
 /// The constants of a design in each lane.
 #[derive(Clone, Copy)]
-pub(super) struct ArmDesign<B> {
+pub(super) struct ArmDesign<'d, B> {
+    mechanism: &'d Mechanism,
+    design: &'d [Vector3<B>],
     form: ClosedForm<B>,
     pub(super) carrier: Carrier<B>,
 }
 
 /// A pose, by the state of the closed form.
 struct ArmPose<'f, B> {
-    form: &'f ClosedForm<B>,
+    roles: &'f Roles,
+    design: &'f ArmDesign<'f, B>,
     state: State<B>,
     tangent: B,
     drive: Drive,
@@ -52,7 +58,7 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
 
     #[inline(always)]
     fn rates(&self) -> LaneRates<B> {
-        let velocity = self.form.velocity(&self.state, self.tangent);
+        let velocity = self.design.form.velocity(&self.state, self.tangent);
         let one = self.tangent.one();
         let velocity = velocity.scaled(match self.drive {
             Drive::Travel => one / velocity.rise,
@@ -68,6 +74,34 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     #[inline(always)]
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
         (rates.origin, rates.steering_axis)
+    }
+
+    #[inline(always)]
+    fn posture(&self, rack: B) -> Posture<'_, B> {
+        Posture {
+            mechanism: self.design.mechanism,
+            design: self.design.design,
+            pose: self.design.form.pose_by_two(&self.state),
+            rack,
+            steering: None,
+        }
+    }
+
+    #[inline(always)]
+    fn adjoint<'p>(
+        &'p self,
+        at: &'p Posture<'p, B>,
+        rates: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p {
+        let form = &self.design.form;
+        Adjoint::of(self.roles, form, &self.state, at, rates.origin, rates.turn)
+    }
+}
+
+impl<B: Bundle> LaneAdjoint<B> for Adjoint<'_, B> {
+    #[inline(always)]
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]) {
+        Adjoint::subtract(self, wrench, gradient);
     }
 }
 
@@ -108,16 +142,25 @@ impl ByArm {
     }
 
     #[inline(always)]
-    pub(super) fn design<B: Bundle>(&self, design: &[Vector3<B>]) -> ArmDesign<B> {
+    pub(super) fn design<'d, B: Bundle>(
+        &self,
+        mechanism: &'d Mechanism,
+        design: &'d [Vector3<B>],
+    ) -> ArmDesign<'d, B> {
         let (form, carrier) = ClosedForm::with_carrier(&self.roles, design);
-        ArmDesign { form, carrier }
+        ArmDesign {
+            mechanism,
+            design,
+            form,
+            carrier,
+        }
     }
 
     /// Visits every place; says which lanes are right throughout.
     #[inline(always)]
     pub(super) fn march<B: Bundle>(
         &self,
-        design: &ArmDesign<B>,
+        design: &ArmDesign<'_, B>,
         drive: Drive,
         places: &[Place],
         tolerance: f64,
@@ -190,7 +233,8 @@ impl ByArm {
                 }
                 if let Some(station) = place.station {
                     let pose = ArmPose {
-                        form,
+                        roles: &self.roles,
+                        design,
                         state,
                         tangent,
                         drive,

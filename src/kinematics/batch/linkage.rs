@@ -24,9 +24,12 @@
 //! Along the motion t' follows from J t' = -(F_r' + J' t).
 
 use super::route::{Leg, Place};
-use super::{InKnuckle, KnuckleVector, LanePose, LaneRates, Visit, weighted, within_half};
+use super::{
+    InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates, Visit, weighted, within_half,
+};
 use crate::kinematics::closure::{Closure, Driver};
 use crate::kinematics::pose::{Pose, Posture, Twist, Wrench};
+use crate::kinematics::sensitivity::HardpointGradient;
 use crate::kinematics::steering::screw_axis;
 use crate::model::{Drive, Mechanism};
 use crate::number::{Bundle, Jet, Matrix3, Real, Vector3};
@@ -132,6 +135,12 @@ impl<B: Real> Inverse<B> {
     fn apply(&self, v: Vector3<B>) -> Vector3<B> {
         combined(self.columns, v.x, v.y, v.z)
     }
+
+    #[inline(always)]
+    fn apply_transposed(&self, v: Vector3<B>) -> Vector3<B> {
+        let [a, b, c] = self.columns;
+        Vector3::new(a.dot(v), b.dot(v), c.dot(v))
+    }
 }
 
 /// Three entries of a row, in an order of columns.
@@ -216,6 +225,29 @@ impl<B: Real> Blocks<B> {
             shift,
             turn: turn * self.inverse_size,
         }
+    }
+
+    /// The multipliers with J^T (...) = wrench.
+    #[inline(always)]
+    fn solve_transposed(&self, wrench: &Wrench<B>) -> [B; 6] {
+        let (force, moment) = (wrench.force, wrench.moment * self.inverse_size);
+        let w = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
+        let (above, below) = (
+            three(&w, &self.order.columns, 0),
+            three(&w, &self.order.columns, 3),
+        );
+        let lower = self
+            .inverse_s
+            .apply_transposed(below - combined(self.w, above.x, above.y, above.z));
+        let upper = self
+            .inverse_a
+            .apply_transposed(above - combined(self.c, lower.x, lower.y, lower.z));
+        let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
+        let mut multipliers = solution;
+        for k in 0..6 {
+            multipliers[self.order.rows[k]] = solution[k];
+        }
+        multipliers
     }
 
     #[inline(always)]
@@ -336,6 +368,43 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
         };
         let (point, direction) = screw_axis(along(self.at.pose.origin, rates.origin), &moving);
         (slope(point), slope(direction))
+    }
+
+    #[inline(always)]
+    fn posture(&self, _: B) -> Posture<'_, B> {
+        self.at
+    }
+
+    #[inline(always)]
+    fn adjoint<'p>(&'p self, at: &'p Posture<'p, B>, _: &LaneRates<B>) -> impl LaneAdjoint<B> + 'p {
+        LinkageAdjoint {
+            closure: &self.linkage.closure,
+            at,
+            travel: self.travel,
+            blocks: self.way.blocks(&self.wrenches()),
+        }
+    }
+}
+
+/// What gradients take, by the closure equations.
+struct LinkageAdjoint<'p, B> {
+    closure: &'p Closure<B>,
+    at: &'p Posture<'p, B>,
+    travel: B,
+    blocks: Blocks<B>,
+}
+
+impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
+    #[inline(always)]
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]) {
+        let mut multipliers = self.blocks.solve_transposed(wrench);
+        for multiplier in &mut multipliers {
+            *multiplier = -*multiplier;
+        }
+        let driver = Driver::Travel(self.travel);
+        let mut sink = HardpointGradient(gradient);
+        self.closure
+            .differential(self.at, driver, &multipliers, &mut sink);
     }
 }
 

@@ -23,6 +23,7 @@ mod route;
 
 use super::closed_form::Carried;
 use super::path::March;
+use super::pose::{Posture, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Bundle, Vector3};
 use arm::{ArmDesign, ByArm};
@@ -69,7 +70,7 @@ pub struct LaneDesign<'d, B: Bundle> {
 
 #[derive(Clone)]
 enum Form<'d, B: Bundle> {
-    Arm(ArmDesign<B>),
+    Arm(ArmDesign<'d, B>),
     Linkage(LinkageDesign<'d, B>),
 }
 
@@ -123,11 +124,27 @@ pub trait LanePose<B: Bundle> {
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
+    /// The same as a posture, with the rack where it is.
+    fn posture(&self, rack: B) -> Posture<'_, B>;
+    /// What gradients take, driven by the travel; from the posture and the rates of this pose.
+    fn adjoint<'p>(
+        &'p self,
+        at: &'p Posture<'p, B>,
+        rates: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p;
+
     /// Where a point of the knuckle is now.
     #[inline(always)]
     fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
         self.origin() + self.vector(&point.0)
     }
+}
+
+/// Makes gradients by the hardpoints in a pose (see [`Seeds`](super::Seeds)).
+pub trait LaneAdjoint<B: Bundle> {
+    /// Subtracts from the gradient of an output, taken at a fixed pose, what the closure equations make of
+    /// its derivative by the pose.
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]);
 }
 
 /// How the knuckle moves in a pose, by the drive.
@@ -235,7 +252,7 @@ impl<'a> Batch<'a> {
         }
         LaneDesign {
             form: match &self.way {
-                Way::Arm(way) => Form::Arm(way.design(design)),
+                Way::Arm(way) => Form::Arm(way.design(self.mechanism, design)),
                 Way::Linkage(_) => Form::Linkage(LinkageDesign::new(self.mechanism, design)),
             },
             origin,

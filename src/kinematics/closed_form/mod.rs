@@ -21,12 +21,14 @@
 //! What can vanish is G = |n|^2 (tie rod does not steer), E = |d x t|^2 (outer end on the steering axis),
 //! ga (toggle) and the margin of the upper end.
 
+mod adjoint;
 mod circle;
 mod roles;
 mod series;
 mod upper;
 mod velocity;
 
+pub(in crate::kinematics) use adjoint::Adjoint;
 use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
@@ -266,6 +268,18 @@ impl<T: Real> ClosedForm<T> {
             .plus_product(by_g, state.g.z)
             .plus_product(by_n, state.n.z);
         state.ball_joint.z - self.wheel_height + rise
+    }
+
+    /// The pose of the knuckle, two of its axes carried and the third across them.
+    #[inline(always)]
+    pub(super) fn pose_by_two(&self, state: &State<T>) -> Pose<T> {
+        let (x, y) = (state.carry(&self.basis[0]), state.carry(&self.basis[1]));
+        Pose {
+            origin: state.ball_joint,
+            rotation: Matrix3 {
+                columns: [x, y, x.cross(y)],
+            },
+        }
     }
 
     /// The pose of the knuckle.

@@ -106,7 +106,7 @@ impl<T: Real> Circle<T> {
 impl<T: Real> Upper<T> {
     /// f and d.f
     #[inline(always)]
-    fn free(&self, state: &State<T>, line: &Carried<T>) -> (Vector3<T>, T) {
+    pub(super) fn free(&self, state: &State<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {
             Upper::Strut { .. } => (state.carry(line), state.slide),
             Upper::Arm { circle, .. } => {

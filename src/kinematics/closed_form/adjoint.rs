@@ -1,0 +1,246 @@
+//! Gradients by the hardpoints in a pose of the closed form.
+//!
+//! As everywhere (module `sensitivity`), an output with derivative y_x by the pose has
+//! dy/dp = y_p - mu . F_p with J^T mu = y_x: constraint forces that balance the wrench y_x, a force f at the
+//! lower ball joint and a moment m about it. Here they can be told one by one. With the velocity v of the ball
+//! joint and the turn w by the travel, levers from the ball joint (d to the upper end, t to the tie rod's
+//! outer end, q to the wheel centre) and l = t - g along the tie rod,
+//!
+//! ```text
+//! travel      mu6 = f.v + m.w                                   virtual work
+//! tie rod     mu3 = d.(m - mu6 q x z)/(d.(t x l))               moments about the steering axis
+//! upper end   nu  = (M x e)/(d.e),  M = m - mu3 t x l - mu6 q x z
+//! lower arm   b   = f - nu - mu3 l - mu6 z
+//! ```
+//!
+//! d.(t x l) = ga |n|^2. nu is the force at the upper end: it has the moment M, d x nu = M, and does no work
+//! along e, the direction in which the upper end is free (along the strut, or the tangent of its circle). An
+//! arm takes a force by its two legs, b = mu1 (r - p1) + mu2 (r - p2); with the axis a of the arm, s1 the
+//! joint's place along it and rho the radius,
+//!
+//! ```text
+//! mu1 + mu2 = b.rho/rho^2      mu2 = ((mu1 + mu2) s1 - b.a)/|p2 - p1|
+//! ```
+
+use super::upper::Upper;
+use super::{ClosedForm, Roles, State};
+use crate::kinematics::closed_form::roles::UpperRoles;
+use crate::kinematics::pose::{Posture, Wrench};
+use crate::model::{Arm, PointId};
+use crate::number::{Real, Vector3};
+
+/// What the gradients of all outputs in a pose have in common.
+pub(in crate::kinematics) struct Adjoint<'a, T> {
+    roles: &'a Roles,
+    at: &'a Posture<'a, T>,
+    ball_joint_velocity: Vector3<T>,
+    turn: Vector3<T>,
+    d: Vector3<T>,
+    /// l, and in the design position
+    tie_rod: Vector3<T>,
+    tie_rod_designed: Vector3<T>,
+    tie_rod_in_knuckle: Vector3<T>,
+    /// t x l
+    tie_rod_moment: Vector3<T>,
+    inverse_tie_rod_lever: T,
+    /// q x z
+    travel_moment: Vector3<T>,
+    up_in_knuckle: Vector3<T>,
+    /// e/(d.e)
+    free: Vector3<T>,
+    lower_arm: Legs<T>,
+    upper: UpperEnd<T>,
+}
+
+/// How the force at the upper end is borne.
+enum UpperEnd<T> {
+    Strut {
+        top: PointId,
+        /// The two points that give the line its direction.
+        lower: PointId,
+        upper: PointId,
+        /// Way slid along the line over their distance.
+        slid: T,
+    },
+    Arm(Legs<T>),
+}
+
+/// The legs of an arm, from its axis to its outer joint.
+struct Legs<T> {
+    arm: Arm,
+    /// In the design position.
+    front: Vector3<T>,
+    rear: Vector3<T>,
+    /// Of the joint, from the design position.
+    moved: Vector3<T>,
+    /// rho/rho^2
+    radius: Vector3<T>,
+    /// Unit vector along the axis, front to rear, over the length of the axis.
+    axis: Vector3<T>,
+    /// s1 over the length of the axis.
+    along: T,
+}
+
+impl<T: Real> Legs<T> {
+    #[inline(always)]
+    fn of(arm: Arm, at: &Posture<'_, T>, joint: Vector3<T>) -> Self {
+        let [tip, front, rear] = [arm.outer, arm.front, arm.rear].map(|id| at.designed(id));
+        let base = rear - front;
+        let axis = base * (base.x.one() / base.norm_squared());
+        let along = (tip - front).dot(axis);
+        let radius = joint - front - base * along;
+        Legs {
+            arm,
+            front: tip - front,
+            rear: tip - rear,
+            moved: joint - tip,
+            radius: radius * (along.one() / radius.norm_squared()),
+            axis,
+            along,
+        }
+    }
+
+    /// The forces in the legs, over their lengths, that add up to a force.
+    #[inline(always)]
+    fn split(&self, force: Vector3<T>) -> (T, T) {
+        let both = force.dot(self.radius);
+        let rear = (both * self.along) - force.dot(self.axis);
+        (both - rear, rear)
+    }
+
+    /// Adds what they contribute to a gradient.
+    #[inline(always)]
+    fn add(&self, front: T, rear: T, gradient: &mut [Vector3<T>]) {
+        let Arm {
+            front: p,
+            rear: q,
+            outer,
+        } = self.arm;
+        add(gradient, p, self.moved * front);
+        add(gradient, q, self.moved * rear);
+        add(
+            gradient,
+            outer,
+            (self.front * front).plus_scaled(self.rear, rear),
+        );
+    }
+}
+
+#[inline(always)]
+fn add<T: Real>(gradient: &mut [Vector3<T>], id: PointId, by: Vector3<T>) {
+    gradient[id.0] = gradient[id.0] + by;
+}
+
+impl<'a, T: Real> Adjoint<'a, T> {
+    /// Of a state, that is the posture `at`, moving by the travel with the ball joint's velocity and a turn
+    /// of the knuckle.
+    #[inline(always)]
+    pub(in crate::kinematics) fn of(
+        roles: &'a Roles,
+        form: &ClosedForm<T>,
+        state: &State<T>,
+        at: &'a Posture<'a, T>,
+        ball_joint_velocity: Vector3<T>,
+        turn: Vector3<T>,
+    ) -> Self {
+        let (d, g) = (state.d, state.g);
+        let one = state.dd.one();
+        let (free, lever) = form.upper.free(state, &form.line);
+        let tie_rod_lever = state.ga * state.gram;
+        let inverse = one / (lever * tie_rod_lever);
+        let outer = (d * state.al)
+            .plus_scaled(g, state.be)
+            .plus_scaled(state.n, state.ga);
+        let tie_rod = outer - g;
+        let [x, y, z] = at.pose.rotation.columns;
+        let centre = state.carry(&form.wheel_centre);
+        Adjoint {
+            roles,
+            at,
+            ball_joint_velocity,
+            turn,
+            d,
+            tie_rod,
+            tie_rod_designed: at.designed(roles.tie_rod_outer) - at.designed(roles.tie_rod_inner),
+            tie_rod_in_knuckle: at.pose.rotation.apply_transposed(tie_rod),
+            tie_rod_moment: outer.cross(tie_rod),
+            inverse_tie_rod_lever: inverse * lever,
+            travel_moment: Vector3::new(centre.y, -centre.x, one.zero()),
+            up_in_knuckle: Vector3::new(x.z, y.z, z.z),
+            free: free * (inverse * tie_rod_lever),
+            lower_arm: Legs::of(roles.lower_arm, at, state.ball_joint),
+            upper: match (&form.upper, &roles.upper) {
+                (Upper::Strut { line, .. }, UpperRoles::Strut { top, lower, upper }) => {
+                    let upper = upper.unwrap_or(*top);
+                    let base = line.dot(at.designed(upper) - at.designed(*lower));
+                    let designed = line.dot(at.designed(*top) - at.designed(roles.lower_arm.outer));
+                    UpperEnd::Strut {
+                        top: *top,
+                        lower: *lower,
+                        upper,
+                        slid: (state.slide - designed) / base,
+                    }
+                }
+                (_, UpperRoles::Arm(arm)) => {
+                    UpperEnd::Arm(Legs::of(*arm, at, state.ball_joint + d))
+                }
+                _ => unreachable!("the closed form is that of these roles"),
+            },
+        }
+    }
+
+    /// Subtracts mu . F_p from a gradient, for the wrench y_x.
+    #[inline(always)]
+    pub(in crate::kinematics) fn subtract(&self, wrench: &Wrench<T>, gradient: &mut [Vector3<T>]) {
+        let Wrench { force, moment, .. } = *wrench;
+        let travel = force.dot(self.ball_joint_velocity) + moment.dot(self.turn);
+        let moment = moment.plus_scaled(self.travel_moment, -travel);
+        let tie_rod = self.d.dot(moment) * self.inverse_tie_rod_lever;
+        let moment = moment.plus_scaled(self.tie_rod_moment, -tie_rod);
+        let at_upper = moment.cross(self.free);
+        let mut at_arm = (force - at_upper).plus_scaled(self.tie_rod, -tie_rod);
+        at_arm.z = at_arm.z - travel;
+
+        let (front, rear) = self.lower_arm.split(at_arm);
+        self.lower_arm.add(front, rear, gradient);
+
+        let roles = self.roles;
+        let in_knuckle = self.tie_rod_in_knuckle;
+        let Vector3 { x, y, z } = self.up_in_knuckle;
+        let up = Vector3::new(-x, -y, z.one() - z);
+        add(
+            gradient,
+            roles.tie_rod_inner,
+            (self.tie_rod - self.tie_rod_designed) * tie_rod,
+        );
+        add(
+            gradient,
+            roles.tie_rod_outer,
+            (self.tie_rod_designed - in_knuckle) * tie_rod,
+        );
+        add(gradient, roles.wheel_centre, up * travel);
+        let upper = self.at.pose.rotation.apply_transposed(at_upper);
+        let origin = upper
+            .plus_scaled(in_knuckle, tie_rod)
+            .plus_scaled(self.up_in_knuckle, travel);
+        add(gradient, roles.lower_arm.outer, origin);
+        match &self.upper {
+            UpperEnd::Strut {
+                top,
+                lower,
+                upper: second,
+                slid,
+            } => {
+                let by_direction = upper * *slid;
+                add(gradient, *top, at_upper - upper);
+                add(gradient, *lower, by_direction);
+                add(gradient, *second, -by_direction);
+            }
+            UpperEnd::Arm(legs) => {
+                let (front, rear) = legs.split(at_upper);
+                legs.add(front, rear, gradient);
+                add(gradient, legs.arm.outer, -upper);
+            }
+        }
+    }
+}

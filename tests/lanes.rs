@@ -5,11 +5,13 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Need, Quantity, Unit};
-use hardpoint::model::Body;
-use hardpoint::number::{Vector3, Width};
+use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, View};
+use hardpoint::kinematics::{Lifted, MotionPoint, Solver};
+use hardpoint::model::{Body, PointId};
+use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::study::Study;
-use hardpoint::sweep::{BLOCK, Block, Evaluator, Stations};
+use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted};
+use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
 
@@ -279,4 +281,152 @@ fn every_width_gives_the_same_bits() {
         let size = alone.len();
         assert!(alone == expected[3 * size..4 * size]);
     }
+}
+
+/// In lanes gradients come from the adjoint of the closed form, by the careful path from that of the closure
+/// equations.
+#[test]
+fn gradients_in_lanes_are_those_of_the_careful_path() {
+    for (name, angles, rack, by) in [
+        ("macpherson_solve.toml", &ANGLES[..], "[0.0, 20.0]", 30.0),
+        ("attia.toml", &ANGLES[..], "[0.0]", 5.0),
+        ("double_wishbone_solve.toml", &ANGLES[..], "[-15.0]", 20.0),
+        ("five_link_solve.toml", &ANGLES[..2], "[0.0, 10.0]", 10.0),
+        ("semi_trailing_arm_solve.toml", &ANGLES[..2], "[0.0]", 30.0),
+    ] {
+        let study = study(name, "[-50.0, 0.0, 20.0, 60.0]", rack);
+        let suspension = &study.suspension;
+        let (mechanism, size) = (&suspension.mechanism, suspension.size());
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let wanted: Vec<Wanted> = (0..angles.len() * stations.count())
+            .map(|k| Wanted {
+                value: 0.01 * k as f64 - 0.02,
+                weight: (k % 3) as f64,
+            })
+            .collect();
+        let of = |of, width| {
+            Gradients::new(suspension, &stations, angles, of, width)
+                .unwrap_or_else(|| panic!("{name} has gradients in lanes"))
+        };
+        let mut jacobian = of(Of::Angles, Width::widest());
+        let mut deviation = of(Of::Deviations(wanted.clone()), Width::widest());
+        let mut scatter = Scatter {
+            random: Random(8),
+            base: suspension.design.clone(),
+            by,
+        };
+        let points = suspension.design.len();
+        let designs = scatter.block();
+        let designs = &designs[..jacobian.at_once() * points];
+        jacobian.evaluate(designs);
+        deviation.evaluate(designs);
+
+        // The same bits by one lane at a time.
+        let mut narrow = of(Of::Angles, Width::Scalar);
+        for (number, design) in designs.chunks_exact(points).enumerate() {
+            narrow.evaluate(design);
+            assert_eq!(narrow.is_right(0), jacobian.is_right(number));
+            for (angle, station, point) in all_of(angles.len(), stations.count(), points) {
+                let found = jacobian.gradient(number, angle, station, point);
+                assert_eq!(narrow.gradient(0, angle, station, point), found);
+            }
+        }
+
+        let mut right = 0;
+        for (number, design) in designs.chunks_exact(points).enumerate() {
+            if !jacobian.is_right(number) {
+                continue;
+            }
+            right += 1;
+            let mut sum = 0.0;
+            let mut by_points = vec![Vector3::default(); points];
+            let careful = careful_gradients(&study, &stations, design, angles);
+            let largest = careful.iter().map(|(_, g)| norm(g)).fold(0.0, f64::max);
+            for (k, (value, gradient)) in careful.iter().enumerate() {
+                let (angle, station) = (k / stations.count(), k % stations.count());
+                let found = jacobian.value(number, angle, station);
+                assert!((found - value).abs() < 1e-12, "{name}: {found} {value}");
+                let Wanted { value: v, weight } = wanted[k];
+                sum += weight * (value - v) * (value - v);
+                for (point, wanted) in gradient.iter().enumerate() {
+                    let found = jacobian.gradient(number, angle, station, PointId(point));
+                    let missed = (found - *wanted).norm() / largest;
+                    let what = &mechanism.points[point].name;
+                    assert!(missed < 1e-11, "{name}, {what}: {found:?} {wanted:?}");
+                    by_points[point] = by_points[point] + *wanted * (2.0 * weight * (value - v));
+                }
+            }
+            let missed = (deviation.value(number, 0, 0) - sum).abs();
+            assert!(missed < 1e-12 * sum, "{name}: {missed}");
+            let scale = norm(&by_points).max(sum / size);
+            for (point, wanted) in by_points.iter().enumerate() {
+                let found = deviation.gradient(number, 0, 0, PointId(point));
+                assert!((found - *wanted).norm() < 1e-11 * scale, "{name}");
+            }
+        }
+        assert!(2 * right > jacobian.at_once(), "{name}: {right}");
+    }
+}
+
+fn all_of(
+    angles: usize,
+    stations: usize,
+    points: usize,
+) -> impl Iterator<Item = (usize, usize, PointId)> {
+    (0..angles * stations * points).map(move |k| {
+        (
+            k / points / stations,
+            k / points % stations,
+            PointId(k % points),
+        )
+    })
+}
+
+fn norm(gradient: &[Vector3<f64>]) -> f64 {
+    gradient
+        .iter()
+        .map(|g| g.norm_squared())
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Value and gradient of each angle at each station, by the closure equations.
+fn careful_gradients(
+    study: &Study,
+    stations: &Stations,
+    design: &[Vector3<f64>],
+    angles: &[Characteristic],
+) -> Vec<(f64, Vec<Vector3<f64>>)> {
+    let mechanism = &study.suspension.mechanism;
+    let mut solver = Solver::new(mechanism, design).expect("the lanes have solved it");
+    let lifted = Lifted::<1>::new(mechanism, design);
+    let constants = Constants::of(&study.suspension);
+    let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+    let mut buffer = vec![none; design.len()];
+    let mut found = vec![(0.0, Vec::new()); angles.len() * stations.count()];
+    for (number, rack) in stations.racks.iter().enumerate() {
+        let _ = solver.march(stations.drive, &stations.march, *rack, |solver, k, pose| {
+            let pose = pose.as_ref().expect("the lanes have solved it");
+            let motion = MotionPoint {
+                drive: stations.drive,
+                value: stations.march.values()[k],
+                rack: *rack,
+            };
+            let linearised = solver
+                .linearised(&lifted, pose, &motion.along_drive())
+                .expect("the lanes have solved it");
+            let view = View::of(&linearised.at, constants);
+            for (angle, c) in angles.iter().enumerate() {
+                let at = angle * stations.count() + stations.number(number, k);
+                let mut gradient = vec![Vector3::default(); design.len()];
+                let quantity = Quantity::Characteristic(*c);
+                view.gradients(&linearised, quantity, 0, &mut buffer, |_, point, by| {
+                    gradient[point.0] = by;
+                });
+                found[at] = (view.value(&linearised.at, quantity)[0], gradient);
+            }
+            ControlFlow::Continue(())
+        });
+    }
+    found
 }

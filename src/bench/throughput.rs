@@ -13,7 +13,7 @@ use crate::model::Suspension;
 use crate::number::{Jet, Vector3, Width};
 use crate::report::Table;
 use crate::study::{Drive, Motion, Study};
-use crate::sweep::{BLOCK, Block, Evaluator, Stations, uniform};
+use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted, uniform};
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -54,6 +54,8 @@ pub struct Throughput {
 const ANGLES: &str = "four angles";
 const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
+const JACOBIAN: &str = "four angles by every hardpoint";
+const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
 
 impl Throughput {
     /// Measures on the suspension of a study, over its travels, on up to `threads` threads.
@@ -128,13 +130,19 @@ impl Throughput {
             1,
             job,
         );
+        for (asked, of) in [
+            (DEVIATION, Of::Deviations(sweep.wanted(angles.len()))),
+            (JACOBIAN, Of::Angles),
+        ] {
+            for width in widths.clone() {
+                let method = format!("lanes, {}", width.name());
+                if let Some(job) = sweep.gradients_in_lanes(&angles, &of, width) {
+                    add(asked, method, 1, job);
+                }
+            }
+        }
         let job = sweep.gradients::<1>(&angles);
-        add(
-            "four angles by every hardpoint",
-            ONE_BY_ONE.to_owned(),
-            1,
-            job,
-        );
+        add(JACOBIAN, ONE_BY_ONE.to_owned(), 1, job);
         let job = sweep.gradients::<3>(&angles);
         add(
             "all of it by every hardpoint",
@@ -295,6 +303,49 @@ impl<'a> Sweep<'a> {
                 });
             }),
         }
+    }
+
+    /// Something to want of so many angles.
+    fn wanted(&self, angles: usize) -> Vec<Wanted> {
+        let wanted = Wanted {
+            value: 0.01,
+            weight: 1.0,
+        };
+        vec![wanted; angles * self.stations.count()]
+    }
+
+    /// Derivatives by every hardpoint coordinate, as many designs at a time as there are lanes.
+    fn gradients_in_lanes(
+        &self,
+        quantities: &[Quantity],
+        of: &Of,
+        width: Width,
+    ) -> Option<Job<'a>> {
+        let Sweep {
+            suspension,
+            stations,
+            designs,
+        } = *self;
+        let angles: Vec<Characteristic> = quantities
+            .iter()
+            .filter_map(|quantity| match quantity {
+                Quantity::Characteristic(c) => Some(*c),
+                _ => None,
+            })
+            .collect();
+        let mut gradients = Gradients::new(suspension, stations, &angles, of.clone(), width)?;
+        let at_once = gradients.at_once() * suspension.design.len();
+        Some(Job {
+            items: BLOCKS / 4 * BLOCK * stations.count(),
+            work: Box::new(move || {
+                for _ in 0..BLOCKS / 4 {
+                    for group in designs.chunks(at_once) {
+                        gradients.evaluate(black_box(group));
+                        black_box(gradients.value(0, 0, 0));
+                    }
+                }
+            }),
+        })
     }
 
     /// Values with derivatives by every hardpoint coordinate, and those of as many derivatives by the

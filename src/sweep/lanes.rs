@@ -138,7 +138,7 @@ impl InLanes for Evaluation<'_, '_> {
 
 /// Puts designs side by side. Lanes for which there are none repeat the last.
 #[inline(always)]
-fn gather<B: Bundle>(
+pub(super) fn gather<B: Bundle>(
     designs: &[Vector3<f64>],
     points: usize,
     first: usize,

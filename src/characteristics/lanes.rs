@@ -9,7 +9,7 @@ use crate::kinematics::{
     Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Posture, Seeds,
 };
 use crate::model::{Body, Mechanism, PointId, SpinAxis, SteeringAxis};
-use crate::number::{Bundle, Jet, MOST_LANES, Vector3};
+use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
 
 /// Reads characteristics off poses in lanes.
 #[derive(Clone, Debug)]
@@ -196,6 +196,15 @@ impl<'a> LaneReader<'a> {
         }
     }
 
+    /// The value of the characteristic of this number, from what has been read.
+    #[inline(always)]
+    pub fn value<B: Bundle>(&self, number: usize, inputs: &Inputs<B>) -> B {
+        inputs.turn.x.apart(Evaluating {
+            characteristic: self.characteristics[number],
+            inputs,
+        })
+    }
+
     /// Whether the derivatives by the hardpoints can be had in lanes: those of the four angles, and not of an
     /// instantaneous steering axis. (All formulas differentiated in one function would take the compiler too
     /// long.)
@@ -225,7 +234,11 @@ impl<'a> LaneReader<'a> {
         seeds: &mut Seeds<'_, '_, B>,
     ) {
         let c = self.characteristics[number];
-        if let Some(gradient) = by_direction(c, inputs) {
+        let differentiating = Differentiating {
+            characteristic: c,
+            inputs,
+        };
+        if let Some(gradient) = weight.apart(differentiating) {
             match c.info().reads {
                 [Slot::SpinAxis] => seeds.spin_axis(gradient * weight),
                 _ => seeds.steering_axis(at.pose.origin.zero(), gradient * weight),
@@ -272,6 +285,35 @@ impl<'a> LaneReader<'a> {
             design,
             constants: inputs.constants,
         }
+    }
+}
+
+/// The value of a characteristic. Apart also because else the compiler takes what does not depend on the
+/// characteristic out of the loop over them: the divisions and roots of every formula there is, for any one.
+struct Evaluating<'i, B> {
+    characteristic: Characteristic,
+    inputs: &'i Inputs<B>,
+}
+
+impl<B: Bundle> Piece for Evaluating<'_, B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        self.characteristic.evaluate(self.inputs)
+    }
+}
+
+/// The derivative of an angle by the direction it reads.
+struct Differentiating<'i, B> {
+    characteristic: Characteristic,
+    inputs: &'i Inputs<B>,
+}
+
+impl<B: Bundle> Piece for Differentiating<'_, B> {
+    type Output = Option<Vector3<B>>;
+    #[inline(always)]
+    fn work(self) -> Option<Vector3<B>> {
+        by_direction(self.characteristic, self.inputs)
     }
 }
 

@@ -35,6 +35,17 @@ pub trait Bundle: Real {
     fn all(mask: Self::Mask) -> bool;
     /// Whether the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
+    /// Does a piece of work in a function of its own, compiled for the same instructions. What is inlined
+    /// into one function all takes the compiler long.
+    fn apart<P: Piece>(self, piece: P) -> P::Output;
+}
+
+/// A piece of work in lanes.
+pub trait Piece {
+    /// What it yields.
+    type Output;
+    /// Does it. To be marked `#[inline(always)]`.
+    fn work(self) -> Self::Output;
 }
 
 impl Bundle for f64 {
@@ -72,5 +83,9 @@ impl Bundle for f64 {
     #[inline(always)]
     fn lane(mask: bool, _: usize) -> bool {
         mask
+    }
+    #[inline(always)]
+    fn apart<P: Piece>(self, piece: P) -> P::Output {
+        piece.work()
     }
 }

@@ -3,13 +3,13 @@
 //! The instruction set is chosen when the program runs ([`Width`]): AVX-512 or AVX2 where the processor
 //! has it, two registers at a time since one chain of dependent operations leaves it idle; plain numbers
 //! elsewhere. [`Real::plus_product`] and [`Real::minus_product`] are rounded once, everything else is the
-//! IEEE operation, so every width yields the same bits. (On a processor without a fused product and sum, an
-//! x86 from before 2013, the mathematical library's makes up for it: the same bits, slowly.)
+//! IEEE operation, so every width yields the same bits. (Where plain numbers must do, the mathematical
+//! library's product and sum makes up for a processor's: the same bits, slowly.)
 //!
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
 
-use super::{Bundle, Real, Twin, arc};
+use super::{Bundle, Piece, Real, Twin, arc};
 use pulp::{Simd, WithSimd};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -148,6 +148,10 @@ impl<S: Simd> Bundle for Lanes<S> {
         mask.simd.first_true_m64s(unset) == S::F64_LANES
     }
     #[inline(always)]
+    fn apart<P: Piece>(self, piece: P) -> P::Output {
+        self.simd.vectorize(Apart(piece))
+    }
+    #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {
         let simd = mask.simd;
         let (one, zero) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
@@ -250,14 +254,9 @@ impl Width {
                     return Simd::vectorize(simd, Task(task));
                 }
             }
-            // One number, but the processor's own fused product and sum if it has one.
-            Width::Scalar => {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    return Simd::vectorize(simd, OneByOne(task));
-                }
-            }
+            Width::Scalar => {}
         }
-        OneByOne(task).with_simd(pulp::Scalar)
+        task.run(Lanes::splat(pulp::Scalar, 0.0))
     }
 }
 
@@ -269,14 +268,13 @@ pub trait InLanes {
     fn run<B: Bundle>(self, like: B) -> Self::Output;
 }
 
-/// One number at a time, with the instruction set of wider lanes.
-struct OneByOne<T>(T);
+struct Apart<P>(P);
 
-impl<T: InLanes> WithSimd for OneByOne<T> {
-    type Output = T::Output;
+impl<P: Piece> WithSimd for Apart<P> {
+    type Output = P::Output;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> T::Output {
-        self.0.run(Lanes::splat(pulp::Scalar, 0.0))
+    fn with_simd<S: Simd>(self, _: S) -> P::Output {
+        self.0.work()
     }
 }
 

@@ -17,7 +17,7 @@ mod lanes;
 mod twin;
 mod vector;
 
-pub use bundle::{Bundle, MOST_LANES};
+pub use bundle::{Bundle, MOST_LANES, Piece};
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;

@@ -3,7 +3,7 @@
 //! One chain of dependent operations leaves a processor idle most of the time; two of them, independent of
 //! each other, fill the gaps.
 
-use super::{Bundle, Real, arc};
+use super::{Bundle, Piece, Real, arc};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Two bundles, or two masks. Aligned so that no register in memory lies across two cache lines.
@@ -117,6 +117,10 @@ impl<B: Bundle> Bundle for Twin<B> {
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
         B::all(mask.0) & B::all(mask.1)
+    }
+    #[inline(always)]
+    fn apart<P: Piece>(self, piece: P) -> P::Output {
+        self.0.apart(piece)
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {

@@ -218,18 +218,14 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
     fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
         self.reader.read(self.wheels, at, false, &mut self.inputs);
-        let angles = self.reader.characteristics();
+        let angles = self.reader.characteristics().len();
         let zero = self.rack.zero();
         let rates = at.rates();
         let posture = at.posture(self.rack);
         let adjoint = at.adjoint(&posture, &rates);
-        let at_once = if self.wanted.is_some() {
-            angles.len()
-        } else {
-            1
-        };
+        let at_once = if self.wanted.is_some() { angles } else { 1 };
         let mut next = 0;
-        while next < angles.len() {
+        while next < angles {
             for component in self.gradient.iter_mut() {
                 *component = Vector3::new(zero, zero, zero);
             }
@@ -240,9 +236,8 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
             };
             let end = next + at_once;
             while next < end {
-                // As for values (module `lanes`): else the compiler does the work of every formula for each.
-                let inputs = std::hint::black_box(&self.inputs);
-                let value = angles[next].evaluate(inputs);
+                let inputs = &self.inputs;
+                let value = self.reader.value(next, inputs);
                 let to = &mut self.values[row * B::LANES..];
                 let weight = match self.wanted {
                     None => {

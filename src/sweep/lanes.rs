@@ -6,7 +6,6 @@ use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, Lane
 use crate::kinematics::{Batch, LanePose, Visit};
 use crate::model::Suspension;
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
-use std::hint::black_box;
 
 /// Solves as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
@@ -190,10 +189,8 @@ impl<B: Bundle> Visit<B> for Reading<'_, B> {
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
         self.reader.read(self.wheels, at, rates, &mut self.inputs);
-        for (k, c) in self.reader.characteristics().iter().enumerate() {
-            // Else the compiler takes what does not depend on `k` out of the loop: the divisions and roots of
-            // every formula there is, for any one of them.
-            let value = c.evaluate(black_box(&self.inputs));
+        for k in 0..self.reader.characteristics().len() {
+            let value = self.reader.value(k, &self.inputs);
             value.store(&mut self.values[(k * self.count + station) * B::LANES..]);
         }
         if in_design {

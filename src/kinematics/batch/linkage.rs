@@ -32,7 +32,7 @@ use crate::kinematics::pose::{Pose, Posture, Twist, Wrench};
 use crate::kinematics::sensitivity::HardpointGradient;
 use crate::kinematics::steering::screw_axis;
 use crate::model::{Drive, Mechanism};
-use crate::number::{Bundle, Jet, Matrix3, Real, Vector3};
+use crate::number::{Bundle, Jet, Matrix3, Piece, Real, Vector3};
 use std::array::from_fn;
 
 /// Of displacement and rotation.
@@ -292,23 +292,63 @@ struct LinkagePose<'p, 'd, B> {
     travel: B,
 }
 
-impl<B: Bundle> LinkagePose<'_, '_, B> {
-    #[inline(always)]
-    fn wrenches(&self) -> [Wrench<B>; 6] {
-        let driver = Driver::Travel(self.travel);
-        self.linkage.closure.linearised(&self.at, driver).1
-    }
+/// The closure equations about a posture.
+struct Linear<B> {
+    residuals: [B; 6],
+    /// Derivatives by the rack's displacement.
+    by_rack: [B; 6],
+    blocks: Blocks<B>,
+}
 
+/// Forms [`Linear`].
+struct Linearising<'p, 'd, B> {
+    way: &'p ByLinkage,
+    linkage: &'p LinkageDesign<'d, B>,
+    at: &'p Posture<'d, B>,
+    travel: B,
+}
+
+impl<B: Bundle> Piece for Linearising<'_, '_, B> {
+    type Output = Linear<B>;
+
+    #[inline(always)]
+    fn work(self) -> Linear<B> {
+        let driver = Driver::Travel(self.travel);
+        let (residuals, wrenches) = self.linkage.closure.linearised(self.at, driver);
+        let mut by_rack = residuals;
+        for k in 0..6 {
+            by_rack[k] = wrenches[k].rack;
+        }
+        let inverse_size = self.travel.lit(1.0 / self.way.size);
+        Linear {
+            residuals,
+            by_rack,
+            blocks: Blocks::of(&wrenches, self.way.order, inverse_size),
+        }
+    }
+}
+
+impl<B: Bundle> Linear<B> {
     /// The twist of the knuckle per unit of rack displacement.
     #[inline(always)]
-    fn steering(&self, wrenches: &[Wrench<B>; 6]) -> (Blocks<B>, Twist<B>) {
-        let blocks = self.way.blocks(wrenches);
-        let mut right = [self.travel.zero(); 6];
-        for k in 0..6 {
-            right[k] = -wrenches[k].rack;
+    fn steering(&self) -> Twist<B> {
+        let twist = self.blocks.solve(self.by_rack);
+        Twist {
+            shift: -twist.shift,
+            turn: -twist.turn,
         }
-        let by_rack = blocks.solve(right);
-        (blocks, by_rack)
+    }
+}
+
+impl<B: Bundle> LinkagePose<'_, '_, B> {
+    #[inline(always)]
+    fn linear(&self) -> Linear<B> {
+        self.travel.apart(Linearising {
+            way: self.way,
+            linkage: self.linkage,
+            at: &self.at,
+            travel: self.travel,
+        })
     }
 }
 
@@ -328,15 +368,14 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
 
     #[inline(always)]
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>) {
-        let (_, twist) = self.steering(&self.wrenches());
-        screw_axis(self.at.pose.origin, &twist)
+        screw_axis(self.at.pose.origin, &self.linear().steering())
     }
 
     #[inline(always)]
     fn rates(&self) -> LaneRates<B> {
         let mut by_travel = [self.travel.zero(); 6];
         by_travel[5] = self.travel.one();
-        let twist = self.way.blocks(&self.wrenches()).solve(by_travel);
+        let twist = self.linear().blocks.solve(by_travel);
         LaneRates {
             origin: twist.shift,
             turn: twist.turn,
@@ -346,7 +385,8 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
 
     #[inline(always)]
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
-        let (blocks, by_rack) = self.steering(&self.wrenches());
+        let linear = self.linear();
+        let by_rack = linear.steering();
         let motion = Twist {
             shift: rates.origin,
             turn: rates.turn,
@@ -361,7 +401,7 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
             } = slopes[k];
             right[k] = -(rack + force.dot(by_rack.shift) + moment.dot(by_rack.turn));
         }
-        let rate = blocks.solve(right);
+        let rate = linear.blocks.solve(right);
         let moving = Twist {
             shift: along(by_rack.shift, rate.shift),
             turn: along(by_rack.turn, rate.turn),
@@ -381,7 +421,7 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
             closure: &self.linkage.closure,
             at,
             travel: self.travel,
-            blocks: self.way.blocks(&self.wrenches()),
+            blocks: self.linear().blocks,
         }
     }
 }
@@ -431,12 +471,6 @@ impl ByLinkage {
         })
     }
 
-    #[inline(always)]
-    fn blocks<B: Real>(&self, wrenches: &[Wrench<B>; 6]) -> Blocks<B> {
-        let inverse_size = wrenches[0].rack.lit(1.0 / self.size);
-        Blocks::of(wrenches, self.order, inverse_size)
-    }
-
     /// Visits every place; says which lanes are right throughout.
     #[inline(always)]
     pub(super) fn march<B: Bundle>(
@@ -458,7 +492,8 @@ impl ByLinkage {
         }; 2];
         for (number, place) in places.iter().enumerate() {
             let rack = zero.lit(place.rack);
-            let driver = Driver::Travel(zero.lit(place.value));
+            let travel = zero.lit(place.value);
+            let driver = Driver::Travel(travel);
             let mut unknowns = [zero; UNKNOWNS];
             for k in 0..UNKNOWNS {
                 let slope =
@@ -471,8 +506,14 @@ impl ByLinkage {
             let mut round = 1;
             loop {
                 let at = linkage.posture(unknowns, rack);
-                let (residuals, wrenches) = linkage.closure.linearised(&at, driver);
-                let blocks = self.blocks(&wrenches);
+                let Linear {
+                    residuals, blocks, ..
+                } = zero.apart(Linearising {
+                    way: self,
+                    linkage,
+                    at: &at,
+                    travel,
+                });
                 let twist = blocks.solve(residuals);
                 let twist = Twist {
                     shift: -twist.shift,
@@ -517,7 +558,7 @@ impl ByLinkage {
                         way: self,
                         linkage,
                         at,
-                        travel: zero.lit(place.value),
+                        travel,
                     };
                     visit.pose(station, &pose);
                 }

@@ -3,6 +3,7 @@
 
 pub mod quadratics;
 pub mod random;
+pub mod small_steps;
 
 use hardpoint::kinematics::{March, Solver};
 use hardpoint::model::{

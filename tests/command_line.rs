@@ -131,6 +131,31 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(said.contains("at upper bound"), "{said}");
 }
 
+/// Of the tuned design: how well its equations are conditioned, and what is proved.
+#[test]
+fn a_tuning_says_what_is_known_of_its_accuracy() {
+    let certify = ["--set", "outputs.certify=true"];
+    let (directory, said) = run("optimise", "macpherson_front.toml", &certify);
+    let summary = json(&directory, "summary.json");
+    let worst = summary["condition"]["worst"].as_f64().unwrap();
+    assert!((1.0..1e4).contains(&worst), "{worst}");
+    let certificate = &summary["certificate"];
+    assert_eq!(certificate["proved"], 41);
+    assert_eq!(certificate["one_branch"], true);
+    assert!(said.contains("41 of 41 stations proved"), "{said}");
+    // Positions alone, by the closed form, have a condition number too.
+    let (directory, _) = run("solve", "macpherson_front.toml", &[]);
+    let summary = json(&directory, "summary.json");
+    assert!(summary["condition"]["worst"].as_f64().unwrap() >= 1.0);
+    assert!(
+        summary["condition"]["ill_conditioned"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+    );
+    assert!(summary["certificate"].is_null());
+}
+
 #[test]
 fn the_bump_steer_sample_holds_its_toe() {
     let (directory, _) = run("optimise", "macpherson_bump_steer.toml", &[]);

@@ -478,7 +478,8 @@ fn any_design_is_solved_or_refused_with_a_reason() {
 #[test]
 fn designs_that_failed_once() {
     for number in [
-        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343, 82214, 84055, 104498,
+        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343, 35076, 82214, 84055,
+        104498,
     ] {
         examine(number, &mut Tally::default());
     }

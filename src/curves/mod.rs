@@ -67,7 +67,8 @@ pub struct Station {
     pub status: Status,
     /// A value for each column; `None` where there is none.
     pub values: Vec<Option<f64>>,
-    /// Condition number of the equations, where derivatives or sensitivities are computed.
+    /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
+    /// and the number is below 1000. `None` where there is no pose.
     pub condition: Option<f64>,
     /// What is proved, where that is asked for.
     pub proof: Option<Proof>,

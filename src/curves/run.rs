@@ -158,10 +158,15 @@ impl<'a, const N: usize> Run<'a, N> {
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
+                // Positions lose half as many digits as derivatives and sensitivities.
+                let differentiated =
+                    self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
                 station.status = match digits {
                     _ if findings.unsupported => Status::Unsupported,
-                    Some(digits) if digits < LEAST_DIGITS => Status::IllConditioned,
+                    Some(digits) if differentiated && digits < LEAST_DIGITS => {
+                        Status::IllConditioned
+                    }
                     _ => Status::Ok,
                 };
                 station.condition = findings.condition;
@@ -189,7 +194,7 @@ impl<'a, const N: usize> Run<'a, N> {
         if self.plan.sensitivities.is_empty() {
             let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
             return Ok(Findings {
-                condition: condition.map(|c| c.number),
+                condition: Some(condition.number),
                 ..self.loaded(solver, pose, &posture, number)
             });
         }

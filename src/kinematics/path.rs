@@ -261,8 +261,8 @@ pub struct Solver<'m> {
     reach: f64,
     /// The last pose that Newton's method settled at, with its factors.
     settled: Option<Settled>,
-    /// The last pose that is one of the closed form's, with the tangent of half the arm's angle.
-    formed: Option<(Pose<f64>, MotionPoint<f64>, f64)>,
+    /// The last pose that is one of the closed form's.
+    formed: Option<Formed>,
     work: Tally,
     demand: Demand,
 }
@@ -273,6 +273,17 @@ struct Settled {
     pose: Pose<f64>,
     point: MotionPoint<f64>,
     factors: Lu6<f64>,
+}
+
+/// A pose of the closed form.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Formed {
+    pose: Pose<f64>,
+    point: MotionPoint<f64>,
+    /// Tangent of half the arm's angle.
+    tangent: f64,
+    /// About its condition number; not known in the design position.
+    condition: Option<f64>,
 }
 
 /// A pose with the motion point it was found at.
@@ -298,6 +309,8 @@ struct Quick {
     speed: Option<PoseError>,
     /// What may not vanish on the way, with its slope by the tangent.
     margins: [Jet<f64, 2>; 2],
+    /// About the condition number, of a place that was stepped to.
+    condition: Option<f64>,
 }
 
 impl<'m> Solver<'m> {
@@ -443,7 +456,12 @@ impl<'m> Solver<'m> {
                     if quick.before.is_none() && !is_design || is_steep {
                         return None;
                     }
-                    Some((at.pose, at.point, quick.tangent))
+                    Some(Formed {
+                        pose: at.pose,
+                        point: at.point,
+                        tangent: quick.tangent,
+                        condition: quick.condition,
+                    })
                 });
                 if visit(self, station, found).is_break() {
                     return Ok(());
@@ -625,6 +643,10 @@ impl<'m> Solver<'m> {
         let state = form
             .map(Jet::constant)
             .at_half_tangent(Jet::<f64, 2>::variable(tangent), Jet::constant(point.rack));
+        // Where the closed form loses digits, at the design position too.
+        if !state.now().is_ordinary() {
+            return None;
+        }
         let rise = form.map(Jet::constant).travel(&state)[1];
         Some(Quick {
             tangent,
@@ -635,6 +657,7 @@ impl<'m> Solver<'m> {
             before: None,
             speed: None,
             margins: state.margins(),
+            condition: None,
         })
     }
 
@@ -724,8 +747,12 @@ impl<'m> Solver<'m> {
         }
         self.work.note(|w| w.closed_form_solves += 1);
         let pose = form.pose(&state);
+        let moved = PoseError::between(&from.pose, &pose, self.size);
+        let rate = match to.drive {
+            Drive::Travel => Some(moved.length / (end - start).abs()),
+            Drive::ArmAngle => None,
+        };
         let speed = self.demand.is_modest().then(|| {
-            let moved = PoseError::between(&from.pose, &pose, self.size);
             let speed = moved.scaled(1.0 / step.abs());
             let fastest = quick.speed.map_or(speed, |before| before.max(speed));
             self.demand.note(fastest.scaled(2.0 * left));
@@ -740,6 +767,7 @@ impl<'m> Solver<'m> {
                 before: Some((start, quick.tangent, quick.slope)),
                 speed,
                 margins,
+                condition: Some(form.condition(&state, self.size, rate)),
             }),
         })
     }
@@ -957,15 +985,27 @@ impl<'m> Solver<'m> {
         if N == 1 || lifted.is_steered() {
             return None;
         }
-        let (formed, point, tangent) = self.formed.as_ref()?;
-        if formed != pose || *point != motion.value_point() {
-            return None;
-        }
+        let formed = self.formed_at(pose, &motion.value_point())?;
         self.work.note(|w| {
             w.closed_form_evaluations += 1;
             w.right_hand_sides += N as u64 - 1;
         });
-        self.form.as_ref()?.pose_series(*tangent, motion)
+        self.form.as_ref()?.pose_series(formed.tangent, motion)
+    }
+
+    /// What the closed form knows of a pose that it gave.
+    fn formed_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Formed> {
+        let formed = self.formed.as_ref()?;
+        (formed.pose == *pose && formed.point == *point).then_some(formed)
+    }
+
+    /// About the condition number of a pose that the closed form gave, where it is known.
+    pub(super) fn formed_condition(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<f64> {
+        self.formed_at(pose, point)?.condition
     }
 
     /// A pose found by this solver, the rack at `rack`, ready to be loaded; [`Failure::Singular`] where the

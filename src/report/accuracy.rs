@@ -44,7 +44,7 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
 /// The conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ConditionSummary {
-    /// The largest condition number.
+    /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
     /// Where.
     at: Place,
@@ -53,7 +53,7 @@ pub struct ConditionSummary {
 }
 
 impl ConditionSummary {
-    /// Of curves with derivatives or sensitivities.
+    /// Of curves with a pose at least.
     pub fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition

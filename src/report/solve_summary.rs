@@ -21,7 +21,7 @@ pub struct SolveSummary {
     /// Where less than full double precision was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     accuracy: Option<Accuracy>,
-    /// Where derivatives or sensitivities are computed.
+    /// Where there is a pose at least.
     #[serde(default)]
     condition: Option<ConditionSummary>,
     /// Where each pose was to be proved.

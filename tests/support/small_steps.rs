@@ -41,7 +41,7 @@ pub struct SmallSteps {
     /// Mount and normal.
     lines: Vec<(V, V)>,
     wheel: V,
-    /// A point of the arm's axis, and the directions of the outer joint and across in its circle.
+    /// From the arm's axis to its outer joint, the direction of that and the one across in its circle.
     arm: [V; 3],
 }
 
@@ -74,8 +74,15 @@ impl SmallSteps {
         let arm = &mechanism.arms[0];
         let (front, rear) = (at(arm.front), at(arm.rear));
         let axis = (front - rear).normalised();
-        // Outer joint (the origin) seen from the axis; a positive turn raises it.
-        let radius = axis * axis.dot(rear) - rear;
+        // Outer joint (the origin) seen from the axis, by the nearer end of it and normal to it to the last
+        // digit, for the arm may be short; a positive turn raises the joint.
+        let near = if front.norm() < rear.norm() {
+            front
+        } else {
+            rear
+        };
+        let normal_part = |v: V| v - axis * axis.dot(v);
+        let radius = normal_part(normal_part(near * -1.0));
         let mut across = axis.cross(radius);
         if across.z < 0.0 {
             across = across * -1.0;
@@ -86,7 +93,7 @@ impl SmallSteps {
             rods,
             lines,
             wheel: at(mechanism.wheel_centre),
-            arm: [rear, radius.normalised(), across.normalised()],
+            arm: [radius, radius.normalised(), across.normalised()],
         }
     }
 
@@ -123,7 +130,7 @@ impl SmallSteps {
         }
         all[5] = match drive {
             Drive::Travel => o.z + turned(self.wheel).z - self.wheel.z - value,
-            Drive::ArmAngle => (o - self.arm[0]).dot(self.half_plane(value)),
+            Drive::ArmAngle => (o + self.arm[0]).dot(self.half_plane(value)),
         };
         for (k, (a, b)) in PAIRS.into_iter().enumerate() {
             let one = if a == b { 1.0 } else { 0.0 };
@@ -197,7 +204,7 @@ impl SmallSteps {
             Drive::Travel => -change[0],
             Drive::ArmAngle => {
                 let (sine, cosine) = at[0].sin_cos();
-                -change[0] * (o - self.arm[0]).dot(self.arm[1] * cosine + self.arm[2] * sine)
+                -change[0] * (o + self.arm[0]).dot(self.arm[1] * cosine + self.arm[2] * sine)
             }
         };
         all

@@ -80,7 +80,7 @@ impl Quadratic {
         let input = |j: usize| {
             let value = match j {
                 0..3 => origin.to_array()[j],
-                3..N if (j - 3) % 4 == 0 => 1.0,
+                3..N if (j - 3).is_multiple_of(4) => 1.0,
                 _ if j == DRIVE[1] && drive == Drive::ArmAngle => 1.0,
                 _ => 0.0,
             };

@@ -22,6 +22,7 @@
 //! ga (toggle) and the margin of the upper end.
 
 mod circle;
+mod conditioning;
 mod roles;
 mod series;
 mod upper;

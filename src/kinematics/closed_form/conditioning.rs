@@ -26,12 +26,14 @@ impl ClosedForm<f64> {
         size: f64,
         rate: Option<f64>,
     ) -> f64 {
-        let steering_axis = state.dd.sqrt();
-        let tie_rod = (self.tie_squared - 2.0 * self.tie_difference).sqrt();
+        let tie_rod_squared = self.tie_squared - 2.0 * self.tie_difference;
         let upper = self.upper.lever(state);
-        let steering = state.ga.abs() * state.gram / (steering_axis * tie_rod);
+        let steering = state.ga.abs() * state.gram;
+        let steering_lever = (state.dd * tie_rod_squared).sqrt();
         let outer = self.tie_squared.sqrt();
-        let held = 1.0 + (size / upper) + (1.0 + outer / upper) * (size / steering);
+        // One division for both levers.
+        let turned = size / (upper * steering);
+        let held = 1.0 + turned * (steering + (upper + outer) * steering_lever);
         match rate {
             Some(rate) => held + rate * (1.0 + held),
             None => held,

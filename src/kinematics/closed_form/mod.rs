@@ -354,13 +354,12 @@ impl State<Jet<f64, 2>> {
 }
 
 impl<T: Real> State<T> {
-    /// What may not vanish on a path: distance from the tie rod's toggle (squared sine of the angle
-    /// between the steering arm and the plane through steering axis and rack joint, up to the cosine of
-    /// t against d), and of the upper end from where it can no longer be reached (the length of a strut
-    /// from the foot of the ball joint's perpendicular to the mount, or a lever of the upper arm).
+    /// What may not vanish on a path: distance from the tie rod's toggle (as a square), and of the upper end
+    /// from where it can no longer be reached (the length of a strut from the foot of the ball joint's
+    /// perpendicular to the mount, or a lever of the upper arm).
     #[inline]
     pub(super) fn margins(&self) -> [T; 2] {
-        [self.toggle_square / self.tie_squared, self.upper_margin]
+        [self.toggle_square, self.upper_margin]
     }
 
     /// The squares that the closed form divides by or takes the root of, each with what makes it the

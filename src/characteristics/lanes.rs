@@ -64,7 +64,15 @@ impl<'a> LaneReader<'a> {
             rates: characteristics.iter().any(|c| c.info().reads_rates()),
         };
         let on = |id: PointId, bodies: &[Body]| bodies.contains(&mechanism.body(id));
-        let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
+        // Rockers, and what springs on arms are read with, are left to the careful path.
+        let only_one_by_one = [
+            Slot::Spring,
+            Slot::RockerAngle,
+            Slot::BarAngle,
+            Slot::BarAngleRate,
+        ];
+        let possible = !only_one_by_one.iter().any(|slot| slots.contains(*slot))
+            && (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
             && mechanism
                 .strut_upper()
                 .is_none_or(|id| !reads.strut_upper || on(id, &[Body::Knuckle]))
@@ -224,6 +232,8 @@ impl<'a> LaneReader<'a> {
                 steering_direction: pairs(now.steering_direction, rate.steering_direction),
                 spring_length: pair(now.spring_length, rate.spring_length),
                 strut_upper: pairs(now.strut_upper, rate.strut_upper),
+                // No formula read in lanes reads these.
+                ..nothing
             },
             rate: nothing,
             turn: nothing.centre,

@@ -198,7 +198,13 @@ impl Plan {
             };
             let outputs = self.outputs.iter();
             let moved = outputs.filter(|o| o.quantity.rockers(mechanism).iter().any(moves));
-            let mut names: Vec<_> = moved.map(|o| o.name.as_str()).collect();
+            let mut names: Vec<_> = moved
+                .map(|o| match o.quantity {
+                    Quantity::Coordinate(point, _) => mechanism.name(point),
+                    _ => &o.name,
+                })
+                .collect();
+            names.dedup();
             let holds = |spring: Spring| mechanism.rockers_moving(spring.lower).any(|r| r == id);
             if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
                 names.push("loads");

@@ -1,17 +1,18 @@
 //! Where a rocker has turned to.
 //!
-//! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod of
-//! fixed length L. With c the foot of the rod's inner end on the axis, r the lever from there to that end in
-//! the design position, t = e x r, and q = c - o where o is the place of the rod's outer end, the angle obeys
+//! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod, l in the
+//! design position, which keeps its length. With c the foot of the rod's inner end on the axis, r the lever from
+//! there to that end in the design position, t = e x r, d the way the rod's outer end has gone and q from where
+//! it is to c, the angle obeys
 //!
 //! ```text
-//! |q + r cos + t sin| = L
-//! A cos + B sin = C,   A = q.r, B = q.t, C = (L.L - q.q - r.r)/2
-//! cos = (A C - B w)/H, sin = (B C + A w)/H,   H = A^2 + B^2, w^2 = H - C^2
+//! |q + r cos + t sin| = |l| = |q + r + d|
+//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2
+//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H,   H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)
 //! ```
 //!
-//! In the design position cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
-//! the rod about the axis times L: |w|/(r L) is the rod's *leverage*, 1 where it stands square to the lever,
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
+//! the rod about the axis times |l|: |w|/(|r| |l|) is the rod's *leverage*, 1 where it stands square to the lever,
 //! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
 //! derivatives do not exist there.
 
@@ -33,7 +34,7 @@ struct Turn<T> {
     sine: T,
     /// 1 or -1: the sign of the turn by which the rod pushes its inner end.
     pushed: T,
-    /// w^2/(r^2 L^2)
+    /// w^2/(r.r l.l)
     leverage_squared: T,
 }
 
@@ -46,23 +47,22 @@ impl<T: Real> Turn<T> {
         let centre = inner - lever;
         let turned = axis.cross(lever);
         let rod = inner - outer;
-        let q = centre - outer_now;
+        let (q, way) = (centre - outer_now, outer_now - outer);
         let (a, b) = (q.dot(lever), q.dot(turned));
-        let (rod_squared, lever_squared) = (rod.norm_squared(), lever.norm_squared());
-        let c = (rod_squared - q.norm_squared() - lever_squared).scaled(0.5);
+        let e = rod.dot(way) - way.norm_squared().scaled(0.5);
         let h = a * a + b * b;
-        let square = h - c * c;
-        // B of the design position is t.(inner - outer).
+        let square = b * b - e * (a + a + e);
+        // B of the design position is t.l.
         let pushed = turned.dot(rod).sign();
         let w = -(pushed * square.sqrt());
         let inverse = h.one() / h;
         Turn {
             first,
             axis,
-            cosine: (a * c - b * w) * inverse,
-            sine: (b * c + a * w) * inverse,
+            cosine: (a * (a + e) - b * w) * inverse,
+            sine: (b * e + a * (b + w)) * inverse,
             pushed,
-            leverage_squared: square / (lever_squared * rod_squared),
+            leverage_squared: square / (lever.norm_squared() * rod.norm_squared()),
         }
     }
 
@@ -85,7 +85,7 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Whether six digits of a derivative would be left of this w^2/(r^2 L^2), which is known to a few units of
+/// Whether six digits of a derivative would be left of this w^2/(r.r l.l), which is known to a few units of
 /// the last place. Written so that NaN has not.
 #[inline]
 fn is_enough(leverage_squared: f64) -> bool {

@@ -64,11 +64,16 @@ pub static FIVE_LINK: Topology = Topology {
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, Carriers::all(Body::Knuckle), |name| match name {
-        "toe_link_inner" => Body::Rack,
-        _ if name.ends_with("_link_inner") => Body::Chassis,
-        _ => Body::Knuckle,
-    });
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "toe_link_inner" => Body::Rack,
+            _ if name.ends_with("_link_inner") => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
     let constraints = LINKS.map(|(inner, outer)| Constraint::Link {
         inner: given.id(inner),
         outer: given.id(outer),

@@ -67,11 +67,16 @@ pub static MACPHERSON: Topology = Topology {
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, Carriers::all(Body::Knuckle), |name| match name {
-        "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
-        "tie_rod_inner" => Body::Rack,
-        _ => Body::Knuckle,
-    });
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
+            "tie_rod_inner" => Body::Rack,
+            _ => Body::Knuckle,
+        },
+    );
     let id = |name: &str| given.id(name);
     let arm = Arm {
         front: id("lower_arm_front"),

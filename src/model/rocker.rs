@@ -167,8 +167,11 @@ impl Carriers {
             "drop_link_inner" => Body::Rocker(RockerId(usize::from(has_rocker))),
             "spring_lower" if has_rocker => Body::Rocker(RockerId(0)),
             "spring_lower" => self.spring,
-            "rocker_pivot_front" | "rocker_pivot_rear" | "anti_roll_bar_inner"
-            | "anti_roll_bar_outer" | "spring_upper" => Body::Chassis,
+            "rocker_pivot_front"
+            | "rocker_pivot_rear"
+            | "anti_roll_bar_inner"
+            | "anti_roll_bar_outer"
+            | "spring_upper" => Body::Chassis,
             _ => return None,
         })
     }
@@ -181,15 +184,17 @@ pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
         (Rod::Pullrod, PULLROD),
         (Rod::DropLink, DROP_LINK),
     ];
-    let given = rods.into_iter().filter_map(|(rod, [outer, inner, first, second])| {
-        Some(Rocker {
-            rod,
-            first: find(first)?,
-            second: find(second)?,
-            inner: find(inner)?,
-            outer: find(outer)?,
-        })
-    });
+    let given = rods
+        .into_iter()
+        .filter_map(|(rod, [outer, inner, first, second])| {
+            Some(Rocker {
+                rod,
+                first: find(first)?,
+                second: find(second)?,
+                inner: find(inner)?,
+                outer: find(outer)?,
+            })
+        });
     given.collect()
 }
 
@@ -246,7 +251,8 @@ impl Mechanism {
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
         let turns = self.rockers.iter().position(|rocker| rocker.outer == id);
-        let is_spring = self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";
+        let is_spring =
+            self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";
         let allowed = |body: Body| match (body, turns) {
             (Body::Chassis | Body::Rack, _) => false,
             (Body::Rocker(rocker), Some(turned)) => rocker.0 < turned,

@@ -17,7 +17,10 @@ pub static SEMI_TRAILING_ARM: Topology = Topology {
         WHEEL_CENTRE,
         SPINDLE_INNER,
         SPRING_UPPER,
-        optional("spring_lower", "lower end of spring and damper, on the arm or the rocker"),
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the arm or the rocker",
+        ),
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
@@ -33,10 +36,15 @@ pub static SEMI_TRAILING_ARM: Topology = Topology {
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, Carriers::all(Body::Knuckle), |name| match name {
-        "arm_pivot_inner" | "arm_pivot_outer" => Body::Chassis,
-        _ => Body::Knuckle,
-    });
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "arm_pivot_inner" | "arm_pivot_outer" => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
     let (first, second) = (given.id("arm_pivot_inner"), given.id("arm_pivot_outer"));
     let wheel_centre = given.id("wheel_centre");
     let rockers = given.rockers();

@@ -2,8 +2,8 @@
 
 use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, Rocker, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm,
+    Body, Mechanism, Point, PointId, Rocker, SpinAxis, Spring, double_wishbone, five_link,
+    macpherson, semi_trailing_arm,
 };
 use crate::number::Vector3;
 
@@ -102,9 +102,7 @@ impl Given {
             named
                 .map(|h| Point {
                     name: h.name.to_owned(),
-                    body: carriers
-                        .body(h.name, given)
-                        .unwrap_or_else(|| body(h.name)),
+                    body: carriers.body(h.name, given).unwrap_or_else(|| body(h.name)),
                 })
                 .collect(),
         )

@@ -193,7 +193,8 @@ impl<'a, const N: usize> Objective<'a, N> {
         let points: Vec<PointId> = variables.iter().map(|v| v.point).collect();
         let mechanism = &suspension.mechanism;
         let wanted = wishes.by_station.iter().flatten();
-        let rockers = wanted.flat_map(|w| Quantity::Characteristic(w.characteristic).rockers(mechanism));
+        let rockers =
+            wanted.flat_map(|w| Quantity::Characteristic(w.characteristic).rockers(mechanism));
         Ok(Objective {
             frame: suspension.frame,
             variables,

@@ -214,8 +214,9 @@ impl Plan {
             }
             let rocker = mechanism.rocker(id);
             let on_what = mechanism.bodies.iter();
-            let mut on_what =
-                on_what.filter_map(|(name, body)| (*body == mechanism.body(rocker.outer)).then_some(*name));
+            let mut on_what = on_what.filter_map(|(name, body)| {
+                (*body == mechanism.body(rocker.outer)).then_some(*name)
+            });
             let what = format!(
                 "turned by the {} from the {}",
                 rocker.rod,

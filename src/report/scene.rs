@@ -2,7 +2,9 @@
 
 use crate::curves::Course;
 use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver, Toggles};
-use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension};
+use crate::model::{
+    Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension,
+};
 use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
@@ -134,7 +136,9 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
         add(MemberKind::Link, &[rocker.inner, rocker.outer]);
         let ends = mechanism.spring.map(|spring| spring.lower);
         let on_it = |id: &PointId| mechanism.body(*id) == Body::Rocker(RockerId(number));
-        let further = ends.into_iter().chain(mechanism.rockers.iter().map(|r| r.outer));
+        let further = ends
+            .into_iter()
+            .chain(mechanism.rockers.iter().map(|r| r.outer));
         let mut through = vec![rocker.first, rocker.inner];
         through.extend(further.filter(on_it));
         through.extend([rocker.second, rocker.first]);

@@ -6,8 +6,8 @@ use super::geometry;
 use super::names::{choose, nearest};
 use super::value::{Number, Text};
 use crate::model::{
-    Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension, Topology,
-    Vehicle,
+    Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
+    Topology, Vehicle,
 };
 use crate::number::Vector3;
 
@@ -155,16 +155,14 @@ fn groups_fault(
     let Some(list) = nearest.filter(|list| count(list) > 0) else {
         return false;
     };
-    let mut written = given.iter().filter(|g| {
+    let written = given.iter().filter(|g| {
         let belongs = |list: &&[&str]| list.contains(&g.name);
         group.complete.iter().any(belongs)
     });
     if let Some(other) = written.clone().find(|g| !list.contains(&g.name)) {
         let message = format!(
             "{} is given beside {}: expected one or the other for {}",
-            other.name,
-            list[0],
-            group.what
+            other.name, list[0], group.what
         );
         problems.add(other.text.span(), message);
         return true;
@@ -173,11 +171,16 @@ fn groups_fault(
         Some(hardpoint) => format!("{name} ({})", hardpoint.about),
         None => (*name).to_owned(),
     };
-    let missing: Vec<_> = list.iter().filter(|name| !is_given(name)).map(about).collect();
+    let missing: Vec<_> = list
+        .iter()
+        .filter(|name| !is_given(name))
+        .map(about)
+        .collect();
     if missing.is_empty() {
         return false;
     }
-    let first = written.next().expect("something of the list is given");
+    let first = written.min_by_key(|g| g.text.span().start);
+    let first = first.expect("something of the list is given");
     let message = format!("missing for {}: {}", group.what, missing.join(", "));
     let error = problems.add(first.text.span(), message);
     error.help(format!("{} may be left out as a whole", group.what));
@@ -202,7 +205,10 @@ fn bodies(
             },
             Some(_) => {
                 sound = false;
-                let message = format!("{name} sits where it does in every {}", mechanism.topology.name);
+                let message = format!(
+                    "{name} sits where it does in every {}",
+                    mechanism.topology.name
+                );
                 let error = problems.add(text.span(), message);
                 error.help("the lower end of a spring and the outer ends of pushrod, pullrod and drop link may be put on a body");
             }

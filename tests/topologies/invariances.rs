@@ -181,7 +181,9 @@ fn mirror() {
                 (C::HalfTrackChange, 1.0),
                 (C::WheelbaseChange, -1.0),
             ];
-            let signs = signs.into_iter().chain(of_rockers(&suspension).map(|c| (c, 1.0)));
+            let signs = signs
+                .into_iter()
+                .chain(of_rockers(&suspension).map(|c| (c, 1.0)));
             let (read, signs): (Vec<_>, Vec<_>) = signs.unzip();
             let plain = characteristics(&suspension, &design, point, &read).unwrap();
             let found = characteristics(&suspension, &mirrored, point, &read).unwrap();

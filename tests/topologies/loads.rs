@@ -25,7 +25,11 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
         let (mut balance, mut work) = (Worst::default(), Worst::default());
         for _ in 0..200 {
             // A racing car's rocker goes no further.
-            let most = if name == "double_wishbone_pushrod" { 35.0 } else { 70.0 };
+            let most = if name == "double_wishbone_pushrod" {
+                35.0
+            } else {
+                70.0
+            };
             let point = travel(most * random.signed(), 10.0 * random.signed());
             at(mechanism, &suspension.design, point, |solver, pose| {
                 let posture = solver

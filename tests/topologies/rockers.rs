@@ -97,8 +97,7 @@ fn planted_angles_come_back() {
         while tried < if rod == "pushrod" { 2000 } else { 4000 } {
             let mut design = vec![Vector3::default(); mechanism.points.len()];
             design[id("arm_pivot_inner")] = random.vector(60.0);
-            design[id("arm_pivot_outer")] =
-                Vector3::new(-40.0, 300.0, 10.0) + random.vector(60.0);
+            design[id("arm_pivot_outer")] = Vector3::new(-40.0, 300.0, 10.0) + random.vector(60.0);
             design[id("wheel_centre")] = Vector3::new(-400.0, 500.0, 0.0) + random.vector(60.0);
             design[id("spindle_inner")] = Vector3::new(-400.0, 400.0, 0.0) + random.vector(20.0);
             design[id("spring_upper")] = Vector3::new(100.0, 100.0, 300.0) + random.vector(60.0);
@@ -142,15 +141,13 @@ fn planted_angles_come_back() {
             let (angle, spring) = read_arm(&mechanism, &design, theta);
             // Positive as the rod turns it in jounce, pushed or pulled.
             let sense = before.signum() * if rod == "pushrod" { 1.0 } else { -1.0 };
-            let turned_spring =
-                turned(base, design[second], phi, design[id("spring_lower")]);
+            let turned_spring = turned(base, design[second], phi, design[id("spring_lower")]);
             // Squares of lengths are known to some units of the last place, and the pose to 1e-13 of the
             // mechanism's size; the moment is their derivative by the angle.
             let q = (moved - base).norm_squared();
             let squares = rod_squared + q + lever.norm_squared();
-            let allowed = (64.0 * f64::EPSILON * squares
-                + 1e-13 * 600.0 * rod_squared.sqrt())
-                / after.abs();
+            let allowed =
+                (64.0 * f64::EPSILON * squares + 1e-13 * 600.0 * rod_squared.sqrt()) / after.abs();
             let error = (angle[0] - sense * phi).abs();
             assert!(error <= allowed, "{rod}: {error:e} of {allowed:e}");
             let error = (spring - turned_spring).norm() / 600.0;
@@ -185,7 +182,11 @@ fn a_plane_bell_crank_is_a_triangle() {
         design[mechanism.point(name).unwrap().0] = p;
     }
     let at = |name: &str| design[mechanism.point(name).unwrap().0];
-    let (pivot, inner, outer) = (at("rocker_pivot_front"), at("pushrod_inner"), at("pushrod_outer"));
+    let (pivot, inner, outer) = (
+        at("rocker_pivot_front"),
+        at("pushrod_inner"),
+        at("pushrod_outer"),
+    );
     let (r, rod) = ((inner - pivot).norm(), (inner - outer).norm());
     // Angles are counted from -x towards +z.
     let bearing = |p: Vector3<f64>| (p.z - pivot.z).atan2(pivot.x - p.x);
@@ -257,7 +258,7 @@ fn points_of_rockers_agree_with_thirty_digits() {
         for i in 0..400 {
             let design = random.scattered(&suspension.design, 8.0);
             let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
-            errors.check(&suspension.mechanism, &design, value, rack, i % 40 == 0);
+            errors.check(&suspension.mechanism, &design, value, rack, i % 80 == 0);
         }
         println!("{name}: {errors:?}");
         assert_eq!(errors.disagreed, 0);
@@ -286,7 +287,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
         let spring = mechanism.spring.unwrap();
         let (mut values, mut rates) = (Worst::default(), Worst::default());
         let (mut by_point, mut ratios) = ([Worst::default(); 2], Worst::default());
-        for _ in 0..8 {
+        for _ in 0..4 {
             let design = random.scattered(&suspension.design, 8.0);
             let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
             let point = travel(value, rack);
@@ -304,8 +305,9 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     let place = |id| super::truth::place(mechanism, design, &pose, id);
                     let u = |k: usize| {
                         let rocker = &mechanism.rockers[k];
-                        let [a, b, i, o] = [rocker.first, rocker.second, rocker.inner, rocker.outer]
-                            .map(|p| design[p.0]);
+                        let [a, b, i, o] =
+                            [rocker.first, rocker.second, rocker.inner, rocker.outer]
+                                .map(|p| design[p.0]);
                         let pushed = (b - a).cross(i - a).dot(i - o).sign();
                         half_tangent(mechanism, design, &pose, rocker) * pushed
                     };
@@ -370,9 +372,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                 for (k, c) in REPORTED.into_iter().enumerate() {
                     let all = gradient(c, 1);
                     let largest = |order: usize| {
-                        let sizes = truths
-                            .iter()
-                            .map(|t| t[order].to_array()[k].value().abs());
+                        let sizes = truths.iter().map(|t| t[order].to_array()[k].value().abs());
                         sizes.fold(0.0, f64::max)
                     };
                     for moved in 0..3 * points {
@@ -432,7 +432,10 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
     let mechanism = &suspension.mechanism;
     let spring = mechanism.spring.unwrap();
     let rocker = mechanism.rockers[0];
-    assert_eq!(mechanism.body(rocker.outer), Body::Arm(hardpoint::model::ArmId(0)));
+    assert_eq!(
+        mechanism.body(rocker.outer),
+        Body::Arm(hardpoint::model::ArmId(0))
+    );
     let mut random = Random(25);
     for _ in 0..100 {
         let point = travel(30.0 * random.signed(), 10.0 * random.signed());
@@ -472,7 +475,9 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
             }
             let (front, rear) = (place(arm.front), place(arm.rear));
             let about = |at: PointId, force: Vector3<f64>| {
-                (rear - front).normalised().dot((place(at) - front).cross(force))
+                (rear - front)
+                    .normalised()
+                    .dot((place(at) - front).cross(force))
             };
             let pull = unit(rocker.outer, rocker.inner) * tension;
             let left = about(arm.outer, -on_carrier) + about(rocker.outer, pull);
@@ -503,9 +508,18 @@ fn a_pullrod_differs_from_a_pushrod_by_its_sign() {
     let topology = pushrod.mechanism.topology;
     let name = |name: &str| -> &'static str {
         let name = name.replace("pushrod", "pullrod");
-        topology.all_hardpoints().find(|h| h.name == name).unwrap().name
+        topology
+            .all_hardpoints()
+            .find(|h| h.name == name)
+            .unwrap()
+            .name
     };
-    let names: Vec<_> = pushrod.mechanism.points.iter().map(|p| name(&p.name)).collect();
+    let names: Vec<_> = pushrod
+        .mechanism
+        .points
+        .iter()
+        .map(|p| name(&p.name))
+        .collect();
     let mut mechanism = (topology.build)(topology, &names);
     let design = mechanism.points.iter().map(|point| {
         let place = names.iter().position(|n| *n == point.name).unwrap();

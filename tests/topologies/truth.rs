@@ -118,9 +118,7 @@ pub fn place(
     let point = design[id.0];
     match mechanism.body(id) {
         Body::Chassis => point,
-        Body::Knuckle => {
-            pose.origin + pose.rotation.apply(point - design[mechanism.origin.0])
-        }
+        Body::Knuckle => pose.origin + pose.rotation.apply(point - design[mechanism.origin.0]),
         Body::Arm(arm) => {
             let arm = mechanism.arms[arm.0];
             let [front, rear] = [arm.front, arm.rear].map(|p| design[p.0]);
@@ -145,12 +143,7 @@ pub fn place(
 }
 
 /// A point turned with a rocker, by the tangent of half the angle.
-fn turn_about(
-    design: &[Vector3<Dd>],
-    rocker: &Rocker,
-    u: Dd,
-    point: Vector3<Dd>,
-) -> Vector3<Dd> {
+fn turn_about(design: &[Vector3<Dd>], rocker: &Rocker, u: Dd, point: Vector3<Dd>) -> Vector3<Dd> {
     let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
     let half_turn = (second - first).normalised() * u;
     first + Matrix3::identity(u).turned(half_turn).apply(point - first)

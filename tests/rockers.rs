@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
+use hardpoint::kinematics::Solver;
 use hardpoint::model::Rod;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
@@ -516,4 +517,46 @@ fn every_topology_takes_an_anti_roll_bar() {
         );
         assert_eq!(effect.what, from, "{name}");
     }
+}
+
+/// `limits` names the travels at which rods come to toggle; just inside them the rocker turns, beyond it does
+/// not.
+#[test]
+fn limits_name_the_toggles() {
+    let study = read(&with_lines(&[NEAR_TOGGLE])).unwrap();
+    let suspension = &study.suspension;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
+    let limits = solver.limits().unwrap();
+    let [rocker, bar] = limits.rockers[..] else {
+        panic!("{limits:?}")
+    };
+    let toggle = rocker.upper.unwrap();
+    assert_eq!(toggle.rod, Rod::Pushrod);
+    assert!((20.0..limits.travel.upper.value()).contains(&toggle.travel));
+    // The bar's drop link stands on the rocker, and goes no further than it.
+    assert!(bar.upper.unwrap().travel <= toggle.travel);
+    for (travel, status) in [
+        (toggle.travel - 1e-5, Status::Ok),
+        (toggle.travel + 1e-5, Status::Toggle(Rod::Pushrod)),
+    ] {
+        let motion = format!("travel = [{travel:?}]");
+        let outputs = ("characteristics", "characteristics = [\"rocker_angle\"]");
+        let plain = [("order", ""), ("points", ""), ("loads", "")];
+        let mut lines = vec![NEAR_TOGGLE, ("travel", &motion), outputs];
+        lines.extend(plain);
+        let (_, found, _) = run(&with_lines(&lines));
+        assert_eq!(found.stations[0].status, status, "{travel}");
+    }
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("study.toml");
+    fs::write(&path, with_lines(&[NEAR_TOGGLE])).unwrap();
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    let shown = command.arg("limits").arg(path).assert().success();
+    let shown = String::from_utf8(shown.get_output().stdout.clone()).unwrap();
+    let line = shown.lines().find(|l| l.contains("pushrod_travel_mm"));
+    assert!(
+        line.unwrap().contains("the pushrod is at toggle"),
+        "{shown}"
+    );
 }

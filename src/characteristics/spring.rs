@@ -51,7 +51,7 @@ impl Formula for SpringInclination {
         name: "spring_inclination",
         unit: Unit::Angle,
         positive: "always: 0 upright, 90 degrees level, 180 with the upper end below",
-        formula: "atan2(|(s_x, s_y)|, s_z), s from the lower to the upper end of spring or strut",
+        formula: "atan2(hypot(s_x, s_y), s_z), s from the lower to the upper end of spring or strut",
         source: "the angle of a line with the vertical",
         reads: &[Slot::Spring],
         needs: &[Need::Spring],

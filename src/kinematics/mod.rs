@@ -38,7 +38,7 @@ pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRa
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
-pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
+pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd, RockerRange, Toggle};
 pub use loads::{Balance, Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use paper_theta::PaperTheta;

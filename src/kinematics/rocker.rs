@@ -166,6 +166,18 @@ impl<T: Real> Posture<'_, T> {
 }
 
 impl Posture<'_, f64> {
+    /// The rod that keeps a rocker from turning here: its own, or that of a rocker which turns it.
+    pub(super) fn toggle(&self, id: RockerId) -> Option<Rod> {
+        let before = self
+            .mechanism
+            .rockers_moving(self.mechanism.rocker(id).outer);
+        let stuck = std::iter::once(id).chain(before).filter(|id| {
+            let ends = self.ends(self.mechanism.rocker(*id));
+            !is_enough(Turn::of(ends).leverage_squared)
+        });
+        stuck.last().map(|id| self.mechanism.rocker(id).rod)
+    }
+
     /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
     pub(super) fn rod_tension(&self, id: RockerId, at: Vector3<f64>, force: Vector3<f64>) -> f64 {
         let rocker = self.mechanism.rocker(id);

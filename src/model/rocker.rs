@@ -247,6 +247,13 @@ impl Mechanism {
         Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
     }
 
+    /// The body the rod of a rocker stands on, in words.
+    pub fn seat(&self, rocker: &Rocker) -> String {
+        let body = self.body(rocker.outer);
+        let found = self.bodies.iter().find(|(_, known)| *known == body);
+        found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
+    }
+
     /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {

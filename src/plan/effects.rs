@@ -213,14 +213,10 @@ impl Plan {
                 return off(name);
             }
             let rocker = mechanism.rocker(id);
-            let on_what = mechanism.bodies.iter();
-            let mut on_what = on_what.filter_map(|(name, body)| {
-                (*body == mechanism.body(rocker.outer)).then_some(*name)
-            });
             let what = format!(
                 "turned by the {} from the {}",
                 rocker.rod,
-                on_what.next().unwrap_or_default().replace('_', " ")
+                mechanism.seat(&rocker)
             );
             let because = written(&["outputs"], &names.join(", "));
             on(name, what, because, cost::ROCKER * self.coefficients as f64)

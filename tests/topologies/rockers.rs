@@ -28,6 +28,7 @@ fn variants() -> Vec<(&'static str, Suspension)> {
         ("knuckle", put("pushrod_outer", "knuckle")),
         ("upper arm", put("pushrod_outer", "upper_arm")),
         ("bar on the lower arm", put("drop_link_outer", "lower_arm")),
+        ("spring on the upper arm", put("spring_lower", "upper_arm")),
     ]
 }
 
@@ -375,7 +376,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                         let sizes = truths.iter().map(|t| t[order].to_array()[k].value().abs());
                         sizes.fold(0.0, f64::max)
                     };
-                    for moved in 0..3 * points {
+                    for (moved, truth) in truths.iter().enumerate() {
                         let (p, axis) = (moved / 3, moved % 3);
                         let [g, h] = [0, 1].map(|order| all[order][p].to_array()[axis]);
                         // u = tan(a/2): u_p = (1 + u^2) a_p/2, and the derivative of that.
@@ -388,7 +389,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                             }
                         };
                         for order in 0..2 {
-                            let wanted = truths[moved][order].to_array()[k].value();
+                            let wanted = truth[order].to_array()[k].value();
                             by_point[order].note((found[order] - wanted) / largest(order));
                         }
                     }

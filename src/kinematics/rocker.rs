@@ -74,7 +74,8 @@ impl<T: Real> Turn<T> {
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// The angle, positive as the rod of this kind turns it in jounce: pushed, or pulled by a pullrod.
+    /// The angle, positive as a rod of this kind turns it from the design position: pushed, or pulled by a
+    /// pullrod.
     #[inline]
     fn angle(&self, rod: Rod) -> T {
         let sense = match rod {
@@ -113,7 +114,8 @@ impl<T: Real> Posture<'_, T> {
         Turn::of(self.ends(self.mechanism.rocker(id))).moved(designed)
     }
 
-    /// Angle of a rocker from its design position; see [`Turn::angle`]. NaN beyond a toggle.
+    /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
+    /// it. NaN beyond a toggle.
     #[inline(never)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
         let rocker = self.mechanism.rocker(id);

@@ -37,7 +37,7 @@ mod cost {
     pub const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
-    /// The turn of a rocker, for each coefficient of its series.
+    /// The turn of a rocker, for each coefficient of its series: by its count of operations, not measured.
     pub const ROCKER: f64 = 0.1;
     /// Factorising the equations of a pose with its support.
     pub const BALANCE: f64 = 0.8;

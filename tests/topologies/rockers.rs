@@ -256,14 +256,14 @@ fn points_of_rockers_agree_with_thirty_digits() {
     let mut random = Random(23);
     for (name, suspension) in variants() {
         let mut errors = Errors::default();
-        for i in 0..400 {
+        for i in 0..100 {
             let design = random.scattered(&suspension.design, 8.0);
             let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
-            errors.check(&suspension.mechanism, &design, value, rack, i % 80 == 0);
+            errors.check(&suspension.mechanism, &design, value, rack, i % 50 == 0);
         }
         println!("{name}: {errors:?}");
         assert_eq!(errors.disagreed, 0);
-        assert_eq!(errors.solved, 400);
+        assert_eq!(errors.solved, 100);
         assert!(errors.by_order[0].0 < 1e-13, "{name}: {errors:?}");
         for e in [errors.by_order[1], errors.by_order[2]] {
             assert!(e.0 < 1e-11, "{name}: {errors:?}");
@@ -288,7 +288,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
         let spring = mechanism.spring.unwrap();
         let (mut values, mut rates) = (Worst::default(), Worst::default());
         let (mut by_point, mut ratios) = ([Worst::default(); 2], Worst::default());
-        for _ in 0..4 {
+        for _ in 0..2 {
             let design = random.scattered(&suspension.design, 8.0);
             let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
             let point = travel(value, rack);

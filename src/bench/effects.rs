@@ -326,7 +326,7 @@ impl<'m> Proofs<'m> {
 /// The hardpoints of a suspension.
 fn hardpoints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
-    let known = |name: &str| mechanism.topology.hardpoints.iter().any(|h| h.name == name);
+    let known = |name: &str| mechanism.topology.hardpoint(name).is_some();
     let points = mechanism.points.iter().enumerate();
     points
         .filter(|(_, p)| known(&p.name))

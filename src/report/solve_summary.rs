@@ -66,7 +66,7 @@ impl SolveSummary {
     pub fn of(study: &Study, curves: &Curves) -> Self {
         let drive = study.motion.drive;
         let failed = curves.stations.iter().filter_map(|s| match s.status {
-            Status::Ok | Status::IllConditioned | Status::Unsupported => None,
+            Status::Ok | Status::IllConditioned | Status::Unsupported | Status::Toggle(_) => None,
             Status::Failed(failure) => Some(FailedStation {
                 place: Place::of(s, drive),
                 status: s.status.word().to_owned(),

@@ -3,7 +3,7 @@
 use crate::kinematics::certificate::Unproven;
 use crate::kinematics::limits::LimitCause;
 use crate::kinematics::point_coordinates::{self, Refusal};
-use crate::model::{Drive, Mechanism, PointId};
+use crate::model::{Drive, Mechanism, PointId, Rod};
 use std::fmt;
 
 /// Why a station has no pose.
@@ -29,6 +29,8 @@ pub enum Failure {
     Singular,
     /// A proof was asked for and there is none.
     Uncertified(Unproven),
+    /// The pose was reached, but a rocker that something asked for reads is at toggle there, or was before.
+    Toggle(Rod),
     /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
     DeadCentre,
     /// The formulation in point coordinates found no pose.
@@ -157,6 +159,11 @@ impl fmt::Display for Failure {
                 )
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
+            Failure::Toggle(rod) => write!(
+                f,
+                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
+                rod.turns()
+            ),
             Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
             Failure::DeadCentre => write!(
                 f,

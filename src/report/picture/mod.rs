@@ -7,6 +7,7 @@ use super::curve_table::CurveTable;
 use super::record::OutputRecord;
 use super::run::Run;
 use crate::curves::Status;
+use crate::model::Rod;
 use panel::{Band, Line, Look, Panel, SIZE};
 
 /// A picture and the name of its file.
@@ -153,7 +154,12 @@ fn file_name(column: &str) -> String {
     name.trim_start_matches('.').to_owned()
 }
 fn is_solved(status: &str) -> bool {
-    [Status::Ok, Status::IllConditioned, Status::Unsupported]
-        .map(|s| s.word())
-        .contains(&status)
+    [
+        Status::Ok,
+        Status::IllConditioned,
+        Status::Unsupported,
+        Status::Toggle(Rod::Pushrod),
+    ]
+    .map(|s| s.word())
+    .contains(&status)
 }

@@ -51,7 +51,7 @@ enum Command {
     Optimise(RunArguments),
     /// How far travel, rack and arm go from the design position, and what stops them
     Limits(StudyArguments),
-    /// Every way to assemble a strut's lengths at a given travel
+    /// Every way to assemble the design's lengths at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),

@@ -8,7 +8,7 @@
 
 use super::accuracy::{Demand, MARGIN, PoseError};
 use super::certificate::Unproven;
-use super::closed_form::{ClosedForm, Roles};
+use super::closed_form::ClosedForm;
 use super::closure::{Closure, Driver};
 use super::continuation::{Curve, Moving, PathEnd};
 use super::limits::LimitCause;
@@ -555,7 +555,7 @@ impl<'m> Solver<'m> {
         })
     }
 
-    fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
+    pub(super) fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
         Posture {
             mechanism: self.mechanism,
             design: &self.design,
@@ -828,11 +828,6 @@ impl<'m> Solver<'m> {
                 cause,
             },
         })
-    }
-
-    /// The parts of the closed form, where this mechanism is a strut.
-    pub(super) fn strut(&self) -> Option<Roles> {
-        Roles::of(self.mechanism).filter(Roles::is_strut)
     }
 
     /// Newton's method from a pose that is close already; `None` where it does not settle.

@@ -27,7 +27,7 @@ mod series;
 mod upper;
 mod velocity;
 
-use circle::Circle;
+pub(in crate::kinematics) use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
 pub(in crate::kinematics) use velocity::Velocity;
@@ -275,11 +275,14 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The same design of a strut with the strut mounted the other way up (the mount below the foot), the
-    /// tie rod's end on the other side of its plane, or both: the other assemblies of the same lengths.
-    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+    /// The same design with its upper end on the other side (a strut the other way up, the mount below the
+    /// foot; or w of the other sign), the tie rod's end on the other side of its plane, or both: the other
+    /// assemblies of the same lengths.
+    pub(super) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
-        if strut_inverted {
+        if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
+            *side = -*side;
+        } else if upper_across {
             form.tie_by_u = -form.tie_by_u;
             let vectors = [&mut form.wheel_centre, &mut form.line];
             for vector in form.basis.iter_mut().chain(vectors) {

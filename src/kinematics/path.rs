@@ -848,6 +848,16 @@ impl<'m> Solver<'m> {
         None
     }
 
+    /// Whether a pose obeys the closure equations to within their rounding.
+    pub(super) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
+        let at = self.posture(pose, point.rack);
+        let residuals = self.closure.residuals(&at, point.driver());
+        // Each is formed of a dozen products and sums of lengths within the reach.
+        residuals
+            .iter()
+            .all(|r| r.abs() <= 16.0 * ROUNDING * self.reach)
+    }
+
     /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
     /// changed much (or changed sign) or the iteration did not settle.
     fn correct(

@@ -14,7 +14,7 @@
 //! is missed, whatever the distance between two of them. What is narrower than [`NARROWEST`] and still
 //! undecided (a double root) goes to Newton's method on the closure equations.
 
-use super::{Search, Undecided};
+use super::{Assembly, Search, Undecided};
 use crate::kinematics::closed_form::{ClosedForm, Roles, State};
 use crate::kinematics::pose::Pose;
 use crate::number::{Interval, Jet, Real, Scalar};
@@ -28,7 +28,7 @@ const MOST_PIECES: usize = 200_000;
 /// how much narrower the piece must be for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
-/// How far from a toggle (rad) an assembly at it is looked for: the next that can be computed.
+/// How far from a toggle (rad) poses are tried where there is none.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
 /// How far (rad) an assembly may be from the piece that it was looked for on.
 const NEAR: f64 = 1e-4;
@@ -96,8 +96,7 @@ impl Search<'_> {
                 Verdict::None => continue,
                 Verdict::One => {
                     let angle = branch.refined(low, high);
-                    let found = branch.pose(angle, 0.0).and_then(|p| self.assembly(&p));
-                    match found {
+                    match self.beside(branch, angle) {
                         Some(assembly) => self.add(assembly),
                         None => join(&mut undecided, (low, high)),
                     }
@@ -127,13 +126,7 @@ impl Search<'_> {
         }
         for (low, high) in undecided {
             // A root of even order, or one at a toggle: as seen from the middle, or there is none.
-            let middle = 0.5 * (low + high);
-            let found = self.beside(branch, middle);
-            let is_there = |a: &super::Assembly| {
-                let apart = a.arm_angle.map(|angle| (angle - middle).sin().abs());
-                apart.is_some_and(|apart| apart < NEAR)
-            };
-            match found.filter(is_there) {
+            match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
             }
@@ -147,17 +140,20 @@ impl Search<'_> {
         if self.is_settled(&poses) {
             return true;
         }
-        let Some(assembly) = self.beside(branch, 0.5 * (low + high)) else {
+        let start = branch.pose(0.5 * (low + high));
+        let found = start.and_then(|start| self.assembly(&start));
+        let Some(assembly) = found else {
             return false;
         };
         self.add(assembly);
         self.is_settled(&poses)
     }
 
-    /// What Newton's method finds from next to an arm angle.
-    fn beside(&self, branch: &Branch, angle: f64) -> Option<super::Assembly> {
-        let mut starts = BESIDE.iter().filter_map(|by| branch.pose(angle, *by));
-        self.assembly(&starts.next()?)
+    /// The assembly at an arm angle, or so near that it cannot be told from one there.
+    fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
+        let found = self.assembly(&branch.pose(angle)?)?;
+        let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
+        (apart < 0.5 * NEAR).then_some(found)
     }
 }
 
@@ -198,33 +194,49 @@ impl Branch {
 
     /// State and f - travel, as series in the angle.
     fn miss(&self, angle: Interval) -> (State<Value>, Value) {
-        let (sine, cosine) = angle.sin_cos();
         let form = self.form.map(Jet::constant);
-        let state = form.at(
-            Jet([cosine, -sine, cosine.scaled(-0.5)]),
-            Jet([sine, cosine, sine.scaled(-0.5)]),
-            Jet::constant(Interval::point(self.rack)),
-        );
+        let state = self.state(&form, angle);
         let miss = form.travel(&state) - Jet::constant(self.travel);
         (state, miss)
     }
 
-    /// All poses of a piece.
-    fn poses(&self, angle: Interval) -> Pose<Interval> {
-        let (sine, cosine) = angle.sin_cos();
-        let state = self.form.at(cosine, sine, Interval::point(self.rack));
-        self.form.pose(&state)
+    /// The mechanism on a piece. The square of the tie-rod end's distance from its plane is a small
+    /// difference of large terms near a toggle: its mean-value form is far narrower than these.
+    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> State<Value> {
+        let at = |angle: Interval| {
+            let (sine, cosine) = angle.sin_cos();
+            form.at(
+                Jet([cosine, -sine, cosine.scaled(-0.5)]),
+                Jet([sine, cosine, sine.scaled(-0.5)]),
+                Jet::constant(Interval::point(self.rack)),
+            )
+        };
+        let over = at(angle);
+        let middle = Interval::point(angle.middle());
+        let (square, there) = (over.toggle_square(), at(middle).toggle_square());
+        let around = angle - middle;
+        let slope = square[1].meet(there[1] + (square[2] + square[2]) * around);
+        let value = square[0].meet(there[0] + slope * around);
+        form.with_toggle_square(over, Jet([value, slope, square[2]]))
     }
 
-    /// The pose beside an arm angle, if there is one.
-    fn pose(&self, angle: f64, beside: f64) -> Option<Pose<f64>> {
-        let (sine, cosine) = (angle + beside).sin_cos();
-        let mut state = self.plain.at(cosine, sine, self.rack);
-        state.at_toggle_if_beyond();
-        let pose = self.plain.pose(&state);
-        let [x, y, z] = pose.rotation.columns;
-        let sum = pose.origin.norm() + x.norm() + y.norm() + z.norm();
-        sum.is_finite().then_some(pose)
+    /// All poses of a piece.
+    fn poses(&self, angle: Interval) -> Pose<Interval> {
+        let form = self.form.map(Jet::constant);
+        form.pose(&self.state(&form, angle)).map(|series| series[0])
+    }
+
+    /// The pose at an arm angle, or the next that can be computed, if there is one.
+    fn pose(&self, angle: f64) -> Option<Pose<f64>> {
+        BESIDE.iter().find_map(|by| {
+            let (sine, cosine) = (angle + by).sin_cos();
+            let mut state = self.plain.at(cosine, sine, self.rack);
+            state.at_toggle_if_beyond();
+            let pose = self.plain.pose(&state);
+            let [x, y, z] = pose.rotation.columns;
+            let sum = pose.origin.norm() + x.norm() + y.norm() + z.norm();
+            sum.is_finite().then_some(pose)
+        })
     }
 
     /// The root on a piece with one, by bisection until Newton's method has nothing to fear.

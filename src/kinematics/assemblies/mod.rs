@@ -173,9 +173,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The assembly next to a pose.
+    /// The assembly that Newton's method comes to from a pose. It may settle where there is none but
+    /// almost: what is not proved must at least obey the equations.
     fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
         let pose = self.solver.polished(near, &self.point)?;
+        let certificate = self.certifier.pose(&pose, &self.point).ok();
+        if certificate.is_none() && !self.solver.closes(&pose, &self.point) {
+            return None;
+        }
         let at = self.solver.posture(&pose, self.point.rack);
         let mechanism = self.solver.mechanism();
         let angle = mechanism.arms.first().map(|arm| {
@@ -187,7 +192,7 @@ impl<'a> Search<'a> {
             arm_angle: angle,
             branch: self.branch(&at),
             wheel_centre: at.point(mechanism.wheel_centre),
-            certificate: self.certifier.pose(&pose, &self.point).ok(),
+            certificate,
         })
     }
 

@@ -158,7 +158,9 @@ impl Search<'_> {
             }
         }
         if unsearched > 0.0 {
-            self.all.undecided.push(Undecided::Rotations(unsearched));
+            self.all
+                .undecided
+                .push(Undecided::Rotations(unsearched.min(1.0)));
         }
         Some(())
     }

@@ -296,6 +296,15 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
+    /// The same state by a better value of ga^2 G than it was formed with.
+    pub(super) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
+        State {
+            ga: self.side * (square / state.gram).sqrt(),
+            toggle_square: square,
+            ..state
+        }
+    }
+
     /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
     /// and of the tie-rod end's distance from its plane.
     pub(super) fn squares(&self, state: &State<T>) -> [T; 2] {
@@ -375,6 +384,11 @@ impl<T: Real> State<T> {
             (self.gram, self.dd * self.gg),
             (self.e, self.dd * self.tie_squared),
         ]
+    }
+
+    /// ga^2 G
+    pub(super) fn toggle_square(&self) -> T {
+        self.toggle_square
     }
 
     /// The margin of the upper end (see [`State::margins`]).

@@ -1,10 +1,10 @@
 //! Words on a picture: as text, which an SVG leaves to the reader's fonts, or as outlines.
 //!
 //! A PNG must not depend on the fonts of a machine, which may have none. Its letters are those of DejaVu
-//! Sans, which a crate carries: the only one found with a permissive licence (Bitstream Vera's), a wide
-//! choice of scripts and nothing but data in it; the better known ones are under the Open Font License.
+//! Sans, whose licence (Bitstream Vera's) is permissive, from a crate that carries nothing else; most
+//! other fonts that crates carry are under the Open Font License, or belong to somebody's user interface.
 //! They are drawn as paths before `resvg` sees the picture. `resvg` has text of its own, with shaping and
-//! right-to-left scripts, at three times its compile time and fourteen more crates: labels of axes and
+//! right-to-left scripts, at three times its compile time and a dozen more crates: labels of axes and
 //! names of designs do not need it. What the font lacks is drawn as its box.
 
 use super::panel::number;

@@ -105,9 +105,14 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let format = arguments.study.format.into();
     write!(out, "{}", table.render(format))?;
     if format == Format::Text {
+        let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
+        let proof = match unproved {
+            0 => String::new(),
+            n => format!("; {n} not proved: another is too close, if not the same"),
+        };
         writeln!(
             out,
-            "\n{} assemblies of the design's lengths",
+            "\n{} assemblies of the design's lengths{proof}",
             all.found.len()
         )?;
     }

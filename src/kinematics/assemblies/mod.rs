@@ -37,7 +37,7 @@ pub struct Assembly {
     pub certificate: Option<Certificate>,
 }
 
-/// Something that is one way or the other in an assembly and can only change at a singular pose.
+/// Something that is one way or the other in an assembly, and neither way only where it changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trait {
     /// A strut's mount above or below the foot of the ball joint on its axis.
@@ -98,6 +98,9 @@ pub enum Undecided {
     Rotations(f64),
 }
 
+/// An assembly that cannot be proved and is as near as this (in sizes) to another is taken for the same
+/// double one, whose place rounding leaves open to the square root of its relative size.
+const DOUBLE: f64 = 1e-5;
 /// Undecided places kept apart in the answer.
 const MOST_UNDECIDED: usize = 64;
 
@@ -236,13 +239,18 @@ impl<'a> Search<'a> {
 
     /// Adds an assembly, unless it was found already, as from the other side of a toggle.
     fn add(&mut self, assembly: Assembly) {
-        let near = 1e-7 * self.solver.size();
-        let alike = |a: &Assembly| {
-            a.certificate.is_none() && apart(&a.pose, &assembly.pose, self.solver.size()) < near
-        };
-        let known = self.is_settled(&assembly.pose.map(Interval::point));
-        if !known && !self.all.found.iter().any(alike) {
-            self.all.found.push(assembly);
+        if self.is_settled(&assembly.pose.map(Interval::point)) {
+            return;
+        }
+        let size = self.solver.size();
+        let known = self.all.found.iter_mut().find(|a| {
+            let unproved = a.certificate.is_none() || assembly.certificate.is_none();
+            unproved && apart(&a.pose, &assembly.pose, size) < DOUBLE * size
+        });
+        match known {
+            Some(known) if known.certificate.is_none() => *known = assembly,
+            Some(_) => (),
+            None => self.all.found.push(assembly),
         }
     }
 

@@ -311,3 +311,30 @@ fn a_hinged_arm_has_two_assemblies_or_none() {
         assert_eq!(as_designed.count(), count / 2);
     }
 }
+
+/// At a fold two assemblies become one and are gone: as many before it as Newton's method can tell apart,
+/// two fewer beyond, and none that only almost closes.
+#[test]
+fn two_assemblies_end_at_a_fold() {
+    for name in ["macpherson", "double_wishbone", "five_link"] {
+        let suspension = template(name);
+        let mechanism = &suspension.mechanism;
+        let mut solver = Solver::new(mechanism, &suspension.design).unwrap();
+        let fold = solver
+            .drive_range(Drive::Travel, 0.0)
+            .unwrap()
+            .upper
+            .value();
+        let size = solver.size();
+        let found = |by: f64| {
+            let found = solver.assemblies(fold + by * size, 0.0).unwrap();
+            assert!(found.undecided.is_empty(), "{name}");
+            assert!(
+                found.found.iter().all(|a| a.certificate.is_some()),
+                "{name}"
+            );
+            found.found.len()
+        };
+        assert_eq!(found(-1e-9), found(1e-9) + 2, "{name} at {fold}");
+    }
+}

@@ -33,7 +33,7 @@ pub(crate) mod trial;
 mod work;
 
 pub use accuracy::PoseError;
-pub use assemblies::{Assemblies, Assembly};
+pub use assemblies::{Assemblies, Assembly, Trait, Undecided};
 pub use batch::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Visit};
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};

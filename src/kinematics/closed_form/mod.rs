@@ -28,7 +28,7 @@ mod series;
 mod upper;
 mod velocity;
 
-use circle::Circle;
+pub(in crate::kinematics) use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
 pub(in crate::kinematics) use velocity::Velocity;
@@ -276,11 +276,14 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The same design of a strut with the strut mounted the other way up (the mount below the foot), the
-    /// tie rod's end on the other side of its plane, or both: the other assemblies of the same lengths.
-    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+    /// The same design with its upper end on the other side (a strut the other way up, the mount below the
+    /// foot; or w of the other sign), the tie rod's end on the other side of its plane, or both: the other
+    /// assemblies of the same lengths.
+    pub(super) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
-        if strut_inverted {
+        if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
+            *side = -*side;
+        } else if upper_across {
             form.tie_by_u = -form.tie_by_u;
             let vectors = [&mut form.wheel_centre, &mut form.line];
             for vector in form.basis.iter_mut().chain(vectors) {
@@ -292,6 +295,15 @@ impl<T: Real> ClosedForm<T> {
             form.side = -form.side;
         }
         form
+    }
+
+    /// The same state by a better value of ga^2 G than it was formed with.
+    pub(super) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
+        State {
+            ga: self.side * (square / state.gram).sqrt(),
+            toggle_square: square,
+            ..state
+        }
     }
 
     /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
@@ -372,6 +384,11 @@ impl<T: Real> State<T> {
             (self.gram, self.dd * self.gg),
             (self.e, self.dd * self.tie_squared),
         ]
+    }
+
+    /// ga^2 G
+    pub(super) fn toggle_square(&self) -> T {
+        self.toggle_square
     }
 
     /// The margin of the upper end (see [`State::margins`]).

@@ -114,6 +114,16 @@ impl Solver<'_> {
         })
     }
 
+    /// Whether a pose obeys the closure equations to within their rounding.
+    pub(in crate::kinematics) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
+        let at = self.posture(pose, point.rack);
+        let residuals = self.closure.residuals(&at, point.driver());
+        // Each is formed of a dozen products and sums of lengths within the reach.
+        residuals
+            .iter()
+            .all(|r| r.abs() <= 16.0 * ROUNDING * self.reach)
+    }
+
     /// Newton's method from a pose that is close already; `None` where it does not settle.
     pub(in crate::kinematics) fn polished(
         &self,

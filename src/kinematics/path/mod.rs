@@ -17,7 +17,7 @@ pub(super) use follow::{GOOD_PREDICTION, ROUNDING, predict};
 pub use stations::March;
 
 use super::accuracy::{Demand, PoseError};
-use super::closed_form::{ClosedForm, Roles};
+use super::closed_form::ClosedForm;
 use super::closure::Closure;
 use super::continuation::{Curve, Moving};
 use super::lu::{Lu6, Matrix6};
@@ -347,7 +347,7 @@ impl<'m> Solver<'m> {
         })
     }
 
-    fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
+    pub(super) fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
         Posture {
             mechanism: self.mechanism,
             design: &self.design,
@@ -397,11 +397,6 @@ impl<'m> Solver<'m> {
                 })
             }
         }
-    }
-
-    /// The parts of the closed form, where this mechanism is a strut.
-    pub(super) fn strut(&self) -> Option<Roles> {
-        Roles::of(self.mechanism).filter(Roles::is_strut)
     }
 }
 

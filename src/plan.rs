@@ -34,7 +34,7 @@ pub struct Plan {
     pub drive: Drive,
     /// How poses are found.
     pub formulation: Formulation,
-    /// What poses may be off by; full double precision without it.
+    /// What poses may be off by; full double precision without it, and wherever poses are proved.
     pub accuracy: Option<PoseError>,
     /// Drive values and the order in which they are visited.
     pub march: March,
@@ -124,7 +124,7 @@ impl Plan {
         Plan {
             drive: study.motion.drive,
             formulation: study.formulation,
-            accuracy: study.accuracy,
+            accuracy: study.accuracy.filter(|_| !study.outputs.certify),
             march: March::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,

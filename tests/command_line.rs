@@ -131,6 +131,31 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(said.contains("at upper bound"), "{said}");
 }
 
+/// Of the tuned design: how well its equations are conditioned, and what is proved.
+#[test]
+fn a_tuning_says_what_is_known_of_its_accuracy() {
+    let certify = ["--set", "outputs.certify=true"];
+    let (directory, said) = run("optimise", "macpherson_front.toml", &certify);
+    let summary = json(&directory, "summary.json");
+    let worst = summary["condition"]["worst"].as_f64().unwrap();
+    assert!((1.0..1e4).contains(&worst), "{worst}");
+    let certificate = &summary["certificate"];
+    assert_eq!(certificate["proved"], 41);
+    assert_eq!(certificate["one_branch"], true);
+    assert!(said.contains("41 of 41 stations proved"), "{said}");
+    // Positions alone, by the closed form, have a condition number too.
+    let (directory, _) = run("solve", "macpherson_front.toml", &[]);
+    let summary = json(&directory, "summary.json");
+    assert!(summary["condition"]["worst"].as_f64().unwrap() >= 1.0);
+    assert!(
+        summary["condition"]["ill_conditioned"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+    );
+    assert!(summary["certificate"].is_null());
+}
+
 #[test]
 fn the_bump_steer_sample_holds_its_toe() {
     let (directory, _) = run("optimise", "macpherson_bump_steer.toml", &[]);
@@ -285,8 +310,35 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected.len(), 1, "{rows:?}");
     assert!((connected[0]["wheel_centre_z_mm"].as_f64().unwrap() - 330.0).abs() < 1e-9);
     assert_eq!(connected[0]["strut"], "upright");
-    let study = studies().join("double_wishbone_solve.toml");
-    hardpoint(&["assemblies", study.to_str().unwrap()]).code(2);
+}
+
+#[test]
+fn assemblies_of_every_topology_are_listed_with_their_branch() {
+    for (study, columns) in [
+        ("macpherson_solve", "arm_angle_deg,strut,tie_rod,"),
+        ("double_wishbone_solve", "arm_angle_deg,upper_arm,tie_rod,"),
+        ("semi_trailing_arm_solve", "arm_angle_deg,arm,"),
+        ("five_link_solve", "turn_deg,determinant,"),
+    ] {
+        let study = studies().join(format!("{study}.toml"));
+        let arguments = ["assemblies", study.to_str().unwrap(), "--format", "csv"];
+        let assert = hardpoint(&arguments).success();
+        let table = text(&assert.get_output().stdout);
+        let (header, rows) = table.split_once('\n').unwrap();
+        let next = "wheel_centre_x_mm,wheel_centre_y_mm,wheel_centre_z_mm,camber_deg,toe_deg,";
+        assert!(header.starts_with(&format!("{columns}{next}")), "{header}");
+        assert!(header.ends_with(",connected"), "{header}");
+        let connected: Vec<&str> = rows.lines().filter(|row| row.ends_with(",yes")).collect();
+        assert_eq!(connected.len(), 1, "{table}");
+        assert!(!connected[0].contains("across") && !connected[0].contains("reversed"));
+        assert!(!table.contains("NaN"), "{table}");
+    }
+    let study = studies().join("five_link_solve.toml");
+    for travel in ["nan", "inf", "-inf", "high"] {
+        let travel = format!("--travel={travel}");
+        let assert = hardpoint(&["assemblies", study.to_str().unwrap(), &travel]).code(2);
+        assert!(text(&assert.get_output().stderr).contains("--travel"));
+    }
 }
 
 /// Each mistake: exit code 2, one message that says where and what, nothing written.

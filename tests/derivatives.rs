@@ -10,7 +10,9 @@ mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
 use hardpoint::kinematics::{Lifted, March, MotionPoint, Solver};
-use hardpoint::model::{ArmId, Axis, Body, Drive, Mechanism, Point, PointId};
+use hardpoint::model::{
+    ArmId, Axis, Body, Drive, Mechanism, Point, PointId, Rocker, RockerId, Rod,
+};
 use hardpoint::number::{Jet, Vector3};
 use std::ops::ControlFlow;
 use support::Case;
@@ -39,19 +41,60 @@ fn difference(step: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     sum
 }
 
-/// The nominal strut with a point on every body.
+/// The nominal strut with a point on every body, a rocker and an anti-roll bar.
 fn with_extra_points() -> (Mechanism, Vec<Vector3<f64>>) {
     let case = Case::read("nominal");
     let (mut mechanism, mut design) = (case.mechanism, case.design);
     for (name, body, at) in [
         ("damper", Body::Arm(ArmId(0)), [0.02, 0.6, 0.18]),
         ("caliper", Body::Knuckle, [-0.1, 0.7, 0.35]),
+        ("rocker_pivot_front", Body::Chassis, [0.02, 0.36, 0.56]),
+        ("rocker_pivot_rear", Body::Chassis, [-0.02, 0.37, 0.56]),
+        ("pushrod_inner", Body::Rocker(RockerId(0)), [0.0, 0.42, 0.6]),
+        ("pushrod_outer", Body::Knuckle, [0.01, 0.6, 0.4]),
+        ("anti_roll_bar_inner", Body::Chassis, [-0.2, 0.2, 0.34]),
+        ("anti_roll_bar_outer", Body::Chassis, [-0.2, 0.54, 0.33]),
+        (
+            "drop_link_inner",
+            Body::Rocker(RockerId(1)),
+            [-0.1, 0.54, 0.33],
+        ),
+        ("drop_link_outer", Body::Arm(ArmId(0)), [-0.1, 0.55, 0.2]),
     ] {
         mechanism.points.push(Point {
             name: name.to_owned(),
             body,
         });
         design.push(Vector3::from(at));
+    }
+    for (rod, names) in [
+        (
+            Rod::Pushrod,
+            [
+                "rocker_pivot_front",
+                "rocker_pivot_rear",
+                "pushrod_inner",
+                "pushrod_outer",
+            ],
+        ),
+        (
+            Rod::DropLink,
+            [
+                "anti_roll_bar_inner",
+                "anti_roll_bar_outer",
+                "drop_link_inner",
+                "drop_link_outer",
+            ],
+        ),
+    ] {
+        let [first, second, inner, outer] = names.map(|name| mechanism.point(name).unwrap());
+        mechanism.rockers.push(Rocker {
+            rod,
+            first,
+            second,
+            inner,
+            outer,
+        });
     }
     (mechanism, design)
 }
@@ -61,7 +104,13 @@ fn quantities(mechanism: &Mechanism) -> Vec<Quantity> {
         .iter()
         .map(|c| Quantity::Characteristic(*c))
         .collect();
-    for name in ["tie_rod_outer", "damper", "caliper", "rod_point"] {
+    for name in [
+        "tie_rod_outer",
+        "damper",
+        "caliper",
+        "rod_point",
+        "pushrod_inner",
+    ] {
         let point = mechanism.point(name).unwrap();
         all.extend(Axis::ALL.map(|axis| Quantity::Coordinate(point, axis)));
     }

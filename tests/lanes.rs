@@ -49,7 +49,13 @@ fn quantities(study: &Study) -> Vec<Quantity> {
         .is_some_and(|spring| matches!(mechanism.body(spring.lower), Body::Arm(_)));
     let possible = |c: &&Characteristic| match c {
         Characteristic::AttiaKingpin | Characteristic::AttiaCamber => has_strut,
-        Characteristic::MotionRatio => !on_arm,
+        Characteristic::MotionRatio
+        | Characteristic::SpringLength
+        | Characteristic::SpringInclination => !on_arm,
+        // Rockers and anti-roll bars are not for the lanes, and these samples have none.
+        Characteristic::RockerAngle
+        | Characteristic::AntiRollBarAngle
+        | Characteristic::AntiRollBarMotionRatio => false,
         c => steers || !c.info().needs.contains(&Need::SteeringAxis),
     };
     let all = Characteristic::ALL.iter().filter(possible);

@@ -34,7 +34,12 @@ fn run(study: &Study) -> (Curves, CurveTable) {
 /// A sample study for a wheel of this side in these axes, with loads and everything their balance is
 /// checked against. `signs` take the sample's axes and side to these.
 fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
-    let sample = study(name, &[]).suspension;
+    let (file, body) = match name {
+        "pushrod_on_knuckle" => ("double_wishbone_pushrod.toml", Some("knuckle")),
+        "double_wishbone_pushrod" => ("double_wishbone_pushrod.toml", None),
+        name => (&*format!("{name}_solve.toml"), None),
+    };
+    let sample = study(file, &[]).suspension;
     let mechanism = &sample.mechanism;
     let names: Vec<String> = mechanism.points.iter().map(|p| p.name.clone()).collect();
     let mut overrides = vec![
@@ -55,7 +60,8 @@ fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
             "suspension.hardpoints.{name}=[{x:?}, {y:?}, {z:?}]"
         ));
     }
-    study(name, &overrides)
+    overrides.extend(body.map(|body| format!("suspension.bodies.pushrod_outer=\"{body}\"")));
+    study(file, &overrides)
 }
 
 /// A row of `curves.csv`.
@@ -95,10 +101,16 @@ impl Row<'_> {
             (self.point(lower), between(upper, lower) * newtons("spring"))
         };
         match topology {
-            "double_wishbone" => vec![
+            "double_wishbone" | "double_wishbone_pushrod" => vec![
                 joint("upper_ball_joint"),
                 joint("lower_ball_joint"),
                 rod("tie_rod"),
+            ],
+            "pushrod_on_knuckle" => vec![
+                joint("upper_ball_joint"),
+                joint("lower_ball_joint"),
+                rod("tie_rod"),
+                rod("pushrod"),
             ],
             "macpherson" => vec![
                 joint("lower_ball_joint"),
@@ -139,6 +151,8 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
         "macpherson",
         "five_link",
         "semi_trailing_arm",
+        "double_wishbone_pushrod",
+        "pushrod_on_knuckle",
     ] {
         for (side, frame, signs) in [
             ("left", "iso8855", [1.0, 1.0, 1.0]),
@@ -146,7 +160,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
             ("left", "sae_j670", [1.0, -1.0, -1.0]),
             ("right", "x_rear", [-1.0, 1.0, 1.0]),
         ] {
-            let study = loaded(&format!("{name}_solve.toml"), side, frame, signs);
+            let study = loaded(name, side, frame, signs);
             let (found, table) = run(&study);
             assert!(found.are_complete());
             let radius = study.suspension.wheel_radius.unwrap();
@@ -200,7 +214,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
 /// The legs of an arm without a spring pull at its joint with what is reported there.
 #[test]
 fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
-    let study = loaded("double_wishbone_solve.toml", "left", "iso8855", [1.0; 3]);
+    let study = loaded("double_wishbone", "left", "iso8855", [1.0; 3]);
     let (_, table) = run(&study);
     for number in 0..table.rows() {
         let row = Row {

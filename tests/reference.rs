@@ -2,20 +2,13 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
+use hardpoint::characteristics::{Constants, Quantity, View};
 use hardpoint::kinematics::{Lifted, MotionPoint};
-use hardpoint::model::{Axis, PointId};
-use hardpoint::number::{Jet, Vector3};
+use hardpoint::model::Axis;
+use hardpoint::number::Jet;
 use serde_json::Value;
 use std::ops::ControlFlow;
-use support::{AXES, Case, Worst, march_to, motion, number, vector};
-
-const ANGLES: [(&str, Characteristic); 4] = [
-    ("camber", Characteristic::Camber),
-    ("toe", Characteristic::Toe),
-    ("kpi", Characteristic::KingpinInclination),
-    ("caster", Characteristic::Caster),
-];
+use support::{ANGLES, AXES, Case, Worst, march_to, motion, number, sensitivity_errors, vector};
 
 /// Everything the reference gives of a state, as (name, quantity, values of order 0, 1, 2).
 fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f64; 3])> {
@@ -96,7 +89,10 @@ fn check(name: &str) -> Errors {
                 }
                 turning(&case, state, sign, &view, &linearised.at, &mut errors);
                 if state.get("sens").is_some() {
-                    sensitivities(&case, state, sign, &view, &linearised, &mut errors);
+                    let found = sensitivity_errors(&case, state, sign, &view, &linearised);
+                    for (all, here) in errors.sensitivity.iter_mut().zip(found) {
+                        all.note(here.0);
+                    }
                 }
                 by_rack(&case, state, solver, pose, &point, &mut errors);
                 ControlFlow::Continue(())
@@ -140,66 +136,6 @@ fn turning(
                 * case.frame.turn_sign(axis)
                 * if order == 0 { sign } else { 1.0 };
             errors.turning[order].note((series.derivative(order) - wanted_here) / wanted.norm());
-        }
-    }
-}
-
-fn sensitivities(
-    case: &Case,
-    state: &Value,
-    sign: f64,
-    view: &View<3>,
-    linearised: &hardpoint::kinematics::Linearised<'_, 3>,
-    errors: &mut Errors,
-) {
-    let sens = &state["sens"];
-    let list = |key: &str| -> Vec<String> {
-        let names = sens[key].as_array().unwrap().iter();
-        names.map(|v| v.as_str().unwrap().to_owned()).collect()
-    };
-    let (params, outputs) = (list("params"), list("outputs"));
-    let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); case.design.len()];
-    for points in [true, false] {
-        // The largest of their kind: of all points, or of all angles, at this order.
-        let mut scale = [0.0_f64; 3];
-        let mut found = Vec::new();
-        for (column, output) in outputs.iter().enumerate() {
-            let (quantity, output_sign) = match output.split_once('.') {
-                Some((point, axis)) if points => {
-                    let axis = AXES.into_iter().find(|a| a.name() == axis).unwrap();
-                    (
-                        Quantity::Coordinate(case.point(point), axis),
-                        case.frame.sign(axis),
-                    )
-                }
-                None if !points => match ANGLES.iter().find(|(n, _)| n == output) {
-                    Some((_, c)) => (Quantity::Characteristic(*c), 1.0),
-                    None => continue,
-                },
-                _ => continue,
-            };
-            view.gradients(
-                linearised,
-                quantity,
-                2,
-                &mut buffer,
-                |order, PointId(p), gradient| {
-                    for axis in AXES {
-                        let param = format!("{}.{}", case.names[p], axis.name());
-                        let Some(row) = params.iter().position(|n| *n == param) else {
-                            continue;
-                        };
-                        let wanted = number(&sens[format!("d{order}")][row][column]);
-                        scale[order] = scale[order].max(wanted.abs());
-                        let flip = output_sign * case.frame.sign(axis) * sign.powi(order as i32);
-                        found.push((order, gradient.to_array()[axis as usize] * flip - wanted));
-                    }
-                },
-            );
-        }
-        assert!(found.len() > 100);
-        for (order, error) in found {
-            errors.sensitivity[order].note(error / scale[order]);
         }
     }
 }

@@ -27,6 +27,11 @@ fn directory(name: &str) -> PathBuf {
 const CORPUS: &[(&str, usize, &str)] = &[
     ("ball_joint_on_arm_axis", 10, "the arm could not move it"),
     (
+        "certify_accuracy",
+        25,
+        "proves poses in full double precision, which accuracy in [solver] gives up",
+    ),
+    (
         "certify_paper_theta",
         23,
         "no certificates for the drive \"paper_theta\"",

@@ -1,6 +1,6 @@
 //! What each effect costs, alone and added up, relative to positions alone.
 
-use super::accuracy::Subject;
+use super::accuracy::{Subject, unchecked_and_checked};
 use super::{Clock, Job, Timing, Unmeasurable};
 use crate::characteristics::Characteristic;
 use crate::curves::curves;
@@ -187,6 +187,22 @@ impl Effects {
             work: runs[0].1.work,
             poses: runs[0].1.poses,
         });
+        if let Some(mut jobs) = unchecked_and_checked(&subject)? {
+            let names = ["poses alone, unchecked", "poses alone"];
+            let times = clock.in_rounds(&mut jobs);
+            measurements.extend(
+                names
+                    .into_iter()
+                    .zip(times)
+                    .map(|(name, time)| Measurement {
+                        effect: name.to_owned(),
+                        alone: time,
+                        added: time,
+                        work: runs[0].1.work,
+                        poses: runs[0].1.poses,
+                    }),
+            );
+        }
         Ok(Effects { measurements })
     }
 
@@ -310,7 +326,7 @@ impl<'m> Proofs<'m> {
 /// The hardpoints of a suspension.
 fn hardpoints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
-    let known = |name: &str| mechanism.topology.hardpoints.iter().any(|h| h.name == name);
+    let known = |name: &str| mechanism.topology.hardpoint(name).is_some();
     let points = mechanism.points.iter().enumerate();
     points
         .filter(|(_, p)| known(&p.name))

@@ -63,11 +63,15 @@ impl<'a> LaneReader<'a> {
             centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
             steering_axis: slots.contain_steering_axis(),
             strut_upper: slots.contains(Slot::StrutUpper),
-            spring: slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate),
+            spring: slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate)
+                || slots.contains(Slot::Spring),
             rates: characteristics.iter().any(|c| c.info().reads_rates()),
         };
         let on = |id: PointId, bodies: &[Body]| bodies.contains(&mechanism.body(id));
-        let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
+        // Rockers, like springs on them and on arms, are left to the careful path.
+        let of_rockers = [Slot::RockerAngle, Slot::BarAngle, Slot::BarAngleRate];
+        let possible = !of_rockers.iter().any(|slot| slots.contains(*slot))
+            && (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
             && mechanism
                 .strut_upper()
                 .is_none_or(|id| !reads.strut_upper || on(id, &[Body::Knuckle]))
@@ -169,7 +173,8 @@ impl<'a> LaneReader<'a> {
             now.strut_upper = at.point(upper);
         }
         if let Some((upper, lower)) = &wheels.spring {
-            now.spring_length = (upper.now(at) - lower.now(at)).norm();
+            now.spring = upper.now(at) - lower.now(at);
+            now.spring_length = now.spring.norm();
         }
         if !rates {
             return;
@@ -190,9 +195,8 @@ impl<'a> LaneReader<'a> {
             rate.strut_upper = rates.point(at, now.strut_upper);
         }
         if let Some((upper, lower)) = &wheels.spring {
-            let apart = upper.now(at) - lower.now(at);
-            let velocity = upper.rate(at, &rates) - lower.rate(at, &rates);
-            rate.spring_length = apart.dot(velocity) / now.spring_length;
+            rate.spring = upper.rate(at, &rates) - lower.rate(at, &rates);
+            rate.spring_length = now.spring.dot(rate.spring) / now.spring_length;
         }
     }
 
@@ -278,7 +282,10 @@ impl<'a> LaneReader<'a> {
                 steering_point: pairs(now.steering_point, rate.steering_point),
                 steering_direction: pairs(now.steering_direction, rate.steering_direction),
                 spring_length: pair(now.spring_length, rate.spring_length),
+                spring: pairs(now.spring, rate.spring),
                 strut_upper: pairs(now.strut_upper, rate.strut_upper),
+                // No formula read in lanes reads these.
+                ..nothing
             },
             rate: nothing,
             turn: nothing.centre,

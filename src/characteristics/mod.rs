@@ -15,6 +15,7 @@ mod attia;
 mod gains;
 mod instant_centre;
 mod lanes;
+mod spring;
 mod steering;
 mod track;
 mod unit;
@@ -41,6 +42,10 @@ pub enum Need {
     BrakeShareFront,
     /// A spring or strut in the topology.
     Spring,
+    /// A rocker with its pushrod or pullrod.
+    Rocker,
+    /// An anti-roll bar with its drop link.
+    AntiRollBar,
     /// A steering axis in the topology: a wheel that can be steered, or held against steering.
     SteeringAxis,
     /// `strut_upper` in `[suspension.hardpoints]`.
@@ -146,7 +151,12 @@ catalogue! {
     AntiDive => anti::AntiDive,
     AntiLift => anti::AntiLift,
     AntiSquat => anti::AntiSquat,
-    MotionRatio => track::MotionRatio,
+    MotionRatio => spring::MotionRatio,
+    SpringLength => spring::SpringLength,
+    SpringInclination => spring::SpringInclination,
+    RockerAngle => spring::RockerAngle,
+    AntiRollBarAngle => spring::AntiRollBarAngle,
+    AntiRollBarMotionRatio => spring::AntiRollBarMotionRatio,
     AttiaKingpin => attia::AttiaKingpin,
     AttiaCamber => attia::AttiaCamber,
 }

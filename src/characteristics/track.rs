@@ -1,4 +1,4 @@
-//! Displacements against the design position, and the spring's motion ratio.
+//! Displacements against the design position.
 
 use super::{Formula, Info, Inputs, Need, Slot, Unit};
 use crate::number::{Real, Vector3};
@@ -48,23 +48,5 @@ impl Formula for WheelbaseChange {
     #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         contact_displacement(inputs).x
-    }
-}
-
-/// Spring compression per wheel travel.
-pub(super) struct MotionRatio;
-impl Formula for MotionRatio {
-    const INFO: Info = Info {
-        name: "motion_ratio",
-        unit: Unit::Ratio,
-        positive: "spring shortens in jounce",
-        formula: "-l'/W_z', l the length of spring or strut: spring travel per wheel travel (not its inverse)",
-        source: "installation ratio in W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 16",
-        reads: &[Slot::SpringLengthRate, Slot::CentreRate],
-        needs: &[Need::Spring],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -(inputs.rate.spring_length / inputs.rate.centre.z)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{Linearised, Posture, Seeds};
-use crate::model::{Axis, PointId, Suspension};
+use crate::model::{Axis, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Real, Vector3};
 
 /// Something that has a value in every pose. In the kernel's frame.
@@ -33,6 +33,25 @@ impl Quantity {
             Quantity::Characteristic(c) => c.info().reads,
             Quantity::Coordinate(..) => &[],
             Quantity::AngularVelocity(_) => &[Slot::Turn],
+        }
+    }
+
+    /// The rockers the quantity moves with directly. At a toggle of one of them, or of one that turns it,
+    /// the quantity has no value.
+    pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
+        let under = |id: PointId| mechanism.rockers_moving(id).next();
+        let of_slot = |slot: &Slot| match slot {
+            Slot::Spring | Slot::SpringLength | Slot::SpringLengthRate => {
+                let spring = mechanism.spring?;
+                under(spring.lower)
+            }
+            Slot::RockerAngle => mechanism.spring_rocker(),
+            Slot::BarAngle | Slot::BarAngleRate => mechanism.anti_roll_bar(),
+            _ => None,
+        };
+        match self {
+            Quantity::Coordinate(point, _) => under(point).into_iter().collect(),
+            _ => self.reads().iter().filter_map(of_slot).collect(),
         }
     }
 
@@ -93,7 +112,13 @@ impl<const N: usize> View<N> {
                     true => now.spring_length.differentiated(),
                     false => unknown.x,
                 },
+                bar_angle: match slots.contains(Slot::BarAngleRate) {
+                    true => now.bar_angle.differentiated(),
+                    false => unknown.x,
+                },
                 // No formula reads these.
+                spring: unknown,
+                rocker_angle: unknown.x,
                 steering_point: unknown,
                 strut_upper: unknown,
             };
@@ -262,6 +287,22 @@ impl Slot {
                     seeds.point(spring.lower, -(along * seed.x));
                 }
             }
+            Slot::Spring => {
+                if let Some(spring) = mechanism.spring {
+                    seeds.point(spring.upper, seed);
+                    seeds.point(spring.lower, -seed);
+                }
+            }
+            Slot::RockerAngle => {
+                if let Some(rocker) = mechanism.spring_rocker() {
+                    seeds.rocker_angle(rocker, seed.x);
+                }
+            }
+            Slot::BarAngle | Slot::BarAngleRate => {
+                if let Some(bar) = mechanism.anti_roll_bar() {
+                    seeds.rocker_angle(bar, seed.x);
+                }
+            }
             Slot::StrutUpper => {
                 if let Some(upper) = mechanism.strut_upper() {
                     seeds.point(upper, seed);
@@ -299,6 +340,21 @@ impl<T: Real> Inputs<T> {
             && let Some(spring) = mechanism.spring
         {
             now.spring_length = (at.point(spring.upper) - at.point(spring.lower)).norm();
+        }
+        if slots.contains(Slot::Spring)
+            && let Some(spring) = mechanism.spring
+        {
+            now.spring = at.point(spring.upper) - at.point(spring.lower);
+        }
+        if slots.contains(Slot::RockerAngle)
+            && let Some(rocker) = mechanism.spring_rocker()
+        {
+            now.rocker_angle = at.rocker_angle(rocker);
+        }
+        if reads(Slot::BarAngle, Slot::BarAngleRate)
+            && let Some(bar) = mechanism.anti_roll_bar()
+        {
+            now.bar_angle = at.rocker_angle(bar);
         }
         if slots.contains(Slot::StrutUpper)
             && let Some(upper) = mechanism.strut_upper()

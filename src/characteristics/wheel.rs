@@ -15,6 +15,12 @@ pub struct Wheel<T> {
     pub steering_direction: Vector3<T>,
     /// Length of the spring or strut; zero where there is none.
     pub spring_length: T,
+    /// From the lower end of the spring or strut to its upper end.
+    pub spring: Vector3<T>,
+    /// Angle of the spring's rocker from its design position.
+    pub rocker_angle: T,
+    /// Angle of the anti-roll bar's lever from its design position.
+    pub bar_angle: T,
     /// The upper of the two knuckle points that give a strut its axis; zero where the study gives none.
     pub strut_upper: Vector3<T>,
 }
@@ -62,6 +68,12 @@ pub enum Slot {
     SteeringDirection,
     /// `now.spring_length`, as first component
     SpringLength,
+    /// `now.spring`
+    Spring,
+    /// `now.rocker_angle`, as first component
+    RockerAngle,
+    /// `now.bar_angle`, as first component
+    BarAngle,
     /// `now.strut_upper`
     StrutUpper,
     /// `rate.spin_axis`
@@ -72,6 +84,8 @@ pub enum Slot {
     SteeringDirectionRate,
     /// `rate.spring_length`, as first component
     SpringLengthRate,
+    /// `rate.bar_angle`, as first component
+    BarAngleRate,
     /// `turn`
     Turn,
     /// `design.spin_axis`
@@ -82,16 +96,16 @@ pub enum Slot {
 
 /// Some of the slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Slots(u16);
+pub struct Slots(u32);
 
 impl Slots {
     /// Every slot.
-    pub const ALL: Slots = Slots(u16::MAX);
+    pub const ALL: Slots = Slots(u32::MAX);
 
     /// Whether a slot is among them.
     #[inline]
     pub fn contains(self, slot: Slot) -> bool {
-        self.0 & (1 << slot as u16) != 0
+        self.0 & (1 << slot as u32) != 0
     }
 
     /// Whether a quantity or its rate is among them.
@@ -109,7 +123,7 @@ impl Slots {
 
     /// With these slots.
     pub fn with(self, slots: &[Slot]) -> Self {
-        Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u16))
+        Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u32))
     }
 }
 
@@ -121,11 +135,15 @@ impl Slot {
         Slot::SteeringPoint,
         Slot::SteeringDirection,
         Slot::SpringLength,
+        Slot::Spring,
+        Slot::RockerAngle,
+        Slot::BarAngle,
         Slot::StrutUpper,
         Slot::SpinAxisRate,
         Slot::CentreRate,
         Slot::SteeringDirectionRate,
         Slot::SpringLengthRate,
+        Slot::BarAngleRate,
         Slot::Turn,
         Slot::DesignSpinAxis,
         Slot::DesignCentre,
@@ -142,6 +160,7 @@ impl Slot {
                 | Slot::CentreRate
                 | Slot::SteeringDirectionRate
                 | Slot::SpringLengthRate
+                | Slot::BarAngleRate
                 | Slot::Turn
         )
     }
@@ -157,11 +176,13 @@ impl Slot {
     /// Makes this slot of `inputs` the independent variables.
     #[inline]
     pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>) {
+        let number = |n: &mut Dual<T, 3>| n.partials[0] = n.value.one();
         let vector = match self {
             Slot::SpinAxis => &mut inputs.now.spin_axis,
             Slot::Centre => &mut inputs.now.centre,
             Slot::SteeringPoint => &mut inputs.now.steering_point,
             Slot::SteeringDirection => &mut inputs.now.steering_direction,
+            Slot::Spring => &mut inputs.now.spring,
             Slot::StrutUpper => &mut inputs.now.strut_upper,
             Slot::SpinAxisRate => &mut inputs.rate.spin_axis,
             Slot::CentreRate => &mut inputs.rate.centre,
@@ -169,14 +190,11 @@ impl Slot {
             Slot::Turn => &mut inputs.turn,
             Slot::DesignSpinAxis => &mut inputs.design.spin_axis,
             Slot::DesignCentre => &mut inputs.design.centre,
-            Slot::SpringLength | Slot::SpringLengthRate => {
-                let length = match self {
-                    Slot::SpringLength => &mut inputs.now.spring_length,
-                    _ => &mut inputs.rate.spring_length,
-                };
-                length.partials[0] = length.value.one();
-                return;
-            }
+            Slot::SpringLength => return number(&mut inputs.now.spring_length),
+            Slot::SpringLengthRate => return number(&mut inputs.rate.spring_length),
+            Slot::RockerAngle => return number(&mut inputs.now.rocker_angle),
+            Slot::BarAngle => return number(&mut inputs.now.bar_angle),
+            Slot::BarAngleRate => return number(&mut inputs.rate.bar_angle),
         };
         vector.x.partials[0] = vector.x.value.one();
         vector.y.partials[1] = vector.y.value.one();
@@ -195,6 +213,9 @@ impl<T: Real> Wheel<T> {
             steering_point: vector,
             steering_direction: vector,
             spring_length: number,
+            spring: vector,
+            rocker_angle: number,
+            bar_angle: number,
             strut_upper: vector,
         }
     }
@@ -208,6 +229,9 @@ impl<T: Real> Wheel<T> {
             steering_point: self.steering_point.map(&mut f),
             steering_direction: self.steering_direction.map(&mut f),
             spring_length: f(self.spring_length),
+            spring: self.spring.map(&mut f),
+            rocker_angle: f(self.rocker_angle),
+            bar_angle: f(self.bar_angle),
             strut_upper: self.strut_upper.map(&mut f),
         }
     }
@@ -288,6 +312,9 @@ pub(super) mod tests {
             steering_point: Vector3::new(5.0, 705.0 + t, 190.0),
             steering_direction: Vector3::new(-40.0 - 2.0 * t, -130.0 + t, 660.0 + 3.0 * t),
             spring_length: 480.0 - t,
+            spring: Vector3::new(-20.0 + t, -60.0 - t, 475.0 - 2.0 * t),
+            rocker_angle: 0.2 + t,
+            bar_angle: -0.1 + 0.5 * t,
             strut_upper: Vector3::new(-17.0, 611.0 + t, 490.0 - t),
         };
         Inputs {

@@ -4,7 +4,7 @@ use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::characteristics::{Characteristic, Constants, Quantity, View};
-use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Pose, Solver};
+use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Pose, Solver, Trait, Undecided};
 use crate::model::Drive;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
@@ -22,13 +22,20 @@ const ANGLES: [Characteristic; 4] = [
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
+        if !value.is_finite() {
+            return Err(Stop::wrong_input(format!(
+                "{option} {value}: expected a finite length"
+            )));
+        }
+    }
     let suspension = &study.suspension;
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let rack = arguments.rack * Plan::of(&study).rack_sign;
     let Some(all) = solver.assemblies(arguments.travel, rack) else {
         return Err(Stop::wrong_input(format!(
-            "{}: assemblies are found for macpherson only; the topology is {}",
+            "{}: there is no method that finds all assemblies of a {}",
             path.display(),
             suspension.mechanism.topology.name
         )));
@@ -46,74 +53,92 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     };
 
     let unit = suspension.length_unit.symbol();
-    let columns: Vec<String> = ANGLES
+    let has_steering_axis = suspension.mechanism.steering_axis.is_some();
+    let angles = ANGLES
         .iter()
-        .map(|c| c.column(suspension.length_unit))
-        .collect();
-    let at = |axis: &str| format!("wheel_centre_{axis}_{unit}");
-    let mut table = Table::new([
-        "arm_angle_deg",
-        "strut",
-        "tie_rod",
-        &at("x"),
-        &at("y"),
-        &at("z"),
-        &columns[0],
-        &columns[1],
-        &columns[2],
-        &columns[3],
-        "connected",
-    ]);
+        .filter(|c| has_steering_axis || !c.info().reads_steering_axis());
+    let angles: Vec<Characteristic> = angles.copied().collect();
+    let has_arm = !suspension.mechanism.arms.is_empty();
+    let mut header = vec![if has_arm { "arm_angle_deg" } else { "turn_deg" }.to_owned()];
+    header.extend(all.traits.iter().map(|t| t.name().to_owned()));
+    header.extend(["x", "y", "z"].map(|axis| format!("wheel_centre_{axis}_{unit}")));
+    header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
+    header.push("connected".to_owned());
+    let mut table = Table::with_columns(header);
     let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design);
     let point = MotionPoint {
         drive: Drive::Travel,
         value: arguments.travel,
         rack,
     };
+    let number = |value: f64| {
+        if value.is_finite() {
+            shortest(value)
+        } else {
+            String::new()
+        }
+    };
     for assembly in &all.found {
-        let [x, y, z] = suspension.frame.vector(assembly.wheel_centre).to_array();
-        let angles = solver
-            .posture_series(&lifted, &assembly.pose, &point.along_drive::<1>())
-            .map(|posture| {
-                let view = View::of(&posture, Constants::default());
-                ANGLES.map(|c| {
-                    let value = view.value(&posture, Quantity::Characteristic(c))[0];
-                    shortest(value * c.info().unit.printed_factor())
-                })
-            })
-            .unwrap_or_default();
-        let [camber, toe, kingpin, caster] = angles;
-        let word = |is: bool, yes: &str, no: &str| if is { yes.to_owned() } else { no.to_owned() };
-        table.push([
-            shortest(assembly.arm_angle.to_degrees()),
-            word(assembly.strut_inverted, "inverted", "upright"),
-            word(assembly.tie_rod_across, "across", "as designed"),
-            shortest(x),
-            shortest(y),
-            shortest(z),
-            camber,
-            toe,
-            kingpin,
-            caster,
-            word(is_connected(assembly), "yes", "no"),
-        ]);
+        let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
+        let mut row = vec![shortest(place.to_degrees())];
+        let branch = all.traits.iter().zip(&assembly.branch);
+        let word = |(of, as_designed): (&Trait, &Option<bool>)| {
+            as_designed.map_or_else(String::new, |is| of.word(is).to_owned())
+        };
+        row.extend(branch.map(word));
+        let centre = suspension.frame.vector(assembly.wheel_centre);
+        row.extend(centre.to_array().map(shortest));
+        let posture = solver.posture_series(&lifted, &assembly.pose, &point.along_drive::<1>());
+        row.extend(angles.iter().map(|c| {
+            let value = posture.as_ref().map(|posture| {
+                let view = View::of(posture, Constants::default());
+                let value = view.value(posture, Quantity::Characteristic(*c))[0];
+                value * c.info().unit.printed_factor()
+            });
+            value.map(number).unwrap_or_default()
+        }));
+        let connected = if is_connected(assembly) { "yes" } else { "no" };
+        row.push(connected.to_owned());
+        table.push_row(row);
     }
     let mut out = std::io::stdout().lock();
     let format = arguments.study.format.into();
     write!(out, "{}", table.render(format))?;
     if format == Format::Text {
+        let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
+        let proof = match unproved {
+            0 => String::new(),
+            n => format!("; {n} not proved: another is too close, if not the same"),
+        };
         writeln!(
             out,
-            "\n{} assemblies of the design's lengths",
+            "\n{} assemblies of the design's lengths{proof}",
             all.found.len()
         )?;
     }
-    for (low, high) in &all.undecided {
-        eprintln!(
-            "undecided: whether there is one more between arm angles {} and {} deg",
-            shortest(low.to_degrees()),
-            shortest(high.to_degrees())
-        );
+    for place in &all.undecided {
+        let degrees = |angle: f64| shortest(angle.to_degrees());
+        match place {
+            Undecided::ArmAngle(low, high) => eprintln!(
+                "undecided: whether there is one more between arm angles {} and {} deg",
+                degrees(*low),
+                degrees(*high)
+            ),
+            Undecided::Pose(pose) => {
+                let lever = suspension.design[suspension.mechanism.wheel_centre.0]
+                    - suspension.design[suspension.mechanism.origin.0];
+                let centre = pose.origin + pose.rotation.apply(lever);
+                let [x, y, z] = suspension.frame.vector(centre).to_array().map(shortest);
+                eprintln!(
+                    "undecided: whether there is one more with the wheel centre next to {x}, {y}, {z} {unit}"
+                );
+            }
+            Undecided::Rotations(share) => eprintln!(
+                "undecided: whether there are more; {} % of all rotations of the wheel carrier were not \
+                 searched, as the design has assemblies too close together or without number",
+                shortest(share * 100.0)
+            ),
+        }
     }
     Ok(match all.undecided.is_empty() {
         true => Exit::Done,

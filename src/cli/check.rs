@@ -5,6 +5,7 @@ use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use crate::curves::curves;
 use crate::kinematics::{DesignFault, March, PaperTheta};
+use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table};
 use crate::study::{Designs, Drive, Formulation, Study};
@@ -30,6 +31,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     if format == crate::report::Format::Text {
         writeln!(out, "{}: valid\n", path.display())?;
         writeln!(out, "{}\n", motion(&study, &plan))?;
+        for line in rods(&study.suspension) {
+            writeln!(out, "{line}\n")?;
+        }
         write!(out, "{}", plan_table(&study, &plan).render(format))?;
         writeln!(
             out,
@@ -102,6 +106,23 @@ fn motion(study: &Study, plan: &Plan) -> String {
         );
     }
     text
+}
+
+/// The rod of each rocker: how long it is, and what it stands on.
+fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
+    let Suspension {
+        mechanism, design, ..
+    } = suspension;
+    mechanism.rockers.iter().map(|rocker| {
+        let length = (design[rocker.outer.0] - design[rocker.inner.0]).norm();
+        format!(
+            "The {} from the {} to {} is {length:.3} {} long.",
+            rocker.rod,
+            mechanism.seat(rocker),
+            rocker.rod.turns(),
+            suspension.length_unit.symbol()
+        )
+    })
 }
 
 /// Every effect, on or off, what in the study asks for it and about what it costs.

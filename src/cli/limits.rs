@@ -3,7 +3,7 @@
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
-use crate::kinematics::{Limits, MotionPoint, Range, RangeEnd, Solver};
+use crate::kinematics::{Limits, MotionPoint, Range, RangeEnd, Solver, Toggle};
 use crate::model::Axis;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
@@ -60,6 +60,17 @@ fn table(study: &Study, limits: &Limits) -> Table {
     }
     if let Some(range) = &limits.arm_angle {
         push("arm_angle_deg".to_owned(), range, 1.0_f64.to_degrees());
+    }
+    for range in &limits.rockers {
+        let rod = study.suspension.mechanism.rocker(range.rocker).rod;
+        let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
+            Some(Toggle { travel, rod }) => (shortest(travel), format!("the {rod} is at toggle")),
+            None => (shortest(end.value()), "the wheel's travel ends".to_owned()),
+        };
+        let from = end(range.lower, &limits.travel.lower);
+        let to = end(range.upper, &limits.travel.upper);
+        let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
+        table.push([name, from.0, from.1, to.0, to.1]);
     }
     table
 }

@@ -51,7 +51,7 @@ enum Command {
     Optimise(RunArguments),
     /// How far travel, rack and arm go from the design position, and what stops them
     Limits(StudyArguments),
-    /// Every way to assemble a strut's lengths at a given travel
+    /// Every way to assemble the design's lengths at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
@@ -86,7 +86,7 @@ struct RunArguments {
     /// Write report.html as well: one page that needs nothing else
     #[arg(long)]
     report: bool,
-    /// Write the curves as SVG pictures into a directory
+    /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
 }
@@ -192,7 +192,7 @@ enum BenchKind {
 struct ReportArguments {
     /// The directory a run has written its results to
     run: PathBuf,
-    /// Write the curves as SVG pictures into a directory
+    /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
 }

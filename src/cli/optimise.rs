@@ -32,7 +32,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let tuning = pool
         .install(|| tune_with_progress(&study, optimise))
         .map_err(fault)?;
-    let summary = TuningSummary::of(&study, optimise, &tuning);
+    let tuned = tuning.best.as_ref().map(|best| Suspension {
+        design: best.design.clone(),
+        ..study.suspension.clone()
+    });
+    let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
+    let after = after.transpose().map_err(fault)?;
+    let summary = TuningSummary::of(&study, optimise, &tuning, after.as_ref());
 
     let length = study.suspension.length_unit;
     let mut complete = true;
@@ -41,12 +47,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("history.csv", &history_csv(&tuning.starts))?;
     output.json("summary.json", &summary)?;
     let mut designs = vec![("before", "curves_before.csv", &study.suspension, &before)];
-    let tuned = tuning.best.as_ref().map(|best| Suspension {
-        design: best.design.clone(),
-        ..study.suspension.clone()
-    });
-    let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
-    let after = after.transpose().map_err(fault)?;
     if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
         complete &= after.are_complete();
         designs.push(("after", "curves.csv", tuned, after));

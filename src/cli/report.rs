@@ -93,7 +93,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
 fn write_pictures(run: &Run, directory: &RunDirectory) -> Result<Vec<String>, Stop> {
     let mut names = Vec::new();
     for picture in pictures(run) {
-        let written = directory.write(&picture.name, picture.svg.as_bytes());
+        let written = directory.write(&picture.name, &picture.contents);
         written.map_err(Stop::unwritten)?;
         names.push(picture.name);
     }

@@ -3,7 +3,7 @@
 use super::Column;
 use crate::characteristics::{Constants, Slot, Slots, View};
 use crate::kinematics::{self, Balance, Posture, Reaction, Reactions, Support};
-use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, Suspension};
+use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
 use crate::study::{Load, LoadPoint};
@@ -33,13 +33,15 @@ enum Carried {
     Force(PointId, Axis),
     /// Of the support.
     Support(Support),
+    /// Tension of the rod of the spring's rocker.
+    Rod,
 }
 
 impl Carried {
     /// When it is positive.
     fn positive(&self) -> &'static str {
         match self {
-            Carried::Tension(..) => "tension",
+            Carried::Tension(..) | Carried::Rod => "tension",
             Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
             Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
             Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
@@ -69,6 +71,17 @@ impl<'a> Loads<'a> {
 
     pub(super) fn is_empty(&self) -> bool {
         self.loads.is_empty()
+    }
+
+    /// The rocker through which the spring holds the suspension, where loads are followed.
+    pub(super) fn rocker(&self) -> Option<RockerId> {
+        match self.support {
+            Support::Spring(spring) if !self.is_empty() => {
+                let mechanism = &self.suspension.mechanism;
+                mechanism.rockers_moving(spring.lower).next()
+            }
+            _ => None,
+        }
     }
 
     /// The columns, load by load.
@@ -102,6 +115,7 @@ impl<'a> Loads<'a> {
                 let value = match member.what {
                     Carried::Tension(inner, outer) => tension(inner, outer, &carried)?,
                     Carried::Support(_) => carried.support,
+                    Carried::Rod => carried.rod?,
                     Carried::Force(point, axis) => {
                         let force = force_at(point, &carried, at.mechanism, place);
                         force.to_array()[axis as usize] * self.suspension.frame.sign(axis)
@@ -149,6 +163,14 @@ fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     for arm in mechanism.arms.iter().filter(ends_a_link) {
         members.extend(force(mechanism.name(arm.outer), arm.outer));
     }
+    if let Support::Spring(spring) = support
+        && let Some(rocker) = mechanism.rockers_moving(spring.lower).next()
+    {
+        members.push(Member {
+            name: mechanism.rocker(rocker).rod.to_string().replace(' ', "_"),
+            what: Carried::Rod,
+        });
+    }
     members.push(Member {
         name: match support {
             Support::Spring(_) => "spring".to_owned(),
@@ -159,9 +181,9 @@ fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     members
 }
 
-/// The joint of the arm the spring stands on, if it stands on an arm.
+/// The joint of the arm the spring stands on, if it or the rod of its rocker stands on an arm.
 fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
-    match mechanism.body(mechanism.spring?.lower) {
+    match mechanism.body(mechanism.spring_seat()?) {
         Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),
         _ => None,
     }

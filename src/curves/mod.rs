@@ -13,7 +13,7 @@ pub use run::curves;
 
 use crate::kinematics::point_coordinates::Refusal;
 use crate::kinematics::{Failure, PoseError, Work};
-use crate::model::{Axis, PointId};
+use crate::model::{Axis, PointId, Rod};
 
 /// What came of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,9 @@ pub enum Status {
     /// Solved, but nothing can carry the loads: the spring has no leverage, or so little that fewer than
     /// six digits of the forces could be trusted. They have no values.
     Unsupported,
+    /// Solved, but this rod has come to a toggle there or nearer to the design position: what its rocker
+    /// moves has no values.
+    Toggle(Rod),
     /// Not solved, and why.
     Failed(Failure),
 }
@@ -37,11 +40,13 @@ impl Status {
             Status::Ok => "ok",
             Status::IllConditioned => "ill_conditioned",
             Status::Unsupported => "unsupported",
+            Status::Toggle(_) => "toggle",
             Status::Failed(failure) => match failure {
                 Failure::Unreachable { .. }
                 | Failure::RackUnreachable { .. }
                 | Failure::DeadCentre => "unreachable",
                 Failure::Singular => "singular",
+                Failure::Toggle(_) => "toggle",
                 Failure::Uncertified(_) => "uncertified",
                 Failure::PointCoordinates { refusal, .. } => match refusal {
                     Refusal::Unreachable { .. } | Refusal::RackUnreachable { .. } => "unreachable",
@@ -67,7 +72,8 @@ pub struct Station {
     pub status: Status,
     /// A value for each column; `None` where there is none.
     pub values: Vec<Option<f64>>,
-    /// Condition number of the equations, where derivatives or sensitivities are computed.
+    /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
+    /// and the number is below 1000. `None` where there is no pose.
     pub condition: Option<f64>,
     /// What is proved, where that is asked for.
     pub proof: Option<Proof>,
@@ -124,7 +130,13 @@ impl Curves {
 
     /// Whether everything asked for has been found at every station.
     pub fn are_complete(&self) -> bool {
-        let lacks = |s: &Station| matches!(s.status, Status::Failed(_) | Status::Unsupported);
+        let lacks = |s: &Station| {
+            let status = &s.status;
+            matches!(
+                status,
+                Status::Failed(_) | Status::Unsupported | Status::Toggle(_)
+            )
+        };
         !self.stations.iter().any(lacks)
     }
 }

@@ -73,7 +73,7 @@ impl<const N: usize> Run<'_, N> {
                 let read = |pose: &Pose| {
                     let posture = self.posture(&driven, pose)?;
                     Ok(Findings {
-                        condition: (N > 1).then(|| driven.equations.condition(pose)),
+                        condition: Some(driven.equations.condition(pose)),
                         ..self.values(&posture, number)
                     })
                 };

@@ -7,9 +7,9 @@ use super::{Column, Curves, Proof, Sensitivity, Station, Status};
 use crate::characteristics::{Quantity, View};
 use crate::kinematics::{
     DesignFault, Failure, LEAST_DIGITS, Lifted, Linearised, MotionPoint, Pose, PoseError, Posture,
-    Solver, Tally, Work, rate_digits,
+    Solver, Tally, Toggles, Work, rate_digits,
 };
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, RockerId, Rod, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
 use crate::study::{Drive, Formulation};
@@ -33,6 +33,9 @@ pub(super) struct Run<'a, const N: usize> {
     /// Those of the outputs, then those of the loads.
     columns: Vec<Column>,
     loads: Loads<'a>,
+    /// The rockers that each output moves with.
+    rockers: Vec<Vec<RockerId>>,
+    toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
     /// Of the solver.
@@ -48,6 +51,8 @@ pub(super) struct Findings {
     pub(super) values: Vec<Option<f64>>,
     /// Whether loads were asked for that nothing can carry here.
     pub(super) unsupported: bool,
+    /// A rod at toggle, or beyond it, that something asked for moves with.
+    pub(super) toggle: Option<Rod>,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
     pub(super) proof: Option<Proof>,
@@ -69,6 +74,13 @@ impl<'a, const N: usize> Run<'a, N> {
             condition: None,
             proof: None,
         };
+        let rockers: Vec<_> = plan
+            .outputs
+            .iter()
+            .map(|o| o.quantity.rockers(&suspension.mechanism))
+            .collect();
+        let watched = rockers.iter().flatten().copied().chain(loads.rocker());
+        let toggles = Toggles::of(&suspension.mechanism, watched);
         let along = |rack: &f64| {
             let rack = *rack;
             let values = plan.march.values().iter().enumerate();
@@ -86,6 +98,8 @@ impl<'a, const N: usize> Run<'a, N> {
                 .collect(),
             columns,
             loads,
+            rockers,
+            toggles,
             sensitivities: Vec::new(),
             work: Work::default(),
             error_bound: None,
@@ -158,10 +172,16 @@ impl<'a, const N: usize> Run<'a, N> {
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
+                // Positions lose half as many digits as derivatives and sensitivities.
+                let differentiated =
+                    self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
-                station.status = match digits {
+                station.status = match (findings.toggle, digits) {
+                    (Some(rod), _) => Status::Toggle(rod),
                     _ if findings.unsupported => Status::Unsupported,
-                    Some(digits) if digits < LEAST_DIGITS => Status::IllConditioned,
+                    (_, Some(digits)) if differentiated && digits < LEAST_DIGITS => {
+                        Status::IllConditioned
+                    }
                     _ => Status::Ok,
                 };
                 station.condition = findings.condition;
@@ -189,15 +209,16 @@ impl<'a, const N: usize> Run<'a, N> {
         if self.plan.sensitivities.is_empty() {
             let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
             return Ok(Findings {
-                condition: condition.map(|c| c.number),
+                condition: Some(condition.number),
                 ..self.loaded(solver, pose, &posture, number)
             });
         }
         let linearised = solver.linearised(&self.lifted, pose, motion)?;
+        let findings = self.loaded(solver, pose, &linearised.at, number);
         Ok(Findings {
             gradients: self.gradients(&linearised, number),
             condition: Some(linearised.conditioning(solver.size()).number),
-            ..self.loaded(solver, pose, &linearised.at, number)
+            ..findings
         })
     }
 
@@ -210,7 +231,10 @@ impl<'a, const N: usize> Run<'a, N> {
         number: usize,
     ) -> Findings {
         let mut findings = self.values(at, number);
-        if !self.loads.is_empty() {
+        let stuck = self.loads.rocker().filter(|id| self.toggles.holds(*id));
+        if stuck.is_some() {
+            findings.values.resize(self.columns.len(), None);
+        } else if !self.loads.is_empty() {
             match solver.balance(pose, at.rack[0], self.loads.support) {
                 Ok(balance) => findings.values.extend(self.loads.forces(&balance, at)),
                 Err(_) => {
@@ -226,9 +250,14 @@ impl<'a, const N: usize> Run<'a, N> {
     pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
+        let toggle = self.toggles.note(at);
         let view = View::reading(at, plan.constants, plan.reads);
         let mut values = Vec::with_capacity(self.columns.len());
         for (columns, output) in self.columns_by_output() {
+            if self.is_stuck(columns) {
+                values.extend(columns.iter().map(|_| None));
+                continue;
+            }
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
             self.tally
                 .note(|w| w.characteristic_evaluations += u64::from(counts));
@@ -248,10 +277,18 @@ impl<'a, const N: usize> Run<'a, N> {
             travel: (at.point(centre).z - at.designed(centre).z)[0],
             values,
             unsupported: false,
+            toggle,
             gradients: Vec::new(),
             condition: None,
             proof: None,
         }
+    }
+
+    /// Whether these columns of one output move with a rocker that is at a toggle or beyond it.
+    fn is_stuck(&self, columns: &[Column]) -> bool {
+        let of = columns.first().and_then(|column| column.of);
+        let mut rockers = of.into_iter().flat_map(|of| &self.rockers[of]);
+        rockers.any(|id| self.toggles.holds(*id))
     }
 
     /// The columns of each output, in the plan's order.
@@ -276,13 +313,16 @@ impl<'a, const N: usize> Run<'a, N> {
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
             self.tally
                 .note(|w| w.characteristic_gradients += u64::from(counts));
-            view.gradients(
-                linearised,
-                output.quantity,
-                output.highest,
-                &mut buffer,
-                |order, id, gradient| found[id.0][order] = gradient,
-            );
+            match self.is_stuck(columns) {
+                true => found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3]),
+                false => view.gradients(
+                    linearised,
+                    output.quantity,
+                    output.highest,
+                    &mut buffer,
+                    |order, id, gradient| found[id.0][order] = gradient,
+                ),
+            }
             for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {

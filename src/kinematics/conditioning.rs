@@ -37,6 +37,9 @@ impl Conditioning {
         distance: 0.0,
     };
 
+    /// Numbers above this are never estimates, so that what is said of lost digits is not either.
+    pub const ESTIMATED: f64 = 1e3;
+
     /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
     pub fn digits(&self) -> f64 {
         rate_digits(self.number)
@@ -92,21 +95,45 @@ impl Solver<'_> {
         })
     }
 
-    /// As [`Solver::posture_series`], with the condition where the Jacobian had to be factorised.
+    /// As [`Solver::conditioning`], or where the closed form gave the pose and is far from any singularity
+    /// an estimate that costs next to nothing, and is right to within a factor of ten
+    /// ([`Conditioning::ESTIMATED`]).
+    pub fn estimated_conditioning(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Conditioning {
+        match self.formed_condition(pose, point) {
+            // Written so that NaN is computed anew.
+            Some(number) if number < Conditioning::ESTIMATED => Conditioning {
+                number,
+                distance: self.size() / number,
+            },
+            _ => self.conditioning(pose, point),
+        }
+    }
+
+    /// As [`Solver::posture_series`], with the condition: from the factors of the Jacobian where it had to
+    /// be factorised, else as [`Solver::estimated_conditioning`].
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         lifted: &'a Lifted<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Result<(Posture<'a, Jet<f64, N>>, Option<Conditioning>), Failure> {
+    ) -> Result<(Posture<'a, Jet<f64, N>>, Conditioning), Failure> {
+        let estimated = || self.estimated_conditioning(pose, &motion.value_point());
         if let Some(series) = self.formed_series(lifted, pose, motion) {
-            return Ok((lifted.at(self.mechanism(), series, motion.rack), None));
+            return Ok((
+                lifted.at(self.mechanism(), series, motion.rack),
+                estimated(),
+            ));
         }
         let (posture, factors) = self.factorised_series(lifted, pose, motion, false)?;
-        Ok((
-            posture,
-            factors.map(|lu| Conditioning::of(&lu, self.size())),
-        ))
+        let condition = match factors {
+            Some(lu) => Conditioning::of(&lu, self.size()),
+            None => estimated(),
+        };
+        Ok((posture, condition))
     }
 }
 

@@ -23,6 +23,7 @@ use super::pose::{Pose, Posture};
 use super::work::{Tally, Work};
 use crate::model::{Drive, Mechanism};
 use crate::number::{Jet, Vector3};
+use std::cmp::Ordering;
 
 /// What moves while the rest is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -381,9 +382,11 @@ impl Curve<'_> {
             // there may be none by rounding alone: then its double root.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            if short.abs() <= 0.5 * rounding
-                || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding)
-            {
+            // Beside a fold a value that is right to rounding is not enough: the way still to go must be
+            // rounding too. Written so that NaN, at the fold itself, is no way to go.
+            let is_there = short.abs() <= 0.5 * rounding
+                && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
+            if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {
                 return Some(point);
             }
             if length.is_nan() || length.abs() > 1.5 * reach || length.abs() >= last {

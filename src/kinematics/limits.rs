@@ -17,13 +17,14 @@
 
 use super::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use super::motion::MotionPoint;
-use super::path::{DesignFault, Solver};
-use super::pose::Pose;
+use super::path::{DesignFault, March, ROUNDING, Solver};
+use super::pose::{Pose, Posture};
 use super::rates::angular_velocity;
 use super::sensitivity::HardpointGradient;
-use crate::model::{Drive, SteeringAxis};
+use crate::model::{Drive, RockerId, Rod, SteeringAxis};
 use crate::number::{Jet, Vector3};
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// Why a mechanism goes no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +119,32 @@ pub struct Limits {
     pub rack: Option<Range>,
     /// Angle of the first arm (radians), the rack in the middle; `None` where there is no arm.
     pub arm_angle: Option<Range>,
+    /// Where rockers come to a toggle within that travel, the rack in the middle.
+    pub rockers: Vec<RockerRange>,
 }
+
+/// How far the wheel travels before a rocker comes to a toggle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RockerRange {
+    /// The rocker.
+    pub rocker: RockerId,
+    /// In droop; `None` where the wheel's own travel ends first.
+    pub lower: Option<Toggle>,
+    /// In jounce, likewise.
+    pub upper: Option<Toggle>,
+}
+
+/// A toggle of a rocker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Toggle {
+    /// The travel, to 1e-9 of the mechanism's size.
+    pub travel: f64,
+    /// The rod that is in line with its lever: of the rocker, or of one that turns it.
+    pub rod: Rod,
+}
+
+/// Places at which a rocker is looked at on the way to the end of the travel.
+const LOOKS: u32 = 256;
 
 impl Solver<'_> {
     /// The ranges of travel, rack and arm angle.
@@ -131,8 +157,20 @@ impl Solver<'_> {
             .points
             .iter()
             .any(|p| p.body == crate::model::Body::Rack);
+        let travel = self.drive_range(Drive::Travel, 0.0)?;
+        let ends = [travel.lower.value(), travel.upper.value()];
+        let mut rockers = Vec::new();
+        for rocker in (0..mechanism.rockers.len()).map(RockerId) {
+            let [lower, upper] = ends.map(|end| self.toggle_towards(rocker, end));
+            rockers.push(RockerRange {
+                rocker,
+                lower: lower?,
+                upper: upper?,
+            });
+        }
         Ok(Limits {
-            travel: self.drive_range(Drive::Travel, 0.0)?,
+            travel,
+            rockers,
             rack: match has_rack {
                 true => Some(self.range(Drive::Travel, Moving::Rack, 0.0)?),
                 false => None,
@@ -142,6 +180,65 @@ impl Solver<'_> {
                 false => Some(self.drive_range(Drive::ArmAngle, 0.0)?),
             },
         })
+    }
+
+    /// The first toggle of a rocker on the way of the wheel to `end`.
+    fn toggle_towards(
+        &mut self,
+        rocker: RockerId,
+        end: f64,
+    ) -> Result<Option<Toggle>, DesignFault> {
+        let places: Vec<f64> = (1..LOOKS)
+            .map(|k| end * f64::from(k) / f64::from(LOOKS))
+            .collect();
+        let Some((place, mut rod)) = self.first_toggle(rocker, &places)? else {
+            return Ok(None);
+        };
+        let mut outside = places[place];
+        let mut inside = place.checked_sub(1).map_or(0.0, |k| places[k]);
+        while (outside - inside).abs() > ROUNDING * outside.abs() {
+            let middle = 0.5 * (inside + outside);
+            match self.first_toggle(rocker, &[middle])? {
+                Some((_, found)) => (outside, rod) = (middle, found),
+                None => inside = middle,
+            }
+        }
+        Ok(Some(Toggle {
+            travel: inside,
+            rod,
+        }))
+    }
+
+    /// The first of some travels, in outward order, at which a rocker is stuck, and by which rod.
+    fn first_toggle(
+        &mut self,
+        rocker: RockerId,
+        travels: &[f64],
+    ) -> Result<Option<(usize, Rod)>, DesignFault> {
+        let mut first = None;
+        self.march(
+            Drive::Travel,
+            &March::through(travels),
+            0.0,
+            |solver, place, pose| {
+                let Ok(pose) = pose else {
+                    return ControlFlow::Break(());
+                };
+                let at = Posture {
+                    mechanism: solver.mechanism(),
+                    design: solver.design(),
+                    pose: *pose,
+                    rack: 0.0,
+                    steering: None,
+                };
+                first = at.toggle(rocker).map(|rod| (place, rod));
+                match first {
+                    Some(_) => ControlFlow::Break(()),
+                    None => ControlFlow::Continue(()),
+                }
+            },
+        )?;
+        Ok(first)
     }
 
     /// The range of a drive with the rack displaced by `rack` (towards the kernel's +y).
@@ -193,7 +290,7 @@ impl Curve<'_> {
     /// Derivative of the value at a fold by every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());
-        let at = super::pose::Posture {
+        let at = Posture {
             mechanism: self.mechanism,
             design: self.design,
             pose: fold.pose(),

@@ -9,7 +9,8 @@
 //! The row of a rod is the unit force along it, so its multiplier is the force with which the rod
 //! pushes the knuckle; the row of a strut line is a unit force on the knuckle across the strut; those of
 //! a hinge are unit forces at its points. The sixth row is what keeps the suspension from moving: the
-//! spring, or, where a study has none, a vertical force at the wheel centre.
+//! spring, or, where a study has none, a vertical force at the wheel centre. A spring on a rocker holds it
+//! through the rod, whose tension follows from the moments about the rocker's axis.
 
 use super::closure::Closure;
 use super::conditioning::Conditioning;
@@ -17,7 +18,7 @@ use super::constraint::Row;
 use super::lu::Lu6;
 use super::pose::{Posture, Sink, Wrench};
 use super::work::Tally;
-use crate::model::{PointId, Spring};
+use crate::model::{Body, PointId, Spring};
 use crate::number::Vector3;
 
 /// A load on the knuckle, in the kernel's frame.
@@ -70,7 +71,9 @@ pub struct Reactions {
     /// By the support: the force of the spring, positive in compression, or the upward force at the
     /// wheel centre.
     pub support: f64,
-    /// The force of the support on the knuckle. Where the spring stands on an arm it is what the arm
+    /// Tension in the pushrod or pullrod, where the spring stands on a rocker.
+    pub rod: Option<f64>,
+    /// The force of the support on the knuckle. Where the spring, or the rod of its rocker, stands on an arm it is what the arm
     /// passes on at its outer joint: with the legs of that arm, which then are loaded in bending as
     /// well, it adds up to the force in the joint.
     pub support_force: Vector3<f64>,
@@ -83,6 +86,8 @@ pub struct Balance<'a> {
     at: Posture<'a, f64>,
     /// The equation of the support.
     support: Wrench<f64>,
+    /// Tension in the rod of the spring's rocker for a spring force of one.
+    rod_per_spring: Option<f64>,
     lu: Lu6<f64>,
     work: &'a Tally,
 }
@@ -101,9 +106,14 @@ impl<'a> Balance<'a> {
         for (wrench, row) in rows.iter_mut().zip(closure.rows()) {
             row.differential(&at, 1.0, wrench);
         }
+        let mut rod_per_spring = None;
         match support {
             Support::Spring(spring) => {
-                let along = (at.point(spring.lower) - at.point(spring.upper)).normalised();
+                let lower = at.point(spring.lower);
+                let along = (lower - at.point(spring.upper)).normalised();
+                if let Body::Rocker(rocker) = at.mechanism.body(spring.lower) {
+                    rod_per_spring = Some(at.rod_tension(rocker, lower, along));
+                }
                 at.push_point(spring.lower, along, &mut rows[5]);
                 at.push_point(spring.upper, -along, &mut rows[5]);
             }
@@ -119,6 +129,7 @@ impl<'a> Balance<'a> {
             closure,
             at,
             support,
+            rod_per_spring,
             lu,
             work,
         })
@@ -145,6 +156,7 @@ impl<'a> Balance<'a> {
         Reactions {
             constraints,
             support: multipliers[5],
+            rod: self.rod_per_spring.map(|ratio| ratio * multipliers[5]),
             support_force: self.support.force * multipliers[5],
         }
     }

@@ -26,25 +26,27 @@ mod path;
 pub mod point_coordinates;
 mod pose;
 mod rates;
+mod rocker;
 mod sensitivity;
 mod steering;
 pub(crate) mod trial;
 mod work;
 
 pub use accuracy::PoseError;
-pub use assemblies::{Assemblies, Assembly};
+pub use assemblies::{Assemblies, Assembly, Trait, Undecided};
 pub use batch::{
     Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, Visit,
 };
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
-pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd};
+pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd, RockerRange, Toggle};
 pub use loads::{Balance, Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};
 pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist, Wrench};
+pub use rocker::{Toggles, has_leverage};
 pub use sensitivity::{Linearised, Seeds};
 pub(crate) use work::Tally;
 pub use work::Work;

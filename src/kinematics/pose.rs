@@ -155,6 +155,7 @@ impl<'a, T: Real> Posture<'a, T> {
                 top + self.pose.rotation.apply(self.designed(id) - top)
             }
             Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
+            Body::Rocker(rocker) => self.rocker_point(rocker, self.designed(id)),
         }
     }
 
@@ -213,33 +214,21 @@ impl<'a, T: Real> Posture<'a, T> {
                 sink.hardpoint(top, gradient - in_knuckle);
             }
             Body::Arm(arm) => self.push_arm_point(self.mechanism.arms[arm.0], id, gradient, sink),
+            Body::Rocker(rocker) => {
+                let by_point = self.push_rocker_point(rocker, self.designed(id), gradient, sink);
+                sink.hardpoint(id, by_point);
+            }
         }
     }
 
     /// Out of line: it is rare, and large.
     #[inline(never)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
-        let inputs = self.arm_inputs(arm, id);
-        let by = |k: usize| {
-            let mut seeded = inputs.map(|p| p.map(Dual::<T, 3>::constant));
-            let p = inputs[k];
-            seeded[k] = Vector3::new(
-                Dual::input(p.x, 0),
-                Dual::input(p.y, 1),
-                Dual::input(p.z, 2),
-            );
-            let image = arm_point(seeded);
-            let along = |i: usize| {
-                gradient.x * image.x.partials[i]
-                    + gradient.y * image.y.partials[i]
-                    + gradient.z * image.z.partials[i]
-            };
-            Vector3::from([0, 1, 2].map(along))
-        };
-        for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].into_iter().enumerate() {
-            sink.hardpoint(hardpoint, by(k));
+        let by = gradient_by(self.arm_inputs(arm, id), gradient, arm_point);
+        for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
+            sink.hardpoint(hardpoint, by);
         }
-        self.push_point(arm.outer, by(4), sink);
+        self.push_point(arm.outer, by[4], sink);
     }
 
     #[inline(never)]
@@ -276,4 +265,28 @@ fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -
     let cosine = radius.dot(radius_now) * inverse;
     let sine = axis.dot(radius.cross(radius_now)) * inverse;
     point - lever + lever * cosine + axis.cross(lever) * sine
+}
+
+/// The derivative of `gradient . image(inputs)` by each of the inputs.
+pub(super) fn gradient_by<T: Real, const K: usize>(
+    inputs: [Vector3<T>; K],
+    gradient: Vector3<T>,
+    image: impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
+) -> [Vector3<T>; K] {
+    std::array::from_fn(|k| {
+        let mut seeded = inputs.map(|p| p.map(Dual::constant));
+        let p = inputs[k];
+        seeded[k] = Vector3::new(
+            Dual::input(p.x, 0),
+            Dual::input(p.y, 1),
+            Dual::input(p.z, 2),
+        );
+        let image = image(seeded);
+        let along = |i: usize| {
+            gradient.x * image.x.partials[i]
+                + gradient.y * image.y.partials[i]
+                + gradient.z * image.z.partials[i]
+        };
+        Vector3::from([0, 1, 2].map(along))
+    })
 }

@@ -18,7 +18,7 @@ use super::lu::{Lu6, Matrix6};
 use super::pose::{Posture, Sink, Twist, Wrench};
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
 use super::work::Tally;
-use crate::model::{PointId, SpinAxis, SteeringAxis};
+use crate::model::{PointId, RockerId, SpinAxis, SteeringAxis};
 use crate::number::{Jet, Real, Vector3};
 
 /// Gradient of an output by the hardpoints, collected together with its wrench.
@@ -193,6 +193,12 @@ impl<'s, 'a, T: Real> Seeds<'s, 'a, T> {
     #[inline(always)]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
         self.at.push_point(id, gradient, &mut self.adjoint);
+    }
+
+    /// By the angle of a rocker.
+    #[inline]
+    pub fn rocker_angle(&mut self, id: RockerId, gradient: T) {
+        self.at.push_rocker_angle(id, gradient, &mut self.adjoint);
     }
 
     /// By a hardpoint, directly.

@@ -1,5 +1,6 @@
 //! Double wishbone: two arms, one above the other, and a tie or toe rod.
 
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
 use super::topology::{
     Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
@@ -32,9 +33,10 @@ pub static DOUBLE_WISHBONE: Topology = Topology {
         SPRING_UPPER,
         optional(
             "spring_lower",
-            "lower end of spring and damper, on the lower arm",
+            "lower end of spring and damper, on the lower arm or the rocker",
         ),
     ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
         (
             "upper_arm_front",
@@ -87,19 +89,23 @@ pub static DOUBLE_WISHBONE: Topology = Topology {
             "the tie rod could not steer the wheel",
         ),
         SPINDLE,
-        SPRING,
     ],
     build,
     template: include_str!("../../studies/double_wishbone_solve.toml"),
 };
 
+const CARRIERS: Carriers = Carriers {
+    pushrod: Body::Arm(ArmId(0)),
+    pullrod: Body::Arm(ArmId(1)),
+    drop_link: Body::Arm(ArmId(0)),
+    spring: Body::Arm(ArmId(0)),
+};
+
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, |name| match name {
+    let given = Given::of(topology, given, CARRIERS, |name| match name {
         "upper_arm_front" | "upper_arm_rear" | "lower_arm_front" | "lower_arm_rear" => {
             Body::Chassis
         }
-        "spring_upper" => Body::Chassis,
-        "spring_lower" => Body::Arm(ArmId(0)),
         "tie_rod_inner" => Body::Rack,
         _ => Body::Knuckle,
     });
@@ -115,14 +121,18 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         outer: id("upper_ball_joint"),
     };
     let link = |inner, outer| Constraint::Link { inner, outer };
+    let rockers = given.rockers();
     Mechanism {
         topology,
-        bodies: vec![
+        bodies: [
             ("chassis", Body::Chassis),
             ("knuckle", Body::Knuckle),
             ("lower_arm", Body::Arm(ArmId(0))),
             ("upper_arm", Body::Arm(ArmId(1))),
-        ],
+        ]
+        .into_iter()
+        .chain(bodies(&rockers))
+        .collect(),
         constraints: vec![
             link(lower.front, lower.outer),
             link(lower.rear, lower.outer),
@@ -138,6 +148,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             lower: lower.outer,
             upper: upper.outer,
         }),
+        rockers,
         spring: given.spring(),
         closed_form: Some(ClosedForm::DoubleWishbone),
         points: given.0,

@@ -1,5 +1,6 @@
 //! Five-link: the knuckle held by five separate rods.
 
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
 use super::topology::{
     Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
@@ -38,9 +39,10 @@ pub static FIVE_LINK: Topology = Topology {
         SPRING_UPPER,
         optional(
             "spring_lower",
-            "lower end of spring and damper, on the knuckle",
+            "lower end of spring and damper, on the knuckle or the rocker",
         ),
     ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
         (
             "upper_front_link_inner",
@@ -56,32 +58,40 @@ pub static FIVE_LINK: Topology = Topology {
         ("lower_rear_link_inner", "lower_rear_link_outer", NO_LENGTH),
         ("toe_link_inner", "toe_link_outer", NO_LENGTH),
         SPINDLE,
-        SPRING,
     ],
     build,
     template: include_str!("../../studies/five_link_solve.toml"),
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, |name| match name {
-        "toe_link_inner" => Body::Rack,
-        "spring_upper" => Body::Chassis,
-        _ if name.ends_with("_link_inner") => Body::Chassis,
-        _ => Body::Knuckle,
-    });
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "toe_link_inner" => Body::Rack,
+            _ if name.ends_with("_link_inner") => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
     let constraints = LINKS.map(|(inner, outer)| Constraint::Link {
         inner: given.id(inner),
         outer: given.id(outer),
     });
+    let rockers = given.rockers();
     Mechanism {
         topology,
-        bodies: vec![("chassis", Body::Chassis), ("knuckle", Body::Knuckle)],
+        bodies: [("chassis", Body::Chassis), ("knuckle", Body::Knuckle)]
+            .into_iter()
+            .chain(bodies(&rockers))
+            .collect(),
         constraints: constraints.to_vec(),
         arms: Vec::new(),
         origin: given.id("lower_rear_link_outer"),
         wheel_centre: given.id("wheel_centre"),
         spin_axis: given.spin_axis(),
         steering_axis: Some(SteeringAxis::Instantaneous),
+        rockers,
         spring: given.spring(),
         closed_form: None,
         points: given.0,

@@ -1,5 +1,6 @@
 //! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
 
+use super::rocker::{ANTI_ROLL_BAR, Carriers, bodies};
 use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, optional, required};
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
@@ -25,6 +26,7 @@ pub static MACPHERSON: Topology = Topology {
         WHEEL_CENTRE,
         SPINDLE_INNER,
     ],
+    groups: &[&ANTI_ROLL_BAR],
     distinct: &[
         (
             "lower_arm_front",
@@ -65,11 +67,16 @@ pub static MACPHERSON: Topology = Topology {
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let given = Given::of(topology, given, |name| match name {
-        "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
-        "tie_rod_inner" => Body::Rack,
-        _ => Body::Knuckle,
-    });
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
+            "tie_rod_inner" => Body::Rack,
+            _ => Body::Knuckle,
+        },
+    );
     let id = |name: &str| given.id(name);
     let arm = Arm {
         front: id("lower_arm_front"),
@@ -77,14 +84,18 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         outer: id("lower_ball_joint"),
     };
     let link = |inner, outer| Constraint::Link { inner, outer };
+    let rockers = given.rockers();
     Mechanism {
         topology,
-        bodies: vec![
+        bodies: [
             ("chassis", Body::Chassis),
             ("knuckle", Body::Knuckle),
             ("lower_arm", Body::Arm(ArmId(0))),
             ("strut_rod", Body::StrutRod(id("strut_top"))),
-        ],
+        ]
+        .into_iter()
+        .chain(bodies(&rockers))
+        .collect(),
         constraints: vec![
             link(arm.front, arm.outer),
             link(arm.rear, arm.outer),
@@ -103,6 +114,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             lower: arm.outer,
             upper: id("strut_top"),
         }),
+        rockers,
         spring: Some(Spring {
             upper: id("strut_top"),
             lower: id("strut_lower"),

@@ -8,11 +8,13 @@ mod double_wishbone;
 mod five_link;
 mod frame;
 mod macpherson;
+mod rocker;
 mod semi_trailing_arm;
 mod topology;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
-pub use topology::{Hardpoint, Topology};
+pub use rocker::{Rocker, RockerId, Rod};
+pub use topology::{Group, Hardpoint, Topology};
 
 use crate::number::Vector3;
 
@@ -37,6 +39,8 @@ pub enum Body {
     Arm(ArmId),
     /// The upper part of a strut: it turns with the knuckle, about the given chassis point.
     StrutRod(PointId),
+    /// A rocker, turning about its axis as its rod moves it.
+    Rocker(RockerId),
 }
 
 /// A point of the mechanism: a hardpoint of the topology or one the study adds.
@@ -168,6 +172,8 @@ pub struct Mechanism {
     pub constraints: Vec<Constraint>,
     /// Control arms; the first one is the one an arm-angle drive turns.
     pub arms: Vec<Arm>,
+    /// Rockers; the rod of one may stand on an earlier one.
+    pub rockers: Vec<Rocker>,
     /// The knuckle point whose position, with the knuckle's rotation, describes the pose.
     pub origin: PointId,
     /// Centre of the wheel, on the knuckle.

@@ -1,8 +1,9 @@
 //! The catalogue of topologies.
 
+use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm,
+    Body, Mechanism, Point, PointId, Rocker, SpinAxis, Spring, double_wishbone, five_link,
+    macpherson, semi_trailing_arm,
 };
 use crate::number::Vector3;
 
@@ -51,12 +52,17 @@ pub(super) const SPRING_UPPER: Hardpoint = optional(
     "upper end of spring and damper, on the body",
 );
 
-/// The ends of the spring, which must be distinct.
-pub(super) const SPRING: (&str, &str, &str) = (
-    "spring_upper",
-    "spring_lower",
-    "the spring would have no length",
-);
+/// Spring and damper, of which a study gives both ends or none.
+pub(super) static SPRING: Group = Group {
+    what: "the spring",
+    hardpoints: &[],
+    complete: &[&["spring_upper", "spring_lower"]],
+    distinct: &[(
+        "spring_upper",
+        "spring_lower",
+        "the spring would have no length",
+    )],
+};
 
 /// The pair of them that must be distinct.
 pub(super) const SPINDLE: (&str, &str, &str) = (
@@ -65,21 +71,38 @@ pub(super) const SPINDLE: (&str, &str, &str) = (
     "they define the spin axis of the wheel",
 );
 
+/// Hardpoints that a study gives together.
+pub struct Group {
+    /// What they make, as in "the rocker".
+    pub what: &'static str,
+    /// Those that topologies with this group have beside their own.
+    pub hardpoints: &'static [Hardpoint],
+    /// The names that make it up: all of one of these lists, or none of any.
+    pub complete: &'static [&'static [&'static str]],
+    /// Pairs of hardpoints that must not coincide, and why.
+    pub distinct: &'static [(&'static str, &'static str, &'static str)],
+}
+
 /// The hardpoints a study gives, each on its body, while a mechanism is built of them.
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// The given hardpoints of a topology, in its order.
-    pub fn of(topology: &Topology, given: &[&'static str], body: impl Fn(&str) -> Body) -> Self {
+    /// The given hardpoints of a topology, in its order; those of spring and rockers on their `carriers`,
+    /// the others on a `body`.
+    pub fn of(
+        topology: &Topology,
+        given: &[&'static str],
+        carriers: Carriers,
+        body: impl Fn(&str) -> Body,
+    ) -> Self {
         let named = topology
-            .hardpoints
-            .iter()
+            .all_hardpoints()
             .filter(|h| given.contains(&h.name));
         Given(
             named
                 .map(|h| Point {
                     name: h.name.to_owned(),
-                    body: body(h.name),
+                    body: carriers.body(h.name, given).unwrap_or_else(|| body(h.name)),
                 })
                 .collect(),
         )
@@ -103,6 +126,11 @@ impl Given {
         })
     }
 
+    /// The rockers whose hardpoints are given.
+    pub fn rockers(&self) -> Vec<Rocker> {
+        rocker::rockers(|name| self.find(name))
+    }
+
     /// The spin axis; without `spindle_inner` straight outboard, until the study says how it is turned.
     pub fn spin_axis(&self) -> SpinAxis {
         self.find("spindle_inner")
@@ -118,6 +146,8 @@ pub struct Topology {
     pub summary: &'static str,
     /// Its hardpoints, in the order they are printed.
     pub hardpoints: &'static [Hardpoint],
+    /// Those that go together, and further ones that it may have.
+    pub groups: &'static [&'static Group],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
     /// Builds the mechanism from the hardpoints a study gives (all required ones among them).
@@ -134,6 +164,25 @@ impl Topology {
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
     ];
+
+    /// Its hardpoints and those of its groups.
+    pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
+        let further = self.groups.iter().flat_map(|group| group.hardpoints);
+        self.hardpoints.iter().chain(further)
+    }
+
+    /// Its hardpoint of this name.
+    pub fn hardpoint(&self, name: &str) -> Option<&'static Hardpoint> {
+        self.all_hardpoints().find(|h| h.name == name)
+    }
+
+    /// Pairs of hardpoints that must not coincide, and why.
+    pub fn all_distinct(
+        &self,
+    ) -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
+        let further = self.groups.iter().flat_map(|group| group.distinct);
+        self.distinct.iter().chain(further)
+    }
 
     /// The topology of this name.
     pub fn named(name: &str) -> Option<&'static Topology> {

@@ -66,6 +66,21 @@ impl Interval {
         0.5 * self.low + 0.5 * self.high
     }
 
+    /// The product with a finite number.
+    #[inline]
+    pub fn times(self, factor: f64) -> Self {
+        let is_exact = |v: f64| v == 0.0 || v == 1.0;
+        if is_exact(factor) || (self.low == self.high && is_exact(self.low)) {
+            return self * Interval::point(factor);
+        }
+        let (low, high) = match factor > 0.0 {
+            true => (self.low * factor, self.high * factor),
+            false => (self.high * factor, self.low * factor),
+        };
+        // Where a factor is not a number the whole line.
+        Interval::bounds(low.next_down(), high.next_up())
+    }
+
     /// Sine and cosine: those of the middle, widened by the half width (both have slopes within +-1).
     pub fn sin_cos(self) -> (Self, Self) {
         let middle = self.middle();

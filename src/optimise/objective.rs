@@ -12,7 +12,7 @@
 
 use super::{Evaluation, Infeasible, LeastSquares};
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots, View};
-use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Solver};
+use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Solver, Toggles};
 use crate::model::{Axis, Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Motion, Optimise, Variable};
@@ -178,6 +178,7 @@ pub struct Objective<'a, const N: usize> {
     moved: Vec<Vector3<f64>>,
     solver: Solver<'a>,
     lifted: Lifted<N>,
+    toggles: Toggles,
     buffer: Vec<Vector3<Jet<f64, N>>>,
 }
 
@@ -190,6 +191,10 @@ impl<'a, const N: usize> Objective<'a, N> {
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
         let points: Vec<PointId> = variables.iter().map(|v| v.point).collect();
+        let mechanism = &suspension.mechanism;
+        let wanted = wishes.by_station.iter().flatten();
+        let rockers =
+            wanted.flat_map(|w| Quantity::Characteristic(w.characteristic).rockers(mechanism));
         Ok(Objective {
             frame: suspension.frame,
             variables,
@@ -201,6 +206,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             lifted: Lifted::new(&suspension.mechanism, design)
                 .with_steering_axis(wishes.reads.contain_steering_axis())
                 .with_sensitivities_to(&suspension.mechanism, &points),
+            toggles: Toggles::of(mechanism, rockers),
             buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
         })
     }
@@ -245,8 +251,10 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
             moved,
             solver,
             lifted,
+            toggles,
             buffer,
         } = self;
+        toggles.forget();
         moved_design(design, frame, variables, x, moved);
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
@@ -265,14 +273,19 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                     rack: wishes.rack,
                 }
                 .along_drive::<N>();
-                let linearised =
-                    match pose.and_then(|pose| solver.linearised(lifted, pose, &motion)) {
-                        Ok(linearised) => linearised,
-                        Err(failure) => {
-                            failed = Some((value, failure));
-                            return ControlFlow::Break(());
-                        }
-                    };
+                let linearised = pose
+                    .and_then(|pose| solver.linearised(lifted, pose, &motion))
+                    .and_then(|linearised| match toggles.note(&linearised.at) {
+                        None => Ok(linearised),
+                        Some(rod) => Err(Failure::Toggle(rod)),
+                    });
+                let linearised = match linearised {
+                    Ok(linearised) => linearised,
+                    Err(failure) => {
+                        failed = Some((value, failure));
+                        return ControlFlow::Break(());
+                    }
+                };
                 let view = View::reading(&linearised.at, *constants, wishes.reads);
                 for wish in &wishes.by_station[station] {
                     let quantity = Quantity::Characteristic(wish.characteristic);

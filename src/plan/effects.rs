@@ -3,7 +3,7 @@
 use super::Plan;
 use crate::characteristics::{Quantity, Slot};
 use crate::kinematics::has_closed_form;
-use crate::model::SteeringAxis;
+use crate::model::{RockerId, Spring, SteeringAxis};
 use crate::study::{Order, Study};
 
 /// Something that can be computed with a pose.
@@ -37,6 +37,8 @@ mod cost {
     pub const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
     pub const SCREW_AXIS: f64 = 0.6;
+    /// The turn of a rocker, for each coefficient of its series: by its count of operations, not measured.
+    pub const ROCKER: f64 = 0.1;
     /// Factorising the equations of a pose with its support.
     pub const BALANCE: f64 = 0.8;
     /// One load, and its way through the links.
@@ -122,17 +124,23 @@ impl Plan {
             }
             false => off("steering axis"),
         });
-        let is_spring = |slot: Slot| matches!(slot, Slot::SpringLength | Slot::SpringLengthRate);
+        let is_spring = |slot: Slot| {
+            matches!(
+                slot,
+                Slot::Spring | Slot::SpringLength | Slot::SpringLengthRate
+            )
+        };
         let names = reasons(&is_spring);
         effects.push(match names.is_empty() {
             false => on(
                 "spring",
-                "length".to_owned(),
+                "its ends".to_owned(),
                 written(&characteristics, &names),
                 0.0,
             ),
             true => off("spring"),
         });
+        effects.extend(self.rockers(study, &written, &on, &off));
         effects.push(match self.loads.is_empty() {
             false => {
                 let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
@@ -169,6 +177,54 @@ impl Plan {
             }
         }
         effects
+    }
+
+    /// The rocker of the spring and the anti-roll bar.
+    fn rockers(
+        &self,
+        study: &Study,
+        written: &dyn Fn(&[&str], &str) -> String,
+        on: &dyn Fn(&'static str, String, String, f64) -> Effect,
+        off: &dyn Fn(&'static str) -> Effect,
+    ) -> [Effect; 2] {
+        let mechanism = &study.suspension.mechanism;
+        let effect = |name: &'static str, id: Option<RockerId>| {
+            let Some(id) = id else {
+                return off(name);
+            };
+            let moves = |direct: &RockerId| {
+                let outer = mechanism.rocker(*direct).outer;
+                *direct == id || mechanism.rockers_moving(outer).any(|r| r == id)
+            };
+            let outputs = self.outputs.iter();
+            let moved = outputs.filter(|o| o.quantity.rockers(mechanism).iter().any(moves));
+            let mut names: Vec<_> = moved
+                .map(|o| match o.quantity {
+                    Quantity::Coordinate(point, _) => mechanism.name(point),
+                    _ => &o.name,
+                })
+                .collect();
+            names.dedup();
+            let holds = |spring: Spring| mechanism.rockers_moving(spring.lower).any(|r| r == id);
+            if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
+                names.push("loads");
+            }
+            if names.is_empty() {
+                return off(name);
+            }
+            let rocker = mechanism.rocker(id);
+            let what = format!(
+                "turned by the {} from the {}",
+                rocker.rod,
+                mechanism.seat(&rocker)
+            );
+            let because = written(&["outputs"], &names.join(", "));
+            on(name, what, because, cost::ROCKER * self.coefficients as f64)
+        };
+        [
+            effect("rocker", mechanism.spring_rocker()),
+            effect("anti-roll bar", mechanism.anti_roll_bar()),
+        ]
     }
 
     fn derivatives(

@@ -19,6 +19,7 @@ pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
         .into_iter()
         .chain(warning)
         .chain(unsupported)
+        .chain(toggled(study, curves))
         .collect()
 }
 
@@ -31,20 +32,44 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
         Some(_) => "the spring",
         None => "a vertical force at the wheel centre",
     };
-    let stations = match count {
-        1 => "1 station".to_owned(),
-        n => format!("{n} stations"),
-    };
+    let stations = stations_in_words(count);
     Some(format!(
         "warning: loads not carried at {stations}, the first at {}: {support} has next to no leverage there",
         Place::of(first, study.motion.drive)
     ))
 }
 
+/// Where a rocker has come to a toggle.
+fn toggled(study: &Study, curves: &Curves) -> Option<String> {
+    let is_toggled = |s: &&Station| matches!(s.status, Status::Toggle(_));
+    let count = curves.stations.iter().filter(is_toggled).count();
+    // Nearest to the design position.
+    let distance = |s: &&Station| s.angle.or(s.travel).map_or(f64::INFINITY, f64::abs);
+    let stations = curves.stations.iter().filter(is_toggled);
+    let first = stations.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let Status::Toggle(rod) = first.status else {
+        return None;
+    };
+    Some(format!(
+        "warning: the {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: there it turns {} no \
+         further, and what moves with that has no values",
+        stations_in_words(count),
+        Place::of(first, study.motion.drive),
+        rod.turns()
+    ))
+}
+
+fn stations_in_words(count: usize) -> String {
+    match count {
+        1 => "1 station".to_owned(),
+        n => format!("{n} stations"),
+    }
+}
+
 /// The conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ConditionSummary {
-    /// The largest condition number.
+    /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
     /// Where.
     at: Place,
@@ -53,7 +78,7 @@ pub struct ConditionSummary {
 }
 
 impl ConditionSummary {
-    /// Of curves with derivatives or sensitivities.
+    /// Of curves with a pose at least.
     pub fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition

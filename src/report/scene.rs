@@ -1,8 +1,10 @@
 //! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
 
 use crate::curves::Course;
-use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver};
-use crate::model::{Axis, Body, Constraint, Mechanism, PointId, SteeringAxis, Suspension};
+use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver, Toggles};
+use crate::model::{
+    Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension,
+};
 use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,8 @@ pub enum MemberKind {
     Strut,
     /// A spring that is not the strut.
     Spring,
+    /// A rocker, or the lever of an anti-roll bar.
+    Rocker,
     /// The wheel carrier.
     Knuckle,
 }
@@ -128,6 +132,21 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
     {
         add(MemberKind::Spring, &[spring.lower, spring.upper]);
     }
+    for (number, rocker) in mechanism.rockers.iter().enumerate() {
+        add(MemberKind::Link, &[rocker.inner, rocker.outer]);
+        let ends = mechanism.spring.map(|spring| spring.lower);
+        let on_it = |id: &PointId| mechanism.body(*id) == Body::Rocker(RockerId(number));
+        let further = ends
+            .into_iter()
+            .chain(mechanism.rockers.iter().map(|r| r.outer));
+        let mut through = vec![rocker.first, rocker.inner];
+        through.extend(further.filter(on_it));
+        through.extend([rocker.second, rocker.first]);
+        add(MemberKind::Rocker, &through);
+        if mechanism.body(rocker.outer) == Body::Knuckle {
+            joints.push(rocker.outer);
+        }
+    }
     joints.sort();
     joints.dedup();
     for joint in joints {
@@ -143,6 +162,8 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design);
     let course = Course::of(suspension, plan)?;
+    let rockers = (0..suspension.mechanism.rockers.len()).map(RockerId);
+    let toggles = Toggles::of(&suspension.mechanism, rockers);
     let values = plan.march.values();
     let mut frames = Vec::with_capacity(plan.stations());
     for rack in &plan.racks {
@@ -159,7 +180,10 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
             let motion = course.motion::<1>(values[number], rack);
             frames[first + number].pose = pose
                 .and_then(|pose| solver.posture_series(&lifted, pose, &motion))
-                .map(|at| Placement::of(suspension, &at))
+                .and_then(|at| match toggles.note(&at) {
+                    None => Ok(Placement::of(suspension, &at)),
+                    Some(rod) => Err(Failure::Toggle(rod)),
+                })
                 .map_err(|failure| failure.to_string());
             ControlFlow::Continue(())
         })?;

@@ -21,7 +21,7 @@ pub struct SolveSummary {
     /// Where less than full double precision was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     accuracy: Option<Accuracy>,
-    /// Where derivatives or sensitivities are computed.
+    /// Where there is a pose at least.
     #[serde(default)]
     condition: Option<ConditionSummary>,
     /// Where each pose was to be proved.
@@ -66,7 +66,7 @@ impl SolveSummary {
     pub fn of(study: &Study, curves: &Curves) -> Self {
         let drive = study.motion.drive;
         let failed = curves.stations.iter().filter_map(|s| match s.status {
-            Status::Ok | Status::IllConditioned | Status::Unsupported => None,
+            Status::Ok | Status::IllConditioned | Status::Unsupported | Status::Toggle(_) => None,
             Status::Failed(failure) => Some(FailedStation {
                 place: Place::of(s, drive),
                 status: s.status.word().to_owned(),

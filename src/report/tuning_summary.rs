@@ -1,7 +1,9 @@
 //! What a tuning came to.
 
+use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::solve_summary::brief;
 use super::{Table, shortest};
+use crate::curves::Curves;
 use crate::optimise::{Fulfilment, Hold, Tuning};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
@@ -27,6 +29,12 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Combinations of variables that the targets cannot tell apart: offsets by variable.
     unseen: Vec<Vec<f64>>,
+    /// Of the tuned design, along the motion.
+    #[serde(default)]
+    condition: Option<ConditionSummary>,
+    /// Of the tuned design, where each pose was to be proved.
+    #[serde(default)]
+    certificate: Option<CertificateSummary>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -71,8 +79,8 @@ struct StartSummary {
 }
 
 impl TuningSummary {
-    /// The summary of a tuning.
-    pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning) -> Self {
+    /// The summary of a tuning; `after` are the curves of the tuned design.
+    pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning, after: Option<&Curves>) -> Self {
         let suspension = &study.suspension;
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
@@ -162,6 +170,8 @@ impl TuningSummary {
                         .collect()
                 })
                 .unwrap_or_default(),
+            condition: after.and_then(|curves| ConditionSummary::of(curves, study.motion.drive)),
+            certificate: after.and_then(|curves| CertificateSummary::of(study, curves)),
         }
     }
 

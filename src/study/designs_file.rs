@@ -126,7 +126,7 @@ fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, Stri
     let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
     let topology = suspension.mechanism.topology;
     let points = suspension.mechanism.points.iter().enumerate();
-    let hardpoints = points.filter(|(_, p)| topology.hardpoints.iter().any(|h| h.name == p.name));
+    let hardpoints = points.filter(|(_, p)| topology.hardpoint(&p.name).is_some());
     let mut known = Vec::new();
     for (id, point) in hardpoints {
         for axis in Axis::ALL {

@@ -50,6 +50,9 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
+    /// `[suspension.bodies]`: what ends of springs and rods stand on.
+    #[serde(default)]
+    pub bodies: BTreeMap<Text, Text>,
     /// `[suspension.extra_points]`
     #[serde(default)]
     pub extra_points: BTreeMap<Text, ExtraPoint>,

@@ -3,6 +3,7 @@
 use super::error::Problems;
 use super::file;
 use super::value::Text;
+use crate::kinematics::has_leverage;
 use crate::model::{Body, LengthUnit, PointId, Suspension};
 use std::ops::Range as Span;
 
@@ -25,6 +26,7 @@ pub fn check(
     };
     geometry.distinct_points(problems)?;
     geometry.arms_turn(problems)?;
+    geometry.rockers_turn(problems)?;
     geometry.plausible_size(problems)?;
     geometry.right_side(problems)
 }
@@ -55,7 +57,7 @@ impl Geometry<'_> {
         } = self.suspension;
         let least = COINCIDENT * self.suspension.size();
         let mut sound = Some(());
-        for (first, second, reason) in mechanism.topology.distinct {
+        for (first, second, reason) in mechanism.topology.all_distinct() {
             let (Some(a), Some(b)) = (mechanism.point(first), mechanism.point(second)) else {
                 continue;
             };
@@ -85,6 +87,34 @@ impl Geometry<'_> {
                 );
                 problems.add(self.place(arm.outer), message);
             }
+        }
+        sound
+    }
+
+    fn rockers_turn(&self, problems: &mut Problems) -> Option<()> {
+        let Suspension {
+            mechanism, design, ..
+        } = self.suspension;
+        let mut sound = Some(());
+        for rocker in &mechanism.rockers {
+            let [inner, outer, first, second] =
+                [rocker.inner, rocker.outer, rocker.first, rocker.second].map(|p| self.name(p));
+            let axis = (design[rocker.second.0] - design[rocker.first.0]).normalised();
+            let lever = axis.cross(design[rocker.inner.0] - design[rocker.first.0]);
+            let turned = rocker.rod.turns();
+            let message = if lever.norm() <= COINCIDENT * self.suspension.size() {
+                format!("{inner} is in line with {first} and {second}: it could not turn {turned}")
+            } else if !has_leverage(rocker, design) {
+                format!(
+                    "the {} is at toggle in the design position: {outer}, {inner} and the axis from \
+                     {first} to {second} lie in one plane, so it cannot turn {turned}",
+                    rocker.rod
+                )
+            } else {
+                continue;
+            };
+            sound = None;
+            problems.add(self.place(rocker.inner), message);
         }
         sound
     }

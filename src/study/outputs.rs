@@ -106,13 +106,7 @@ fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> 
     let mechanism = &suspension.mechanism;
     let points = mechanism.points.iter().enumerate();
     points
-        .filter(|(_, p)| {
-            mechanism
-                .topology
-                .hardpoints
-                .iter()
-                .any(|h| h.name == p.name)
-        })
+        .filter(|(_, p)| mechanism.topology.hardpoint(&p.name).is_some())
         .map(|(i, p)| (p.name.as_str(), PointId(i)))
 }
 
@@ -120,11 +114,7 @@ fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> 
 pub fn hardpoint(text: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
     let name = text.get_ref();
     let mechanism = &suspension.mechanism;
-    if let Some(absent) = mechanism
-        .topology
-        .hardpoints
-        .iter()
-        .find(|h| h.name == name)
+    if let Some(absent) = mechanism.topology.hardpoint(name)
         && mechanism.point(name).is_none()
     {
         let message = format!("this study does not give {name} ({})", absent.about);
@@ -185,6 +175,14 @@ pub fn characteristic(
             .spring
             .is_none()
             .then_some("a spring or strut"),
+        Need::Rocker => {
+            let absent = suspension.mechanism.spring_rocker().is_none();
+            absent.then_some("a rocker with its pushrod or pullrod")
+        }
+        Need::AntiRollBar => {
+            let absent = suspension.mechanism.anti_roll_bar().is_none();
+            absent.then_some("an anti-roll bar with its drop link")
+        }
         // No study can mend that; see below.
         Need::SteeringAxis => None,
         Need::StrutUpper => {

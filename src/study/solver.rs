@@ -170,7 +170,16 @@ fn check_certificate(
              is rounded before a pose is found",
             "drive = \"arm_angle\" has them",
         ),
-        _ => return,
+        (Formulation::KnucklePose, _) => {
+            if let Some(accuracy) = &file.solver.accuracy {
+                let message = "certify = true proves poses in full double precision, which accuracy \
+                               in [solver] gives up";
+                let error = problems.add(certify.span(), message);
+                error.help("leave out one of them");
+                error.related(accuracy.span(), "less is asked for here");
+            }
+            return;
+        }
     };
     problems.add(certify.span(), message).help(help);
 }

@@ -6,8 +6,8 @@ use super::geometry;
 use super::names::{choose, nearest};
 use super::value::{Number, Text};
 use crate::model::{
-    Frame, FrameConvention, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension, Topology,
-    Vehicle,
+    Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
+    Topology, Vehicle,
 };
 use crate::number::Vector3;
 
@@ -37,6 +37,7 @@ pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
+    bodies(section, &mut mechanism, problems)?;
     spin_axis(file, &mut mechanism, &given, problems)?;
     let mut suspension = Suspension {
         mechanism,
@@ -94,10 +95,7 @@ fn hardpoints<'a>(
     let mut sound = true;
     let mut misspelt = Vec::new();
     for (text, coordinates) in written {
-        let known = topology
-            .hardpoints
-            .iter()
-            .find(|h| h.name == text.get_ref());
+        let known = topology.hardpoint(text.get_ref());
         let position = position(coordinates, problems);
         match (known, position) {
             (Some(hardpoint), Some(position)) => given.push(Given {
@@ -111,7 +109,7 @@ fn hardpoints<'a>(
                 let name = text.get_ref();
                 let message = format!("{} has no hardpoint {name:?}", topology.name);
                 let error = problems.add(text.span(), message);
-                let names = || topology.hardpoints.iter().map(|h| h.name);
+                let names = || topology.all_hardpoints().map(|h| h.name);
                 if let Some(near) = nearest(name, names().filter(|name| !is_given(name))) {
                     misspelt.push(near);
                     error.help(format!("did you mean \"{near}\"?"));
@@ -134,7 +132,97 @@ fn hardpoints<'a>(
         problems.add(section.hardpoints.span(), message);
         return None;
     }
+    for group in topology.groups {
+        // A misspelt name is said already.
+        if sound && groups_fault(topology, group, &given, problems) {
+            sound = false;
+        }
+    }
     sound.then_some(given)
+}
+
+/// Notes what is missing of a group of which something is given; whether there was something to note.
+fn groups_fault(
+    topology: &Topology,
+    group: &Group,
+    given: &[Given],
+    problems: &mut Problems,
+) -> bool {
+    let is_given = |name: &str| given.iter().any(|g| g.name == name);
+    let count = |list: &[&str]| list.iter().filter(|name| is_given(name)).count();
+    // The list of which most is given, the first of several.
+    let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
+    let Some(list) = nearest.filter(|list| count(list) > 0) else {
+        return false;
+    };
+    let written = given.iter().filter(|g| {
+        let belongs = |list: &&[&str]| list.contains(&g.name);
+        group.complete.iter().any(belongs)
+    });
+    if let Some(other) = written.clone().find(|g| !list.contains(&g.name)) {
+        let message = format!(
+            "{} is given beside {}: expected one or the other for {}",
+            other.name, list[0], group.what
+        );
+        problems.add(other.text.span(), message);
+        return true;
+    }
+    let about = |name: &&str| match topology.hardpoint(name) {
+        Some(hardpoint) => format!("{name} ({})", hardpoint.about),
+        None => (*name).to_owned(),
+    };
+    let missing: Vec<_> = list
+        .iter()
+        .filter(|name| !is_given(name))
+        .map(about)
+        .collect();
+    if missing.is_empty() {
+        return false;
+    }
+    let first = written.min_by_key(|g| g.text.span().start);
+    let first = first.expect("something of the list is given");
+    let message = format!("missing for {}: {}", group.what, missing.join(", "));
+    let error = problems.add(first.text.span(), message);
+    error.help(format!("{} may be left out as a whole", group.what));
+    true
+}
+
+/// What the ends of springs and rods stand on, where the study says it.
+fn bodies(
+    section: &file::Suspension,
+    mechanism: &mut Mechanism,
+    problems: &mut Problems,
+) -> Option<()> {
+    let mut sound = true;
+    for (text, body) in &section.bodies {
+        let name = text.get_ref();
+        let point = mechanism.point(name);
+        let possible = point.map_or(Vec::new(), |id| mechanism.possible_bodies(id));
+        match point {
+            Some(id) if !possible.is_empty() => match choose(body, "body", &possible, problems) {
+                Some(body) => mechanism.points[id.0].body = body,
+                None => sound = false,
+            },
+            Some(_) => {
+                sound = false;
+                let message = format!(
+                    "{name} sits where it does in every {}",
+                    mechanism.topology.name
+                );
+                let error = problems.add(text.span(), message);
+                error.help("the lower end of a spring and the outer ends of pushrod, pullrod and drop link may be put on a body");
+            }
+            None => {
+                sound = false;
+                let message = match mechanism.topology.hardpoint(name) {
+                    Some(absent) => format!("this study does not give {name} ({})", absent.about),
+                    None => format!("{} has no hardpoint {name:?}", mechanism.topology.name),
+                };
+                problems.add(text.span(), message);
+            }
+        }
+    }
+    sound.then_some(())
 }
 
 fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
@@ -210,13 +298,13 @@ fn extra_points(
     problems: &mut Problems,
 ) -> Option<()> {
     let mut sound = true;
-    let hardpoints = mechanism.topology.hardpoints;
+    let topology = mechanism.topology;
     for (text, extra) in &section.extra_points {
         let name = text.get_ref();
         let position = position(&extra.position, problems);
         let body = choose(&extra.body, "body", &mechanism.bodies, problems);
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        if hardpoints.iter().any(|h| h.name == name) {
+        if topology.hardpoint(name).is_some() {
             sound = false;
             let message = format!("{name:?} is the name of a hardpoint; expected another one");
             problems.add(text.span(), message);

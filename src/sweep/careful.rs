@@ -3,8 +3,8 @@
 use super::Stations;
 use super::evaluate::{Block, FailedStation, finite};
 use crate::characteristics::{Constants, Quantity, Slots, View};
-use crate::kinematics::{DesignFault, Lifted, MotionPoint, Pose, Solver};
-use crate::model::Suspension;
+use crate::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver, Toggles};
+use crate::model::{RockerId, Suspension};
 use crate::number::Vector3;
 use std::ops::ControlFlow;
 
@@ -15,6 +15,9 @@ pub(super) struct Careful<'a, const N: usize> {
     constants: Constants,
     /// What the quantities read.
     slots: Slots,
+    /// The rockers each quantity moves with.
+    rockers: Vec<Vec<RockerId>>,
+    toggles: Toggles,
     solver: Solver<'a>,
     lifted: Lifted<N>,
     with_slope: Lifted<2>,
@@ -31,12 +34,15 @@ impl<'a, const N: usize> Careful<'a, N> {
         let slots = quantities
             .iter()
             .fold(Slots::default(), |slots, q| slots.with(q.reads()));
+        let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
         let steering_axis = slots.contain_steering_axis();
         Ok(Careful {
             stations,
             quantities,
             constants: Constants::of(suspension),
             slots,
+            toggles: Toggles::of(mechanism, rockers.iter().flatten().copied()),
+            rockers,
             solver: Solver::new(mechanism, design)?,
             lifted: Lifted::new(mechanism, design).with_steering_axis(steering_axis),
             with_slope: Lifted::new(mechanism, design).with_steering_axis(steering_axis),
@@ -74,10 +80,13 @@ impl<'a, const N: usize> Careful<'a, N> {
             quantities,
             constants,
             slots,
+            rockers,
+            toggles,
             solver,
             lifted,
             with_slope,
         } = self;
+        toggles.forget();
         solver.prepare(design)?;
         lifted.prepare(solver.mechanism(), design);
         with_slope.prepare(solver.mechanism(), design);
@@ -94,22 +103,26 @@ impl<'a, const N: usize> Careful<'a, N> {
                 };
                 let read = |pose: &Pose<f64>| {
                     let at = solver.posture_series(lifted, pose, &motion.along_drive())?;
+                    let toggle = toggles.note(&at);
+                    let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
                     let view = View::reading(&at, *constants, *slots);
-                    for (k, quantity) in quantities.iter().enumerate() {
+                    for k in (0..quantities.len()).filter(free) {
+                        let quantity = &quantities[k];
                         let value = view.value(&at, *quantity)[0];
                         block.values[(first + k) * count + station] = finite(value);
                     }
                     if station == stations.design() {
                         let at = solver.posture_series(with_slope, pose, &motion.along_drive())?;
                         let view = View::reading(&at, *constants, *slots);
-                        for (k, quantity) in quantities.iter().enumerate() {
+                        for k in (0..quantities.len()).filter(free) {
+                            let quantity = &quantities[k];
                             if quantity.depth() == 0 {
                                 let slope = view.value(&at, *quantity).derivative(1);
                                 block.slopes[first + k] = finite(slope);
                             }
                         }
                     }
-                    Ok(())
+                    toggle.map_or(Ok(()), |rod| Err(Failure::Toggle(rod)))
                 };
                 if let Err(failure) = pose.and_then(read) {
                     block.failures.push(FailedStation {

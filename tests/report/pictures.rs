@@ -1,6 +1,7 @@
 //! The pictures.
 
 use super::*;
+use resvg::tiny_skia::Pixmap;
 
 #[test]
 fn there_is_one_for_each_output_and_an_overview() {
@@ -13,14 +14,16 @@ fn there_is_one_for_each_output_and_an_overview() {
     assert_eq!(
         names,
         [
-            "camber_deg.svg",
-            "caster_deg.svg",
-            "half_track_change_mm.svg",
-            "kingpin_inclination_deg.svg",
-            "overview.svg",
-            "scrub_radius_mm.svg",
-            "toe_deg.svg"
+            "camber_deg",
+            "caster_deg",
+            "half_track_change_mm",
+            "kingpin_inclination_deg",
+            "overview",
+            "scrub_radius_mm",
+            "toe_deg"
         ]
+        .map(|name| [format!("{name}.png"), format!("{name}.svg")])
+        .concat()
     );
     let overview = fs::read_to_string(run.plots().join("overview.svg")).unwrap();
     for part in [
@@ -60,9 +63,83 @@ fn a_failed_station_breaks_the_line() {
 #[test]
 fn names_are_text_and_stay_in_the_directory() {
     let run = hostile();
-    for file in fs::read_dir(run.plots()).unwrap() {
-        let picture = fs::read_to_string(file.unwrap().path()).unwrap();
+    let files: Vec<PathBuf> = fs::read_dir(run.plots())
+        .unwrap()
+        .map(|file| file.unwrap().path())
+        .collect();
+    let is = |kind: &'static str| files.iter().filter(move |f| f.extension().unwrap() == kind);
+    assert_eq!(is("svg").count(), is("png").count());
+    for file in is("svg") {
+        let picture = fs::read_to_string(file).unwrap();
         assert!(!picture.contains("<script") && !picture.contains("<img"));
+    }
+    for file in is("png") {
+        Pixmap::load_png(file).unwrap();
+    }
+}
+
+/// Red, green and blue of a pixel of a PNG, at a place of the SVG.
+fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
+    let pixel = png.pixel((2.0 * x) as u32, (2.0 * y) as u32).unwrap();
+    [pixel.red(), pixel.green(), pixel.blue()]
+}
+
+/// How many columns of pixels there are in a part of a PNG from the first with ink to the last.
+fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
+    let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
+    let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));
+    let columns: Vec<u32> = (across[0]..across[1]).filter(inked).collect();
+    match (columns.first(), columns.last()) {
+        (Some(first), Some(last)) => last + 1 - first,
+        _ => 0,
+    }
+}
+
+/// The pixels are the SVG's: twice its size, white, its curve where it is in the SVG and of its colour;
+/// and there are letters, as many as the words have.
+#[test]
+fn the_png_shows_what_the_svg_does() {
+    let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
+    let png = |name: &str| Pixmap::load_png(run.plots().join(format!("{name}.png"))).unwrap();
+    let overview = png("overview");
+    assert_eq!((overview.width(), overview.height()), (1600, 940));
+    let camber = png("camber_deg");
+    assert_eq!((camber.width(), camber.height()), (800, 940));
+    assert_eq!(colour(&camber, [200.0, 10.0]), [255, 255, 255]);
+    let corner = camber.pixel(0, 0).unwrap();
+    assert_eq!(corner.alpha(), 0, "the corners are round");
+    let svg = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
+    let curve = svg.lines().find_map(|line| {
+        let path = line.strip_prefix("<path class=\"main\" d=\"M")?;
+        path.strip_suffix("\"/>").filter(|path| path.contains('L'))
+    });
+    let mut places = 0;
+    for place in curve.unwrap().split('L') {
+        let place: Vec<f64> = place.split(' ').map(|n| n.parse().unwrap()).collect();
+        assert_eq!(colour(&camber, [place[0], place[1]]), [0x0b, 0x63, 0xc5]);
+        places += 1;
+    }
+    assert_eq!(places, 41);
+    // The title of the axis below the plot, and that beside it, which runs up.
+    let below = |png: &Pixmap| width_of_ink(png, [128, 768], [890, 930]);
+    let kingpin = png("kingpin_inclination_deg");
+    // As wide as their letters: 10 and 23 of them, 24 pixels high.
+    let widths = [below(&camber), below(&kingpin)];
+    assert!((110..150).contains(&widths[0]), "{widths:?}");
+    assert!((230..290).contains(&widths[1]), "{widths:?}");
+    let beside = width_of_ink(&camber, [4, 44], [300, 640]);
+    assert!((10..32).contains(&beside), "{beside}");
+}
+
+/// The same numbers make the same bytes.
+#[test]
+fn pictures_are_made_alike() {
+    let solve = || Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]);
+    let (a, b) = (solve(), solve());
+    for file in fs::read_dir(a.plots()).unwrap() {
+        let name = file.unwrap().file_name();
+        let read = |run: &Run| fs::read(run.plots().join(&name)).unwrap();
+        assert!(read(&a) == read(&b), "{name:?}");
     }
 }
 

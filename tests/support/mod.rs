@@ -3,12 +3,14 @@
 
 pub mod quadratics;
 pub mod random;
+pub mod small_steps;
 
+use hardpoint::characteristics::{Characteristic, Quantity, View};
 use hardpoint::kinematics::{March, Solver};
 use hardpoint::model::{
     Axis, Body, Drive, Frame, FrameConvention, Mechanism, Point, PointId, Side, Topology,
 };
-use hardpoint::number::Vector3;
+use hardpoint::number::{Jet, Vector3};
 use serde_json::Value;
 
 /// A number that is stored as a decimal string.
@@ -51,9 +53,19 @@ pub struct Case {
 }
 
 impl Case {
+    /// One of `tests/data/reference`.
     pub fn read(name: &str) -> Case {
+        Case::of("reference", name)
+    }
+
+    /// One of `tests/data/own`.
+    pub fn own(name: &str) -> Case {
+        Case::of("own", name)
+    }
+
+    fn of(folder: &str, name: &str) -> Case {
         let path = format!(
-            "{}/tests/data/reference/{name}.json",
+            "{}/tests/data/{folder}/{name}.json",
             env!("CARGO_MANIFEST_DIR")
         );
         let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
@@ -152,3 +164,74 @@ impl Worst {
 }
 
 pub const AXES: [Axis; 3] = Axis::ALL;
+
+/// Names of the reference's angles.
+pub const ANGLES: [(&str, Characteristic); 4] = [
+    ("camber", Characteristic::Camber),
+    ("toe", Characteristic::Toe),
+    ("kpi", Characteristic::KingpinInclination),
+    ("caster", Characteristic::Caster),
+];
+
+/// The largest errors of the sensitivities of value, first and second derivative in a state, relative to
+/// the largest of their kind: of all points, or of all angles.
+pub fn sensitivity_errors(
+    case: &Case,
+    state: &Value,
+    sign: f64,
+    view: &View<3>,
+    linearised: &hardpoint::kinematics::Linearised<'_, 3>,
+) -> [Worst; 3] {
+    let mut errors = [Worst::default(); 3];
+    let sens = &state["sens"];
+    let list = |key: &str| -> Vec<String> {
+        let names = sens[key].as_array().unwrap().iter();
+        names.map(|v| v.as_str().unwrap().to_owned()).collect()
+    };
+    let (params, outputs) = (list("params"), list("outputs"));
+    let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); case.design.len()];
+    for points in [true, false] {
+        // The largest of their kind: of all points, or of all angles, at this order.
+        let mut scale = [0.0_f64; 3];
+        let mut found = Vec::new();
+        for (column, output) in outputs.iter().enumerate() {
+            let (quantity, output_sign) = match output.split_once('.') {
+                Some((point, axis)) if points => {
+                    let axis = AXES.into_iter().find(|a| a.name() == axis).unwrap();
+                    (
+                        Quantity::Coordinate(case.point(point), axis),
+                        case.frame.sign(axis),
+                    )
+                }
+                None if !points => match ANGLES.iter().find(|(n, _)| n == output) {
+                    Some((_, c)) => (Quantity::Characteristic(*c), 1.0),
+                    None => continue,
+                },
+                _ => continue,
+            };
+            view.gradients(
+                linearised,
+                quantity,
+                2,
+                &mut buffer,
+                |order, PointId(p), gradient| {
+                    for axis in AXES {
+                        let param = format!("{}.{}", case.names[p], axis.name());
+                        let Some(row) = params.iter().position(|n| *n == param) else {
+                            continue;
+                        };
+                        let wanted = number(&sens[format!("d{order}")][row][column]);
+                        scale[order] = scale[order].max(wanted.abs());
+                        let flip = output_sign * case.frame.sign(axis) * sign.powi(order as i32);
+                        found.push((order, gradient.to_array()[axis as usize] * flip - wanted));
+                    }
+                },
+            );
+        }
+        assert!(found.len() > 100);
+        for (order, error) in found {
+            errors[order].note(error / scale[order]);
+        }
+    }
+    errors
+}

@@ -101,6 +101,27 @@ impl Quadratics<f64> {
         jacobian.lu()
     }
 
+    /// What Newton's method comes to from anywhere, if it settles: a pose to within rounding, or a
+    /// reflection.
+    pub fn solve_from(&self, start: Pose<f64>, travel: f64, rack: f64) -> Option<Pose<f64>> {
+        let mut pose = start;
+        for _ in 0..80 {
+            let lu = self.factorise(&pose, rack);
+            let step = lu.solve(&SVector::from(self.residuals(&pose, travel, rack)))?;
+            pose = apply(&pose, &step, |a, b| a - b);
+            if step.rows(3, 9).amax() < 1e-12 {
+                return Some(pose);
+            }
+        }
+        None
+    }
+
+    /// The largest error of a rod's length, relative to it.
+    pub fn length_error(&self, pose: &Pose<f64>, rack: f64) -> f64 {
+        let error = |i: usize| (self.rod(i, pose, rack).norm() / self.rods[i].3.sqrt() - 1.0).abs();
+        (0..5).map(error).fold(0.0, f64::max)
+    }
+
     /// The pose reached from the design position by moving first the rack, then the wheel, in `steps`
     /// small steps each; `None` where Newton's method needs a jump.
     pub fn track(

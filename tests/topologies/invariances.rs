@@ -8,12 +8,36 @@ use hardpoint::kinematics::MotionPoint;
 use hardpoint::model::{Drive, Suspension};
 use hardpoint::number::{Jet, Vector3};
 
-const TOPOLOGIES: [&str; 4] = [
+const TOPOLOGIES: [&str; 5] = [
     "macpherson",
     "double_wishbone",
     "five_link",
     "semi_trailing_arm",
+    "double_wishbone_pushrod",
 ];
+
+/// How far points are scattered and wheels travel: a racing car's rocker is small, and goes no further.
+fn extent(name: &str) -> (f64, f64) {
+    match name {
+        "double_wishbone_pushrod" => (8.0, 30.0),
+        _ => (15.0, 60.0),
+    }
+}
+
+/// What a rocker moves, where there is one.
+fn of_rockers(suspension: &Suspension) -> impl Iterator<Item = C> {
+    let has_rockers = suspension.mechanism.spring_rocker().is_some()
+        && suspension.mechanism.anti_roll_bar().is_some();
+    [
+        C::SpringLength,
+        C::SpringInclination,
+        C::MotionRatio,
+        C::RockerAngle,
+        C::AntiRollBarAngle,
+    ]
+    .into_iter()
+    .filter(move |_| has_rockers)
+}
 
 fn readable(suspension: &Suspension) -> Vec<C> {
     let steered = suspension.mechanism.steering_axis.is_some();
@@ -29,6 +53,7 @@ fn readable(suspension: &Suspension) -> Vec<C> {
             .into_iter()
             .filter(|_| steered),
     )
+    .chain(of_rockers(suspension))
     .collect()
 }
 
@@ -42,7 +67,11 @@ fn compare(
 ) {
     for ((found, wanted), c) in found.iter().zip(wanted).zip(read) {
         let of_length = match c {
-            C::Camber => 0,
+            C::Camber
+            | C::SpringInclination
+            | C::MotionRatio
+            | C::RockerAngle
+            | C::AntiRollBarAngle => 0,
             C::CamberGain => -1,
             _ => 1,
         };
@@ -66,10 +95,11 @@ fn shift_and_scale() {
     for name in TOPOLOGIES {
         let suspension = template(name);
         let read = readable(&suspension);
+        let (scatter, reach) = extent(name);
         let mut random = Random(9);
         for _ in 0..20 {
-            let design = random.scattered(&suspension.design, 15.0);
-            let point = travel(60.0 * random.signed(), 10.0 * random.signed());
+            let design = random.scattered(&suspension.design, scatter);
+            let point = travel(reach * random.signed(), 10.0 * random.signed());
             let plain = characteristics(&suspension, &design, point, &read).unwrap();
             let by = random.vector(1000.0);
             let shifted: Vec<_> = design.iter().map(|p| *p + by).collect();
@@ -103,10 +133,12 @@ fn turn_about_the_vertical() {
                 .into_iter()
                 .filter(|_| steered && name != "five_link"),
         );
+        read.extend(of_rockers(&suspension));
+        let (scatter, reach) = extent(name);
         let mut random = Random(10);
         for _ in 0..20 {
-            let design = random.scattered(&suspension.design, 15.0);
-            let point = travel(60.0 * random.signed(), 0.0);
+            let design = random.scattered(&suspension.design, scatter);
+            let point = travel(reach * random.signed(), 0.0);
             let plain = characteristics(&suspension, &design, point, &read).unwrap();
             let (sine, cosine) = (0.5 * random.signed()).sin_cos();
             let turned: Vec<_> = design
@@ -125,9 +157,10 @@ fn turn_about_the_vertical() {
 fn mirror() {
     for name in TOPOLOGIES {
         let suspension = template(name);
+        let (scatter, reach) = extent(name);
         let mut random = Random(11);
         for i in 0..20 {
-            let design = random.scattered(&suspension.design, 15.0);
+            let design = random.scattered(&suspension.design, scatter);
             let mirrored: Vec<_> = design
                 .iter()
                 .map(|p| Vector3::new(-p.x, p.y, p.z))
@@ -136,15 +169,25 @@ fn mirror() {
             let point = match angle {
                 true => MotionPoint {
                     drive: Drive::ArmAngle,
-                    value: 0.15 * random.signed(),
+                    value: reach / 400.0 * random.signed(),
                     rack: 10.0 * random.signed(),
                 },
-                false => travel(60.0 * random.signed(), 10.0 * random.signed()),
+                false => travel(reach * random.signed(), 10.0 * random.signed()),
             };
-            let read = [C::Camber, C::Toe, C::HalfTrackChange, C::WheelbaseChange];
+            // Lengths and angles of rockers are those of the mirror image.
+            let signs = [
+                (C::Camber, 1.0),
+                (C::Toe, -1.0),
+                (C::HalfTrackChange, 1.0),
+                (C::WheelbaseChange, -1.0),
+            ];
+            let signs = signs
+                .into_iter()
+                .chain(of_rockers(&suspension).map(|c| (c, 1.0)));
+            let (read, signs): (Vec<_>, Vec<_>) = signs.unzip();
             let plain = characteristics(&suspension, &design, point, &read).unwrap();
             let found = characteristics(&suspension, &mirrored, point, &read).unwrap();
-            for ((a, b), sign) in plain.iter().zip(&found).zip([1.0, -1.0, 1.0, -1.0]) {
+            for ((a, b), sign) in plain.iter().zip(&found).zip(signs) {
                 let error = (a[0] - sign * b[0]).abs();
                 assert!(error < 1e-11, "{name}: {error:e}");
             }

@@ -8,6 +8,7 @@ mod five_link;
 mod general_closure;
 mod invariances;
 mod loads;
+mod rockers;
 mod semi_trailing_arm;
 mod truth;
 
@@ -20,12 +21,16 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use support::march_to;
 
-/// The suspension of a topology's own template.
-fn template(topology: &str) -> Suspension {
-    let topology = Topology::named(topology).unwrap();
-    Study::from_text(topology.name, topology.template, Path::new("."))
-        .unwrap_or_else(|e| panic!("{e:?}"))
-        .suspension
+/// The suspension of a topology's own template, or of the sample study of this name.
+fn template(name: &str) -> Suspension {
+    let study = match Topology::named(name) {
+        Some(topology) => Study::from_text(topology.name, topology.template, Path::new(".")),
+        None => {
+            let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+            Study::read(&studies.join(format!("{name}.toml")), &[])
+        }
+    };
+    study.unwrap_or_else(|e| panic!("{e:?}")).suspension
 }
 
 /// Solves one station and reads it.

@@ -8,9 +8,9 @@ use super::support::quadratics::{Quadratics, design_pose};
 use super::{at, travel};
 use hardpoint::characteristics::{Constants, Quantity, View};
 use hardpoint::kinematics::{Failure, Lifted, Pose};
-use hardpoint::model::{Axis, Mechanism, PointId};
+use hardpoint::model::{Axis, Body, Mechanism, PointId, Rocker};
 use hardpoint::number::DoubleDouble as Dd;
-use hardpoint::number::{Jet, Scalar, Vector3};
+use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
 use std::array::from_fn;
 
 const H: f64 = 1e-4;
@@ -107,16 +107,75 @@ pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) 
     )
 }
 
+/// Where a point is, with formulas other than the library's: points of arms by the triads of axis and joint,
+/// those of rockers by Newton's method on the length of the rod.
 pub fn place(
     mechanism: &Mechanism,
     design: &[Vector3<Dd>],
     pose: &Pose<Dd>,
     id: PointId,
 ) -> Vector3<Dd> {
-    pose.origin
-        + pose
-            .rotation
-            .apply(design[id.0] - design[mechanism.origin.0])
+    let point = design[id.0];
+    match mechanism.body(id) {
+        Body::Chassis => point,
+        Body::Knuckle => pose.origin + pose.rotation.apply(point - design[mechanism.origin.0]),
+        Body::Arm(arm) => {
+            let arm = mechanism.arms[arm.0];
+            let [front, rear] = [arm.front, arm.rear].map(|p| design[p.0]);
+            let triad = |joint: Vector3<Dd>| {
+                let along = (rear - front).normalised();
+                let across = along.cross(joint - front).normalised();
+                [along, across, along.cross(across)]
+            };
+            let before = triad(design[arm.outer.0]);
+            let now = triad(place(mechanism, design, pose, arm.outer));
+            let lever = point - front;
+            let turned = before.map(|axis| axis.dot(lever));
+            front + now[0] * turned[0] + now[1] * turned[1] + now[2] * turned[2]
+        }
+        Body::Rocker(rocker) => {
+            let rocker = mechanism.rocker(rocker);
+            let u = half_tangent(mechanism, design, pose, &rocker);
+            turn_about(design, &rocker, u, point)
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A point turned with a rocker, by the tangent of half the angle.
+fn turn_about(design: &[Vector3<Dd>], rocker: &Rocker, u: Dd, point: Vector3<Dd>) -> Vector3<Dd> {
+    let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
+    let half_turn = (second - first).normalised() * u;
+    first + Matrix3::identity(u).turned(half_turn).apply(point - first)
+}
+
+/// Tangent of half the angle of a rocker, from its design position, about the line from its first to its
+/// second point: Newton's method on |inner - outer|^2 = L^2 in small steps of the outer end's way there.
+pub fn half_tangent(
+    mechanism: &Mechanism,
+    design: &[Vector3<Dd>],
+    pose: &Pose<Dd>,
+    rocker: &Rocker,
+) -> Dd {
+    const STEPS: i32 = 8;
+    let [inner, outer] = [rocker.inner, rocker.outer].map(|p| design[p.0]);
+    let end = place(mechanism, design, pose, rocker.outer);
+    let length = (inner - outer).norm_squared();
+    let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
+    let axis = (second - first).normalised();
+    let mut u = Dd::from(0.0);
+    for step in 1..=STEPS {
+        let outer = outer + (end - outer) * reciprocal(f64::from(STEPS) / f64::from(step));
+        for _ in 0..10 {
+            let now = turn_about(design, rocker, u, inner);
+            let missed = (now - outer).norm_squared() - length;
+            // The angle's derivative by u is 2/(1 + u^2).
+            let by_angle = axis.cross(now - first).dot(now - outer) * Dd::from(2.0);
+            let one = Dd::from(1.0);
+            u = u - missed * (one + u * u) / (by_angle * Dd::from(2.0));
+        }
+    }
+    u
 }
 
 impl Errors {
@@ -161,6 +220,8 @@ impl Errors {
                 "toe_link_outer",
                 "wheel_centre",
                 "spindle_inner",
+                "spring_lower",
+                "drop_link_inner",
             ]
             .iter()
             .filter_map(|name| mechanism.point(name))

@@ -273,7 +273,7 @@ pub(super) fn measure(
     clock: &Clock,
 ) -> Result<Vec<Measurement>, Unmeasurable> {
     let mechanism = &subject.suspension.mechanism;
-    let is_hardpoint = |name: &str| mechanism.topology.hardpoints.iter().any(|h| h.name == name);
+    let is_hardpoint = |name: &str| mechanism.topology.hardpoint(name).is_some();
     let points: Vec<PointId> = (mechanism.points.iter().enumerate())
         .filter(|(_, p)| is_hardpoint(&p.name))
         .map(|(i, _)| PointId(i))

@@ -10,6 +10,7 @@ mod plot;
 mod poses;
 mod subject;
 
+pub(super) use poses::unchecked_and_checked;
 pub use subject::Subject;
 
 use super::{Clock, Timing, Unmeasurable};

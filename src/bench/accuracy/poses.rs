@@ -2,12 +2,14 @@
 
 use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
+use crate::bench::Job;
 use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
 use crate::kinematics::trial::{Equations, OneEquation, SixEquations, solve};
 use crate::kinematics::{March, Pose, PoseError, Posture, Solver, Work};
 use crate::model::{Drive, LengthUnit};
 use crate::number::{DoubleDouble, Vector3};
 use std::cell::{Cell, RefCell};
+use std::hint::black_box;
 use std::ops::ControlFlow;
 
 /// Where Newton's method starts at a station.
@@ -287,20 +289,69 @@ fn by_closed_form<T: Measured>(
     Some(way.measure(clock, Family::Pose, String::new(), setting))
 }
 
+/// The closed form alone, solved to rounding from predictions of third order with nothing looked at on the
+/// way, and the poses as the program finds them: what lies between is the cost of its checks.
+pub(in crate::bench) fn unchecked_and_checked<'s>(
+    subject: &'s Subject<'s>,
+) -> Result<Option<[Job<'s>; 2]>, Unmeasurable> {
+    let suspension = subject.suspension;
+    let items = subject.travels.len();
+    let mechanism = &suspension.mechanism;
+    let Some(equation) = OneEquation::new(mechanism, &suspension.design, subject.rack) else {
+        return Ok(None);
+    };
+    let tolerance = in_length_units(UNCHECKED, subject);
+    let way = Way::<f64, _>::new(subject, equation, Start::Predicted(3), tolerance);
+    let unchecked = move || {
+        let mut sum = 0.0;
+        way.run(|_, camber| sum += camber);
+        black_box(sum);
+    };
+    let march = March::through(&subject.travels);
+    let solver = RefCell::new(Solver::new(mechanism, &suspension.design)?);
+    let checked = move || {
+        let mut sum = 0.0;
+        let visited =
+            solver
+                .borrow_mut()
+                .march(Drive::Travel, &march, subject.rack, |_, _, pose| {
+                    sum += pose.map_or(f64::NAN, |pose| read(subject, pose));
+                    ControlFlow::Continue(())
+                });
+        visited.expect("the design was solved before");
+        black_box(sum);
+    };
+    Ok(Some([
+        Job {
+            items,
+            work: Box::new(unchecked),
+        },
+        Job {
+            items,
+            work: Box::new(checked),
+        },
+    ]))
+}
+
+/// What the equation is solved to, in metres: where the program, too, ends.
+const UNCHECKED: f64 = 1e-13;
+
+fn read(subject: &Subject<'_>, pose: &Pose<f64>) -> f64 {
+    camber(&Posture {
+        mechanism: &subject.suspension.mechanism,
+        design: &subject.suspension.design,
+        pose: *pose,
+        rack: subject.rack,
+        steering: None,
+    })
+}
+
 /// Poses as the program finds them, every check on the way included; first in full double precision,
 /// then with ever less asked for.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let march = March::through(&subject.travels);
-    let read = |pose: &Pose<f64>| {
-        camber(&Posture {
-            mechanism: &suspension.mechanism,
-            design: &suspension.design,
-            pose: *pose,
-            rack: subject.rack,
-            steering: None,
-        })
-    };
+    let read = |pose: &Pose<f64>| read(subject, pose);
     let mut found = Vec::new();
     for metres in [0.0, 1e-9, 1e-7, 1e-5, 1e-3] {
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;

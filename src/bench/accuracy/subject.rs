@@ -161,6 +161,8 @@ impl<'s> Subject<'s> {
                 matches!(mechanism.steering_axis, Some(SteeringAxis::Through { .. }))
             }
             Need::Spring => mechanism.spring.is_some(),
+            Need::Rocker => mechanism.spring_rocker().is_some(),
+            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
             Need::StrutUpper => mechanism.strut_upper().is_some(),
             Need::Wheelbase | Need::CgHeight | Need::BrakeShareFront => false,
         };

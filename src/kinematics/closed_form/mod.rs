@@ -23,13 +23,14 @@
 
 mod adjoint;
 mod circle;
+mod conditioning;
 mod roles;
 mod series;
 mod upper;
 mod velocity;
 
 pub(in crate::kinematics) use adjoint::Adjoint;
-use circle::Circle;
+pub(in crate::kinematics) use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;
 
@@ -299,11 +300,14 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The same design of a strut with the strut mounted the other way up (the mount below the foot), the
-    /// tie rod's end on the other side of its plane, or both: the other assemblies of the same lengths.
-    pub(super) fn assembled(&self, strut_inverted: bool, tie_rod_across: bool) -> Self {
+    /// The same design with its upper end on the other side (a strut the other way up, the mount below the
+    /// foot; or w of the other sign), the tie rod's end on the other side of its plane, or both: the other
+    /// assemblies of the same lengths.
+    pub(super) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
-        if strut_inverted {
+        if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
+            *side = -*side;
+        } else if upper_across {
             form.tie_by_u = -form.tie_by_u;
             let vectors = [&mut form.wheel_centre, &mut form.line];
             for vector in form.basis.iter_mut().chain(vectors) {
@@ -315,6 +319,15 @@ impl<T: Real> ClosedForm<T> {
             form.side = -form.side;
         }
         form
+    }
+
+    /// The same state by a better value of ga^2 G than it was formed with.
+    pub(super) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
+        State {
+            ga: self.side * (square / state.gram).sqrt(),
+            toggle_square: square,
+            ..state
+        }
     }
 
     /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
@@ -377,13 +390,12 @@ impl State<Jet<f64, 2>> {
 }
 
 impl<T: Real> State<T> {
-    /// What may not vanish on a path: distance from the tie rod's toggle (squared sine of the angle
-    /// between the steering arm and the plane through steering axis and rack joint, up to the cosine of
-    /// t against d), and of the upper end from where it can no longer be reached (the length of a strut
-    /// from the foot of the ball joint's perpendicular to the mount, or a lever of the upper arm).
+    /// What may not vanish on a path: distance from the tie rod's toggle (as a square), and of the upper end
+    /// from where it can no longer be reached (the length of a strut from the foot of the ball joint's
+    /// perpendicular to the mount, or a lever of the upper arm).
     #[inline]
     pub(super) fn margins(&self) -> [T; 2] {
-        [self.toggle_square / self.tie_squared, self.upper_margin]
+        [self.toggle_square, self.upper_margin]
     }
 
     /// The squares that the closed form divides by or takes the root of, each with what makes it the
@@ -396,6 +408,11 @@ impl<T: Real> State<T> {
             (self.gram, self.dd * self.gg),
             (self.e, self.dd * self.tie_squared),
         ]
+    }
+
+    /// ga^2 G
+    pub(super) fn toggle_square(&self) -> T {
+        self.toggle_square
     }
 
     /// The margin of the upper end (see [`State::margins`]).

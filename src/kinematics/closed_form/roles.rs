@@ -77,6 +77,24 @@ impl Roles {
         self.upper.end()
     }
 
+    /// The tie rod's inner and outer end.
+    pub(in crate::kinematics) fn tie_rod(&self) -> [PointId; 2] {
+        [self.tie_rod_inner, self.tie_rod_outer]
+    }
+
+    /// The line of a strut in the design position, in the direction its points give it.
+    pub(in crate::kinematics) fn strut_line(
+        &self,
+        design: &[Vector3<f64>],
+    ) -> Option<Vector3<f64>> {
+        match self.upper {
+            UpperRoles::Strut { top, lower, upper } => {
+                Some(design[upper.unwrap_or(top).0] - design[lower.0])
+            }
+            UpperRoles::Arm(_) => None,
+        }
+    }
+
     /// Whether the upper end is a strut's mount.
     pub(in crate::kinematics) fn is_strut(&self) -> bool {
         matches!(self.upper, UpperRoles::Strut { .. })

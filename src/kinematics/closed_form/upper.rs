@@ -132,6 +132,16 @@ impl<T: Real> Upper<T> {
         }
     }
 
+    /// The lever by which the upper end holds the knuckle against turning about the lower one: s of a
+    /// strut, |d| w/(|m| |a|) of an arm.
+    #[inline]
+    pub(super) fn lever(&self, state: &super::State<T>) -> T {
+        match self {
+            Upper::Strut { .. } => state.slide,
+            Upper::Arm { .. } => state.upper_margin * state.dd.sqrt(),
+        }
+    }
+
     /// What the upper end takes a square root of: of the strut's length, or of the arm's lever.
     pub(super) fn square(&self, ball_joint: Vector3<T>) -> T {
         match self {

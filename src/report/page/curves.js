@@ -43,7 +43,7 @@ const designTraces = (c, output, abscissa, design) => {
       line: { color: colour, width: isLast(design) ? 2.2 : 1.6, dash: isLast(design) ? 'solid' : 'dash' },
       opacity: 0.35 + (0.65 * number) / byRack.size,
     });
-    const failed = rows.filter(({ row }) => !['ok', 'ill_conditioned', 'unsupported'].includes(table.status[row]) && places[row] !== null);
+    const failed = rows.filter(({ row }) => !['ok', 'ill_conditioned', 'unsupported', 'toggle'].includes(table.status[row]) && places[row] !== null);
     if (failed.length) {
       const reason = ({ station }) => failures.find((f) => f.first <= station && station <= f.last).reason;
       traces.push({

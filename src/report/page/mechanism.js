@@ -38,7 +38,7 @@ const parts = [
       hovertemplate: '%{text}<br>%{x:.2f}, %{y:.2f}, %{z:.2f}',
     }),
   },
-  { at: (p) => lines(p, 'arm', 'link'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 5 } }) },
+  { at: (p) => lines(p, 'arm', 'link', 'rocker'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 5 } }) },
   { at: (p) => lines(p, 'strut', 'spring'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 9 } }) },
   { at: (p) => lines(p, 'knuckle'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 2 } }) },
   {

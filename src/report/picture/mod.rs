@@ -1,21 +1,26 @@
-//! Curves as pictures for documents: SVG, on a background of their own, the same bytes every time.
+//! Curves as pictures for documents, on a background of their own, the same bytes every time: SVG, and PNG
+//! at twice its size, which is the SVG drawn by `resvg` with its text as outlines.
 
+mod lettering;
 mod panel;
+mod raster;
 mod scale;
 
 use super::curve_table::CurveTable;
 use super::record::OutputRecord;
 use super::run::Run;
 use crate::curves::Status;
+use crate::model::Rod;
+use lettering::Lettering;
 use panel::{Band, Line, Look, Panel, SIZE};
 
-/// A picture and the name of its file.
+/// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// `camber_deg.svg`
     pub name: String,
-    /// The file.
-    pub svg: String,
+    /// What is in it.
+    pub contents: Vec<u8>,
 }
 
 /// The most panels of the overview.
@@ -28,17 +33,15 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 .target{stroke:#b45f06;stroke-width:1.3;stroke-dasharray:1 3}.band{fill:#f0cfa6;stroke:#f0cfa6;stroke-width:1}\
 .spot{fill:#b45f06}.failed{stroke:#b3261e;stroke-width:1.5}";
 
-/// A picture for each output, and `overview.svg` with those that have targets side by side (the first
-/// ones where none has).
+/// What outlines of letters need besides.
+const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}";
+
+/// A picture for each output, and `overview` with those that have targets side by side (the first
+/// ones where none has), each as SVG and as PNG.
 pub fn pictures(run: &Run) -> Vec<Picture> {
     let outputs = &run.record.outputs;
-    let mut pictures: Vec<Picture> = outputs
-        .iter()
-        .map(|output| Picture {
-            name: format!("{}.svg", file_name(&output.column)),
-            svg: sheet(&[panel(run, output)]),
-        })
-        .collect();
+    let named = |output: &OutputRecord| (file_name(&output.column), vec![panel(run, output)]);
+    let mut sheets: Vec<(String, Vec<Panel>)> = outputs.iter().map(named).collect();
     let has_target = |o: &&OutputRecord| run.record.targets.iter().any(|t| t.column == o.column);
     let mut chosen: Vec<&OutputRecord> = outputs.iter().filter(has_target).collect();
     if chosen.is_empty() {
@@ -47,24 +50,31 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let panels = chosen.into_iter().take(MOST_PANELS);
     let panels: Vec<Panel> = panels.map(|output| panel(run, output)).collect();
     if !panels.is_empty() {
-        pictures.push(Picture {
-            name: "overview.svg".to_owned(),
-            svg: sheet(&panels),
-        });
+        sheets.push(("overview".to_owned(), panels));
     }
-    pictures
+    let outlines = Lettering::outlines();
+    let drawn = |(name, panels): &(String, Vec<Panel>)| {
+        let svg = sheet(panels, STYLE, &Lettering::Text);
+        let png = raster::png(&sheet(panels, &[STYLE, LETTERS].concat(), &outlines));
+        let file = |kind: &str, contents| Picture {
+            name: format!("{name}.{kind}"),
+            contents,
+        };
+        [file("svg", svg.into_bytes()), file("png", png)]
+    };
+    sheets.iter().flat_map(drawn).collect()
 }
 
 /// Panels side by side.
-fn sheet(panels: &[Panel]) -> String {
+fn sheet(panels: &[Panel], style: &str, lettering: &Lettering) -> String {
     let [width, height] = [SIZE[0] * panels.len() as f64, SIZE[1]];
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\">\n<style>{STYLE}</style>\n<rect width=\"{width}\" height=\"{height}\" \
+         height=\"{height}\">\n<style>{style}</style>\n<rect width=\"{width}\" height=\"{height}\" \
          rx=\"6\" fill=\"#ffffff\"/>\n"
     );
     for (number, panel) in panels.iter().enumerate() {
-        svg += &panel.svg(number as f64 * SIZE[0]);
+        svg += &panel.svg(number as f64 * SIZE[0], lettering);
     }
     svg + "</svg>\n"
 }
@@ -153,7 +163,12 @@ fn file_name(column: &str) -> String {
     name.trim_start_matches('.').to_owned()
 }
 fn is_solved(status: &str) -> bool {
-    [Status::Ok, Status::IllConditioned, Status::Unsupported]
-        .map(|s| s.word())
-        .contains(&status)
+    [
+        Status::Ok,
+        Status::IllConditioned,
+        Status::Unsupported,
+        Status::Toggle(Rod::Pushrod),
+    ]
+    .map(|s| s.word())
+    .contains(&status)
 }

@@ -1,6 +1,7 @@
 //! One plot as SVG: curves over the motion, a target with its tolerance, and gaps where nothing was
 //! solved.
 
+use super::lettering::{Anchor, Lettering, Words};
 use super::scale::Scale;
 use std::fmt::Write;
 
@@ -57,7 +58,7 @@ pub struct Panel {
 
 impl Panel {
     /// The panel as an SVG group, moved to the right by `shift`.
-    pub fn svg(&self, shift: f64) -> String {
+    pub fn svg(&self, shift: f64, lettering: &Lettering) -> String {
         let [left, top, right, bottom] = PLOT;
         let points = || self.lines.iter().flat_map(|l| l.points.iter().flatten());
         let wanted = || self.bands.iter().flat_map(|b| &b.points);
@@ -83,7 +84,7 @@ impl Panel {
             false => [x.place(motion), y.place(value)],
         };
         let mut svg = format!("<g transform=\"translate({} 0)\">\n", number(shift));
-        self.axes(&mut svg, &x, &y);
+        self.axes(&mut svg, lettering, &x, &y);
         for band in &self.bands {
             band_svg(&mut svg, band, &place);
         }
@@ -113,55 +114,40 @@ impl Panel {
                 number(y - 3.0)
             );
         }
-        self.legend(&mut svg);
+        self.legend(&mut svg, lettering);
         svg + "</g>\n"
     }
 
-    fn axes(&self, svg: &mut String, x: &Scale, y: &Scale) {
+    fn axes(&self, svg: &mut String, lettering: &Lettering, x: &Scale, y: &Scale) {
         let [left, top, right, bottom] = PLOT;
         for (at, label) in x.ticks() {
-            let at = number(at);
-            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{at} {top}V{bottom}\"/>");
-            let _ = writeln!(
-                svg,
-                "<text x=\"{at}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
-                bottom + 18.0
-            );
+            let line = number(at);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{line} {top}V{bottom}\"/>");
+            let place = [at, bottom + 18.0];
+            lettering.write(svg, &Words::new(&label, place, Anchor::Middle));
+            svg.push('\n');
         }
         for (at, label) in y.ticks() {
-            let _ = writeln!(
-                svg,
-                "<path class=\"grid\" d=\"M{left} {}H{right}\"/>",
-                number(at)
-            );
-            let _ = writeln!(
-                svg,
-                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{label}</text>",
-                left - 8.0,
-                number(at + 4.0)
-            );
+            let line = number(at);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {line}H{right}\"/>");
+            let place = [left - 8.0, at + 4.0];
+            lettering.write(svg, &Words::new(&label, place, Anchor::End));
+            svg.push('\n');
         }
         let (below, beside) = match self.upright {
             true => (&self.value, &self.motion),
             false => (&self.motion, &self.value),
         };
-        let _ = writeln!(
-            svg,
-            "<text class=\"label\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-            (left + right) / 2.0,
-            bottom + 40.0,
-            text(below)
-        );
-        let middle = (top + bottom) / 2.0;
-        let _ = writeln!(
-            svg,
-            "<text class=\"label\" x=\"16\" y=\"{middle}\" text-anchor=\"middle\" \
-             transform=\"rotate(-90 16 {middle})\">{}</text>",
-            text(beside)
-        );
+        let [across, up] = [(left + right) / 2.0, (top + bottom) / 2.0];
+        let below = Words::new(below, [across, bottom + 40.0], Anchor::Middle).label();
+        let beside = Words::new(beside, [16.0, up], Anchor::Middle).label();
+        for words in [below, beside.upward()] {
+            lettering.write(svg, &words);
+            svg.push('\n');
+        }
     }
 
-    fn legend(&self, svg: &mut String) {
+    fn legend(&self, svg: &mut String, lettering: &Lettering) {
         let mut entries: Vec<(&str, &str)> = Vec::new();
         for line in &self.lines {
             if let Some(name) = &line.name {
@@ -180,12 +166,9 @@ impl Panel {
         }
         let mut at = PLOT[0];
         for (class, name) in entries {
-            let _ = writeln!(
-                svg,
-                "<path class=\"{class}\" d=\"M{at} 34h22\"/><text x=\"{}\" y=\"38\">{}</text>",
-                at + 28.0,
-                text(name)
-            );
+            let _ = write!(svg, "<path class=\"{class}\" d=\"M{at} 34h22\"/>");
+            lettering.write(svg, &Words::new(name, [at + 28.0, 38.0], Anchor::Start));
+            svg.push('\n');
             at += 44.0 + 7.0 * name.chars().count() as f64;
         }
     }
@@ -229,13 +212,7 @@ fn path(svg: &mut String, class: &str, points: impl Iterator<Item = [f64; 2]>, c
 }
 
 /// A length on the picture: tenths are more than enough, and hide the last digits of the platform.
-fn number(length: f64) -> String {
+pub fn number(length: f64) -> String {
     let text = format!("{:.1}", (length * 10.0).round() / 10.0 + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
-}
-
-/// Text in SVG.
-pub fn text(plain: &str) -> String {
-    let plain = plain.replace('&', "&amp;");
-    plain.replace('<', "&lt;").replace('>', "&gt;")
 }

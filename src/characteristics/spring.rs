@@ -1,0 +1,118 @@
+//! Spring, rocker and anti-roll bar.
+//!
+//! l the length of spring or strut, s from its lower to its upper end, W the wheel centre; primes are
+//! derivatives by the drive.
+
+use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use crate::number::Real;
+
+const INSTALLATION: &str = "installation ratio in W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 16";
+
+/// Spring compression per wheel travel.
+pub(super) struct MotionRatio;
+impl Formula for MotionRatio {
+    const INFO: Info = Info {
+        name: "motion_ratio",
+        unit: Unit::Ratio,
+        positive: "spring shortens in jounce",
+        formula: "-l'/W_z', l the length of spring or strut: spring travel per wheel travel (not its inverse)",
+        source: INSTALLATION,
+        reads: &[Slot::SpringLengthRate, Slot::CentreRate],
+        needs: &[Need::Spring],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        -(inputs.rate.spring_length / inputs.rate.centre.z)
+    }
+}
+
+/// Distance of the spring's ends.
+pub(super) struct SpringLength;
+impl Formula for SpringLength {
+    const INFO: Info = Info {
+        name: "spring_length",
+        unit: Unit::Length,
+        positive: "always",
+        formula: "l, the distance of the ends of spring or strut",
+        source: "the distance of two hardpoints; of a strut from strut_lower to strut_top",
+        reads: &[Slot::SpringLength],
+        needs: &[Need::Spring],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.now.spring_length
+    }
+}
+
+/// Angle of the spring from the vertical. It has no derivatives where the spring is upright.
+pub(super) struct SpringInclination;
+impl Formula for SpringInclination {
+    const INFO: Info = Info {
+        name: "spring_inclination",
+        unit: Unit::Angle,
+        positive: "always: 0 upright, 90 degrees level, 180 with the upper end below",
+        formula: "atan2(hypot(s_x, s_y), s_z), s from the lower to the upper end of spring or strut",
+        source: "the angle of a line with the vertical",
+        reads: &[Slot::Spring],
+        needs: &[Need::Spring],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        let s = inputs.now.spring;
+        (s.x * s.x + s.y * s.y).sqrt().atan2(s.z)
+    }
+}
+
+/// Angle of the spring's rocker from its design position.
+pub(super) struct RockerAngle;
+impl Formula for RockerAngle {
+    const INFO: Info = Info {
+        name: "rocker_angle",
+        unit: Unit::Angle,
+        positive: "pushrod pushes, or pullrod pulls, the rocker from its design position",
+        formula: "turn of the rocker about its axis from its design position",
+        source: "closed form of the loop of rod and rocker",
+        reads: &[Slot::RockerAngle],
+        needs: &[Need::Rocker],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.now.rocker_angle
+    }
+}
+
+/// Angle of the anti-roll bar's lever from its design position.
+pub(super) struct AntiRollBarAngle;
+impl Formula for AntiRollBarAngle {
+    const INFO: Info = Info {
+        name: "anti_roll_bar_angle",
+        unit: Unit::Angle,
+        positive: "drop link pushes the lever from its design position",
+        formula: "b, the turn of the anti-roll bar's lever about the bar's axis from its design position",
+        source: "closed form of the loop of drop link and lever",
+        reads: &[Slot::BarAngle],
+        needs: &[Need::AntiRollBar],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.now.bar_angle
+    }
+}
+
+/// Turn of the anti-roll bar's lever per wheel travel.
+pub(super) struct AntiRollBarMotionRatio;
+impl Formula for AntiRollBarMotionRatio {
+    const INFO: Info = Info {
+        name: "anti_roll_bar_motion_ratio",
+        unit: Unit::AnglePerLength,
+        positive: "drop link pushes the lever in jounce",
+        formula: "b'/W_z', b the angle of the anti-roll bar: lever angle per wheel travel",
+        source: INSTALLATION,
+        reads: &[Slot::BarAngleRate, Slot::CentreRate],
+        needs: &[Need::AntiRollBar],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.rate.bar_angle / inputs.rate.centre.z
+    }
+}

@@ -1,0 +1,272 @@
+//! Rockers: what a rod turns about an axis in the body. The bell crank of a pushrod or pullrod is one,
+//! an anti-roll bar with its drop link another.
+//!
+//! Their hardpoints are groups that a topology offers beside its own; a study gives a group entire or not
+//! at all.
+
+use super::topology::{Group, optional};
+use super::{Body, Mechanism, PointId};
+use std::fmt;
+
+/// A rocker, by its place in [`Mechanism::rockers`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RockerId(pub usize);
+
+/// A body hinged about a line fixed in the vehicle and turned by a rod of fixed length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rocker {
+    /// The rod that turns it.
+    pub rod: Rod,
+    /// A chassis point of the axis.
+    pub first: PointId,
+    /// Another one.
+    pub second: PointId,
+    /// The rod's end on the rocker.
+    pub inner: PointId,
+    /// The rod's other end: on an arm, the knuckle or an earlier rocker.
+    pub outer: PointId,
+}
+
+/// What turns a rocker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rod {
+    /// Pushes the rocker of the spring in jounce.
+    Pushrod,
+    /// Pulls the rocker of the spring in jounce.
+    Pullrod,
+    /// Turns the lever of an anti-roll bar.
+    DropLink,
+}
+
+impl Rod {
+    /// What it turns.
+    pub fn turns(self) -> &'static str {
+        match self {
+            Rod::Pushrod | Rod::Pullrod => "the rocker",
+            Rod::DropLink => "the anti-roll bar",
+        }
+    }
+}
+
+impl fmt::Display for Rod {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Rod::Pushrod => "pushrod",
+            Rod::Pullrod => "pullrod",
+            Rod::DropLink => "drop link",
+        })
+    }
+}
+
+const NO_PUSHROD: &str = "the pushrod would have no length";
+const NO_PULLROD: &str = "the pullrod would have no length";
+const NO_DROP_LINK: &str = "the drop link would have no length";
+const PUSHROD: [&str; 4] = [
+    "pushrod_outer",
+    "pushrod_inner",
+    "rocker_pivot_front",
+    "rocker_pivot_rear",
+];
+const PULLROD: [&str; 4] = [
+    "pullrod_outer",
+    "pullrod_inner",
+    "rocker_pivot_front",
+    "rocker_pivot_rear",
+];
+const DROP_LINK: [&str; 4] = [
+    "drop_link_outer",
+    "drop_link_inner",
+    "anti_roll_bar_inner",
+    "anti_roll_bar_outer",
+];
+
+/// A rocker with its pushrod or pullrod; the spring then stands on it.
+pub(super) static ROCKER: Group = Group {
+    what: "the rocker",
+    hardpoints: &[
+        optional("pushrod_outer", "pushrod at the suspension"),
+        optional("pushrod_inner", "pushrod at the rocker"),
+        optional("pullrod_outer", "pullrod at the suspension"),
+        optional("pullrod_inner", "pullrod at the rocker"),
+        optional(
+            "rocker_pivot_front",
+            "front point of the rocker's axis on the body",
+        ),
+        optional(
+            "rocker_pivot_rear",
+            "rear point of the rocker's axis on the body",
+        ),
+    ],
+    complete: &[&PUSHROD, &PULLROD],
+    distinct: &[
+        (
+            "rocker_pivot_front",
+            "rocker_pivot_rear",
+            "they define the axis of the rocker",
+        ),
+        ("pushrod_outer", "pushrod_inner", NO_PUSHROD),
+        ("pullrod_outer", "pullrod_inner", NO_PULLROD),
+    ],
+};
+
+/// An anti-roll bar with its drop link.
+pub(super) static ANTI_ROLL_BAR: Group = Group {
+    what: "the anti-roll bar",
+    hardpoints: &[
+        optional("drop_link_outer", "drop link at the suspension"),
+        optional("drop_link_inner", "drop link at the anti-roll bar's lever"),
+        optional(
+            "anti_roll_bar_inner",
+            "inboard point of the anti-roll bar's axis",
+        ),
+        optional(
+            "anti_roll_bar_outer",
+            "outboard point of the anti-roll bar's axis",
+        ),
+    ],
+    complete: &[&DROP_LINK],
+    distinct: &[
+        (
+            "anti_roll_bar_inner",
+            "anti_roll_bar_outer",
+            "they define the axis of the anti-roll bar",
+        ),
+        ("drop_link_outer", "drop_link_inner", NO_DROP_LINK),
+    ],
+};
+
+/// What the rods stand on where a study does not say otherwise.
+#[derive(Clone, Copy)]
+pub(super) struct Carriers {
+    pub pushrod: Body,
+    pub pullrod: Body,
+    pub drop_link: Body,
+    /// Without a rocker.
+    pub spring: Body,
+}
+
+impl Carriers {
+    /// All of them on one body.
+    pub const fn all(body: Body) -> Self {
+        Carriers {
+            pushrod: body,
+            pullrod: body,
+            drop_link: body,
+            spring: body,
+        }
+    }
+
+    /// The body of a hardpoint of spring, rocker and anti-roll bar; `None` of another one.
+    pub fn body(self, name: &str, given: &[&str]) -> Option<Body> {
+        let has_rocker = given.contains(&"rocker_pivot_front");
+        Some(match name {
+            "pushrod_outer" => self.pushrod,
+            "pullrod_outer" => self.pullrod,
+            "drop_link_outer" => self.drop_link,
+            "pushrod_inner" | "pullrod_inner" => Body::Rocker(RockerId(0)),
+            "drop_link_inner" => Body::Rocker(RockerId(usize::from(has_rocker))),
+            "spring_lower" if has_rocker => Body::Rocker(RockerId(0)),
+            "spring_lower" => self.spring,
+            "rocker_pivot_front"
+            | "rocker_pivot_rear"
+            | "anti_roll_bar_inner"
+            | "anti_roll_bar_outer"
+            | "spring_upper" => Body::Chassis,
+            _ => return None,
+        })
+    }
+}
+
+/// The rockers whose hardpoints are given, the spring's first.
+pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
+    let rods = [
+        (Rod::Pushrod, PUSHROD),
+        (Rod::Pullrod, PULLROD),
+        (Rod::DropLink, DROP_LINK),
+    ];
+    let given = rods
+        .into_iter()
+        .filter_map(|(rod, [outer, inner, first, second])| {
+            Some(Rocker {
+                rod,
+                first: find(first)?,
+                second: find(second)?,
+                inner: find(inner)?,
+                outer: find(outer)?,
+            })
+        });
+    given.collect()
+}
+
+/// The rockers as bodies that a study may put points on.
+pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, Body)> {
+    rockers.iter().enumerate().map(|(number, rocker)| {
+        let name = match rocker.rod {
+            Rod::Pushrod | Rod::Pullrod => "rocker",
+            Rod::DropLink => "anti_roll_bar",
+        };
+        (name, Body::Rocker(RockerId(number)))
+    })
+}
+
+impl Mechanism {
+    /// The rocker with this number.
+    #[inline]
+    pub fn rocker(&self, id: RockerId) -> Rocker {
+        self.rockers[id.0]
+    }
+
+    /// The rocker that a pushrod or pullrod turns.
+    #[inline]
+    pub fn spring_rocker(&self) -> Option<RockerId> {
+        let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
+        rods.position(|rod| rod != Rod::DropLink).map(RockerId)
+    }
+
+    /// The anti-roll bar, which a drop link turns.
+    #[inline]
+    pub fn anti_roll_bar(&self) -> Option<RockerId> {
+        let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
+        rods.position(|rod| rod == Rod::DropLink).map(RockerId)
+    }
+
+    /// The rockers a point moves with: the one it sits on, and the one whose motion turns that.
+    pub fn rockers_moving(&self, id: PointId) -> impl Iterator<Item = RockerId> + '_ {
+        let under = |id: PointId| match self.body(id) {
+            Body::Rocker(rocker) => Some(rocker),
+            _ => None,
+        };
+        std::iter::successors(under(id), move |rocker| under(self.rocker(*rocker).outer))
+    }
+
+    /// The point at which the spring acts on arm or knuckle: its own lower end, or where the rod of its rocker
+    /// stands.
+    pub fn spring_seat(&self) -> Option<PointId> {
+        let lower = self.spring?.lower;
+        let last = self.rockers_moving(lower).last();
+        Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
+    }
+
+    /// The body the rod of a rocker stands on, in words.
+    pub fn seat(&self, rocker: &Rocker) -> String {
+        let body = self.body(rocker.outer);
+        let found = self.bodies.iter().find(|(_, known)| *known == body);
+        found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
+    }
+
+    /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
+    /// the study's choice. Empty for every other hardpoint.
+    pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
+        let turns = self.rockers.iter().position(|rocker| rocker.outer == id);
+        let is_spring =
+            self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";
+        let allowed = |body: Body| match (body, turns) {
+            (Body::Chassis | Body::Rack, _) => false,
+            (Body::Rocker(rocker), Some(turned)) => rocker.0 < turned,
+            (Body::Rocker(rocker), None) => Some(rocker) == self.spring_rocker(),
+            _ => true,
+        };
+        let bodies = self.bodies.iter().filter(|_| turns.is_some() || is_spring);
+        bodies.copied().filter(|(_, body)| allowed(*body)).collect()
+    }
+}

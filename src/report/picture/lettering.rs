@@ -1,0 +1,189 @@
+//! Words on a picture: as text, which an SVG leaves to the reader's fonts, or as outlines.
+//!
+//! A PNG must not depend on the fonts of a machine, which may have none. Its letters are those of DejaVu
+//! Sans, whose licence (Bitstream Vera's) is permissive, from a crate that carries nothing else; most
+//! other fonts that crates carry are under the Open Font License, or belong to somebody's user interface.
+//! They are drawn as paths before `resvg` sees the picture. `resvg` has text of its own, with shaping and
+//! right-to-left scripts, at three times its compile time and a dozen more crates: labels of axes and
+//! names of designs do not need it. What the font lacks is drawn as its box.
+
+use super::panel::number;
+use std::fmt::Write;
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+/// How words are written.
+pub enum Lettering {
+    /// As text.
+    Text,
+    /// As outlines of a font.
+    Outlines(Box<Face<'static>>),
+}
+
+/// Which part of words is at their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Their left end.
+    Start,
+    /// Their middle.
+    Middle,
+    /// Their right end.
+    End,
+}
+
+/// Words at a place.
+pub struct Words<'a> {
+    text: &'a str,
+    at: [f64; 2],
+    anchor: Anchor,
+    label: bool,
+    upward: bool,
+}
+
+impl<'a> Words<'a> {
+    /// Small words along the horizontal, their baseline at this height.
+    pub fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
+        Words {
+            text,
+            at,
+            anchor,
+            label: false,
+            upward: false,
+        }
+    }
+
+    /// The same as a label of an axis: larger.
+    pub fn label(mut self) -> Self {
+        self.label = true;
+        self
+    }
+
+    /// The same from below to above.
+    pub fn upward(mut self) -> Self {
+        self.upward = true;
+        self
+    }
+}
+
+/// A size of letters at which DejaVu Sans, whose letters are large for their size, looks like the fonts
+/// that an SVG is shown with.
+const OUTLINE_SHARE: f64 = 0.92;
+/// The sizes of the style.
+const SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 13.0;
+
+impl Lettering {
+    /// Letters as outlines.
+    pub fn outlines() -> Self {
+        let face = Face::parse(dejavu::sans::regular(), 0);
+        Lettering::Outlines(Box::new(face.expect("the crate carries a font")))
+    }
+
+    /// Adds words to a picture.
+    pub fn write(&self, svg: &mut String, words: &Words) {
+        match self {
+            Lettering::Text => write_text(svg, words),
+            Lettering::Outlines(face) => write_outlines(svg, words, face),
+        }
+    }
+}
+
+fn write_text(svg: &mut String, words: &Words) {
+    let [x, y] = words.at.map(number);
+    let class = if words.label { " class=\"label\"" } else { "" };
+    let anchor = match words.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => " text-anchor=\"middle\"",
+        Anchor::End => " text-anchor=\"end\"",
+    };
+    let turned = match words.upward {
+        true => format!(" transform=\"rotate(-90 {x} {y})\""),
+        false => String::new(),
+    };
+    let text = text(words.text);
+    let _ = write!(
+        svg,
+        "<text{class} x=\"{x}\" y=\"{y}\"{anchor}{turned}>{text}</text>"
+    );
+}
+
+fn write_outlines(svg: &mut String, words: &Words, face: &Face) {
+    let size = if words.label { LABEL_SIZE } else { SIZE };
+    let scale = OUTLINE_SHARE * size / f64::from(face.units_per_em());
+    let mut path = Outline::default();
+    for letter in words.text.chars() {
+        let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
+        face.outline_glyph(glyph, &mut path);
+        path.pen += i32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+    }
+    let before = match words.anchor {
+        Anchor::Start => 0,
+        Anchor::Middle => path.pen / 2,
+        Anchor::End => path.pen,
+    };
+    let [x, y] = words.at.map(number);
+    let turned = if words.upward { " rotate(-90)" } else { "" };
+    let class = if words.label {
+        "letters label"
+    } else {
+        "letters"
+    };
+    let _ = write!(
+        svg,
+        "<path class=\"{class}\" transform=\"translate({x} {y}){turned} scale({scale:.6} {:.6}) \
+         translate({} 0)\" d=\"{}\"/>",
+        -scale, -before, path.commands
+    );
+}
+
+/// The outline of some letters as commands of a path, in the font's units (y up).
+#[derive(Default)]
+struct Outline {
+    commands: String,
+    /// Where the next letter begins.
+    pen: i32,
+}
+
+impl Outline {
+    fn add<const N: usize>(&mut self, command: char, places: [[f32; 2]; N]) {
+        self.commands.push(command);
+        for [x, y] in places {
+            // Whole numbers but in scaled parts of glyphs, where the fraction does not matter.
+            let _ = write!(
+                self.commands,
+                "{} {} ",
+                x.round() as i32 + self.pen,
+                y.round()
+            );
+        }
+    }
+}
+
+impl OutlineBuilder for Outline {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.add('M', [[x, y]]);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.add('L', [[x, y]]);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.add('Q', [[x1, y1], [x, y]]);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.add('C', [[x1, y1], [x2, y2], [x, y]]);
+    }
+
+    fn close(&mut self) {
+        self.commands.push('Z');
+    }
+}
+
+/// Text in SVG, which cannot hold control characters in any spelling.
+fn text(plain: &str) -> String {
+    let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let plain: String = plain.chars().map(shown).collect();
+    let plain = plain.replace('&', "&amp;");
+    plain.replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -1,0 +1,21 @@
+//! A picture as pixels.
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree};
+
+/// Pixels for each unit of length of the SVG.
+const SCALE: f32 = 2.0;
+
+/// A picture without text as PNG.
+///
+/// # Panics
+/// If it is no SVG or has no size: what this program draws has both.
+pub fn png(svg: &str) -> Vec<u8> {
+    let tree = Tree::from_str(svg, &Options::default()).expect("the program's own SVG");
+    let size = tree.size().to_int_size().scale_by(SCALE);
+    let size = size.expect("the size of a few panels");
+    let mut pixels = Pixmap::new(size.width(), size.height()).expect("a few megabytes of memory");
+    let scale = Transform::from_scale(SCALE, SCALE);
+    resvg::render(&tree, scale, &mut pixels.as_mut());
+    pixels.encode_png().expect("memory takes everything")
+}

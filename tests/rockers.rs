@@ -1,0 +1,562 @@
+//! Studies with rockers as a user meets them: where they end, what is computed, what is refused.
+
+use assert_cmd::Command;
+use hardpoint::curves::{Curves, Status, curves};
+use hardpoint::kinematics::Solver;
+use hardpoint::model::Rod;
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::report::{CurveTable, curves_csv, remarks, sensitivities_csv};
+use hardpoint::study::{Study, StudyErrors};
+use std::fs;
+use std::path::Path;
+
+fn sample() -> String {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    fs::read_to_string(studies.join("double_wishbone_pushrod.toml")).unwrap()
+}
+
+fn read(text: &str) -> Result<Study, StudyErrors> {
+    Study::from_text("study.toml", text, Path::new("."))
+}
+
+/// The sample with some of its lines replaced, each by the start of the line.
+fn with_lines(lines: &[(&str, &str)]) -> String {
+    let sample = sample();
+    for (start, _) in lines {
+        let count = sample.lines().filter(|l| l.starts_with(start)).count();
+        assert_eq!(count, 1, "{start}");
+    }
+    let replaced = sample.lines().map(|line| {
+        let found = lines.iter().find(|(start, _)| line.starts_with(start));
+        found.map_or(line, |(_, line)| *line)
+    });
+    replaced.collect::<Vec<_>>().join("\n")
+}
+
+fn run(text: &str) -> (Study, Curves, CurveTable) {
+    let study = read(text).unwrap_or_else(|e| panic!("{e}"));
+    let plan = Plan::of(&study);
+    let found = curves(&study.suspension, &plan).unwrap();
+    let csv = curves_csv(&found, &plan, study.suspension.length_unit);
+    (study, found, CurveTable::read(&csv).unwrap())
+}
+
+/// A rocker whose lever is a quarter of a right angle from its toggle in the design position.
+const NEAR_TOGGLE: (&str, &str) = ("pushrod_inner ", "pushrod_inner = [0.0, 185.0, 486.0]");
+const FAR: (&str, &str) = ("travel", "travel = { from = -60.0, to = 60.0, steps = 61 }");
+const OUTPUTS: (&str, &str) = (
+    "characteristics",
+    "characteristics = [\"motion_ratio\", \"rocker_angle\", \"camber\"]",
+);
+const POINTS: (&str, &str) = (
+    "points",
+    "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
+);
+
+/// The rod fits where its length lies between the least and the largest distance from its outer end to the
+/// circle of its inner one. Beyond, the wheel still has a pose; what the rocker moves has no values.
+#[test]
+fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
+    let (study, found, table) = run(&with_lines(&[NEAR_TOGGLE, FAR, OUTPUTS, POINTS]));
+    let design = |name: &str| {
+        let id = study.suspension.mechanism.point(name).unwrap();
+        study.suspension.design[id.0]
+    };
+    let [first, second, inner] =
+        ["rocker_pivot_front", "rocker_pivot_rear", "pushrod_inner"].map(design);
+    let axis = (second - first).normalised();
+    let split = |p: Vector3<f64>| {
+        let along = axis.dot(p - first);
+        (along, (p - first - axis * along).norm())
+    };
+    let ((at, radius), rod) = (split(inner), (inner - design("pushrod_outer")).norm());
+    let outer =
+        ["x", "y", "z"].map(|axis| table.column(&format!("pushrod_outer_{axis}_mm")).unwrap());
+    let fits: Vec<bool> = (0..table.rows())
+        .map(|row| {
+            // The wheel carrier and the arms are solved everywhere.
+            let [x, y, z] = [0, 1, 2].map(|k| outer[k][row].unwrap());
+            let (along, across) = split(Vector3::new(x, y, z));
+            let reach = |radius: f64| (across + radius).hypot(along - at);
+            reach(radius) > rod && reach(-radius) < rod
+        })
+        .collect();
+    let stuck = fits.iter().filter(|fits| !**fits).count();
+    assert!((5..30).contains(&stuck), "{stuck} of {}", fits.len());
+    assert!(fits[30] && !fits[60] && fits[0]);
+    for (row, fits) in fits.iter().enumerate() {
+        let status = &found.stations[row].status;
+        match fits {
+            true => assert_eq!(*status, Status::Ok),
+            false => assert_eq!(*status, Status::Toggle(Rod::Pushrod)),
+        }
+        for (name, values) in table.header.iter().zip(&table.columns) {
+            let is_moved = ["motion_ratio", "rocker_angle", "spring_lower", "wheel_load"]
+                .iter()
+                .any(|stem| name.starts_with(stem));
+            assert_eq!(values[row].is_some(), *fits || !is_moved, "{name} at {row}");
+        }
+    }
+    assert_eq!((found.failed(), found.are_complete()), (0, false));
+
+    let said = remarks(&study, &found).join("\n");
+    for phrase in [
+        "pushrod is at toggle",
+        &format!("{stuck} stations"),
+        "the rocker no further",
+    ] {
+        assert!(said.contains(phrase), "{said}");
+    }
+    // Sensitivities likewise: empty, never NaN.
+    let plan = Plan::of(&study);
+    let length = study.suspension.length_unit;
+    let csv = sensitivities_csv(&found, &plan, &study.suspension.mechanism, length);
+    let csv = String::from_utf8(csv).unwrap();
+    assert!(!csv.contains("NaN") && !csv.contains("inf"));
+    let last: Vec<&str> = csv.lines().filter(|l| l.starts_with("60.0,")).collect();
+    for line in &last {
+        let value = line.split(',').nth(5).unwrap();
+        let is_moved = !line.contains(",camber,") && !line.contains(",pushrod_outer");
+        assert_eq!(value.is_empty(), is_moved, "{line}");
+    }
+    assert!(last.len() > 10);
+
+    // Without an output that reads it the rocker is in nobody's way.
+    let blind = ("characteristics", "characteristics = [\"camber\"]");
+    let none = ("loads", "");
+    let (_, found, _) = run(&with_lines(&[
+        NEAR_TOGGLE,
+        FAR,
+        blind,
+        ("points", ""),
+        none,
+    ]));
+    assert!(found.are_complete());
+}
+
+/// In a plane, the distance of the rod's outer end from the rocker's pivot grows beyond what rod and lever
+/// reach and comes back: there the rod would fit again, but gets there only through the toggle.
+#[test]
+fn beyond_a_toggle_the_rocker_stays_where_it_is() {
+    let (hinge, pivot, outer) = ([0.0, 0.0], [253.7, 124.9], [-300.0, 20.0]);
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let (rod, lever, distance) = (502.2, 72.8, apart(outer, pivot));
+    // The inner end, from the three sides of the triangle.
+    let along = (distance * distance + rod * rod - lever * lever) / (2.0 * distance);
+    let height = (rod * rod - along * along).sqrt();
+    let unit = [0, 1].map(|k| (pivot[k] - outer[k]) / distance);
+    let inner = [
+        outer[0] + along * unit[0] - height * unit[1],
+        outer[1] + along * unit[1] + height * unit[0],
+    ];
+    let text = format!(
+        r#"[suspension]
+topology = "semi_trailing_arm"
+
+[suspension.hardpoints]
+arm_pivot_inner = [{0:?}, 0.0, {1:?}]
+arm_pivot_outer = [{0:?}, 300.0, {1:?}]
+wheel_centre = [-450.0, 400.0, -20.0]
+spindle_inner = [-450.0, 300.0, -20.0]
+pushrod_outer = [{2:?}, 50.0, {3:?}]
+pushrod_inner = [{4:?}, 50.0, {5:?}]
+rocker_pivot_front = [{6:?}, 0.0, {7:?}]
+rocker_pivot_rear = [{6:?}, 100.0, {7:?}]
+
+[motion]
+drive = "arm_angle"
+arm_angle = [-70.0, 5.0, -5.0, -12.0, -9.0, -55.0, -30.0, -45.0, 0.0]
+
+[outputs]
+characteristics = ["rocker_angle", "camber"]
+"#,
+        hinge[0], hinge[1], outer[0], outer[1], inner[0], inner[1], pivot[0], pivot[1]
+    );
+    let (_, found, _) = run(&text);
+    let mut passed = false;
+    let mut order: Vec<usize> = (0..found.stations.len()).collect();
+    let angle = |i: &usize| found.stations[*i].angle.unwrap();
+    order.sort_by(|a, b| angle(b).total_cmp(&angle(a)));
+    let mut fits_again = 0;
+    for i in order {
+        // Rising turns the arm, which lies rearward of its hinge, from -x towards +z.
+        let (sine, cosine) = angle(&i).to_radians().sin_cos();
+        let moved = [
+            cosine * outer[0] + sine * outer[1],
+            -sine * outer[0] + cosine * outer[1],
+        ];
+        let fits = apart(moved, pivot) < rod + lever;
+        passed |= !fits;
+        fits_again += usize::from(passed && fits);
+        let expected = match passed {
+            false => Status::Ok,
+            true => Status::Toggle(Rod::Pushrod),
+        };
+        assert_eq!(found.stations[i].status, expected, "{} deg", angle(&i));
+        assert_eq!(found.stations[i].values[0].is_some(), !passed);
+        assert!(found.stations[i].values[1].is_some());
+    }
+    assert!(fits_again >= 2);
+}
+
+/// Each rocker is on where something it moves is asked for, by name and line, and off elsewhere.
+#[test]
+fn rockers_are_computed_where_they_are_asked_for() {
+    let states = |characteristics: &str, more: &str| {
+        let outputs = format!("characteristics = {characteristics}\n{more}");
+        let text = with_lines(&[
+            ("characteristics", &outputs),
+            ("points", ""),
+            ("loads", ""),
+            ("order", ""),
+        ]);
+        let study = read(&text).unwrap_or_else(|e| panic!("{e}"));
+        let effects = Plan::of(&study).effects(&study);
+        ["rocker", "anti-roll bar", "rates"].map(|name| {
+            let effect = effects.iter().find(|e| e.name == name).unwrap();
+            assert_eq!(effect.on, effect.because.contains("(line"), "{effect:?}");
+            effect.on
+        })
+    };
+    assert_eq!(states("[\"camber\"]", ""), [false, false, false]);
+    assert_eq!(states("[\"spring_length\"]", ""), [true, false, false]);
+    assert_eq!(states("[\"motion_ratio\"]", ""), [true, false, true]);
+    assert_eq!(states("[\"rocker_angle\"]", ""), [true, false, false]);
+    // The drop link stands on the rocker.
+    assert_eq!(states("[\"anti_roll_bar_angle\"]", ""), [true, true, false]);
+    let points = "points = [\"pushrod_outer\"]";
+    assert_eq!(states("[\"camber\"]", points), [false, false, false]);
+    let points = "points = [\"drop_link_inner\"]";
+    assert_eq!(states("[\"camber\"]", points), [true, true, false]);
+    let load = "loads = [{ name = \"kerb\", at = \"wheel_centre\", force = [0, 0, 1] }]";
+    assert_eq!(states("[\"camber\"]", load), [true, false, false]);
+}
+
+/// A sweep finds what `solve` does, and says of designs with a toggle what stops them.
+#[test]
+fn sweeps_and_solves_agree() {
+    let directory = tempfile::tempdir().unwrap();
+    let sweep = "\n[sweep]\nmethod = \"grid\"\nvariables = [\n  { hardpoint = \"pushrod_inner\", axis = \"y\", \
+                 range = [185.0, 265.0], absolute = true, steps = 2 },\n]\n";
+    let text = with_lines(&[
+        ("travel", "travel = [-50.0, 0.0, 50.0]"),
+        ("loads", ""),
+        ("order", ""),
+        ("points", ""),
+    ]) + sweep;
+    // The first design is near its toggle, the second is the sample's own.
+    let text = text.replace("265.0,  455.0]", "265.0,  486.0]");
+    fs::write(directory.path().join("study.toml"), &text).unwrap();
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    command.current_dir(directory.path());
+    command
+        .args(["sweep", "study.toml", "--out", "run"])
+        .assert()
+        .code(1);
+    let mut reader = csv::Reader::from_path(directory.path().join("run/designs.csv")).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+    let cell = |row: usize, name: &str| {
+        let k = header.iter().position(|n| n == name).unwrap();
+        rows[row][k].to_owned()
+    };
+    assert_eq!(rows.len(), 2);
+    assert_eq!(cell(0, "status"), "toggle");
+    assert!(cell(0, "reason").contains("the pushrod is at toggle"));
+    assert_eq!(
+        (
+            cell(0, "failed_stations").as_str(),
+            cell(0, "failed_at_mm").as_str()
+        ),
+        ("1", "50.0")
+    );
+    assert!(cell(0, "motion_ratio_max").is_empty() && !cell(0, "camber_max_deg").is_empty());
+    assert!(!cell(0, "motion_ratio_design").is_empty());
+    assert_eq!(cell(1, "status"), "ok");
+
+    let (_, found, table) = run(&text);
+    assert!(found.are_complete());
+    for name in [
+        "motion_ratio",
+        "spring_length_mm",
+        "anti_roll_bar_angle_deg",
+        "camber_deg",
+    ] {
+        let values = table.column(name).unwrap().iter().flatten();
+        let largest = values.copied().fold(f64::NEG_INFINITY, f64::max);
+        let (stem, unit) = match name.rsplit_once('_').unwrap() {
+            (stem, unit @ ("mm" | "deg")) => (stem, format!("_{unit}")),
+            _ => (name, String::new()),
+        };
+        assert_eq!(
+            cell(1, &format!("{stem}_max{unit}")),
+            format!("{largest:?}"),
+            "{name}"
+        );
+    }
+}
+
+/// The sample tuning finds its curves.
+#[test]
+fn a_rocker_is_tuned_to_a_rising_rate() {
+    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_rocker.toml");
+    let directory = tempfile::tempdir().unwrap();
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    command
+        .current_dir(directory.path())
+        .arg("optimise")
+        .arg(study);
+    command.args(["--out", "run"]).assert().success();
+    let table =
+        CurveTable::read(&fs::read(directory.path().join("run/curves.csv")).unwrap()).unwrap();
+    let travel = table.column("travel_mm").unwrap();
+    let ratio = table.column("motion_ratio").unwrap();
+    for (travel, ratio) in travel.iter().zip(ratio) {
+        let wanted = 0.65 + 0.05 * travel.unwrap() / 30.0;
+        assert!((ratio.unwrap() - wanted).abs() < 0.005, "{travel:?}");
+    }
+}
+
+/// One edit of the sample, the line the message is about, and what it says.
+#[test]
+fn mistakes_are_named() {
+    let line = |start: &str| {
+        let sample = sample();
+        sample
+            .lines()
+            .find(|l| l.starts_with(start))
+            .unwrap()
+            .to_owned()
+    };
+    let pushrod_outer = line("pushrod_outer");
+    let pullrod =
+        pushrod_outer.replace("pushrod_outer     ", "pullrod_outer") + "\n" + &pushrod_outer;
+    for (start, becomes, on, phrases) in [
+        (
+            "rocker_pivot_rear",
+            "",
+            "pushrod_outer",
+            &[
+                "missing for the rocker: rocker_pivot_rear (rear point of the rocker's axis on the body)",
+                "left out as a whole",
+            ][..],
+        ),
+        (
+            "pushrod_inner",
+            "",
+            "pushrod_outer",
+            &["missing for the rocker: pushrod_inner (pushrod at the rocker)"],
+        ),
+        (
+            "pushrod_outer",
+            &pullrod,
+            "pullrod_outer",
+            &[
+                "pullrod_outer is given beside pushrod_outer: expected one or the other for the rocker",
+            ],
+        ),
+        (
+            "drop_link_inner",
+            "",
+            "drop_link_outer",
+            &["missing for the anti-roll bar: drop_link_inner"],
+        ),
+        (
+            "spring_upper",
+            "",
+            "spring_lower",
+            &["missing for the spring: spring_upper"],
+        ),
+        (
+            "rocker_pivot_rear",
+            "rocker_pivot_rear = [20.0, 205.0, 420.0]",
+            "rocker_pivot_rear",
+            &[
+                "rocker_pivot_rear coincides with rocker_pivot_front: they define the axis of the rocker",
+            ],
+        ),
+        (
+            "pushrod_inner",
+            "pushrod_inner = [0.0, 530.0, 155.0]",
+            "pushrod_inner",
+            &["the pushrod would have no length"],
+        ),
+        (
+            "pushrod_inner",
+            "pushrod_inner = [0.0, 205.0, 420.0]",
+            "pushrod_inner",
+            &[
+                "pushrod_inner is in line with rocker_pivot_front and rocker_pivot_rear: it could not turn the rocker",
+            ],
+        ),
+        // From the pivot straight towards the outer end.
+        (
+            "pushrod_inner",
+            "pushrod_inner = [0.0, 270.0, 367.0]",
+            "pushrod_inner",
+            &[
+                "the pushrod is at toggle in the design position: pushrod_outer, pushrod_inner and the axis from \
+               rocker_pivot_front to rocker_pivot_rear lie in one plane, so it cannot turn the rocker",
+            ],
+        ),
+        (
+            "drop_link_outer =",
+            "drop_link_outer = \"roker\"",
+            "drop_link_outer =",
+            &["unknown body \"roker\"", "rocker"],
+        ),
+        (
+            "drop_link_outer =",
+            "drop_link_outer = \"anti_roll_bar\"",
+            "drop_link_outer =",
+            &["unknown body \"anti_roll_bar\""],
+        ),
+        (
+            "drop_link_outer =",
+            "pushrod_outer = \"rocker\"",
+            "pushrod_outer =",
+            &["unknown body \"rocker\""],
+        ),
+        (
+            "drop_link_outer =",
+            "wheel_centre = \"rocker\"",
+            "wheel_centre =",
+            &[
+                "wheel_centre sits where it does in every double_wishbone",
+                "outer ends",
+            ],
+        ),
+        (
+            "drop_link_outer =",
+            "pullrod_outer = \"knuckle\"",
+            "pullrod_outer =",
+            &["this study does not give pullrod_outer"],
+        ),
+        (
+            "drop_link_outer =",
+            "damper = \"knuckle\"",
+            "damper =",
+            &["double_wishbone has no hardpoint \"damper\""],
+        ),
+    ] {
+        let text = with_lines(&[(start, becomes)]);
+        let errors = read(&text).expect_err(becomes);
+        let said = errors.render(false);
+        assert_eq!(errors.all().len(), 1, "{said}");
+        let (number, _) = errors.all()[0].position().unwrap();
+        let found = text.lines().nth(number - 1).unwrap();
+        assert!(
+            found.starts_with(on),
+            "expected the line with {on}:\n{said}"
+        );
+        for phrase in phrases {
+            let phrase = phrase.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(said.contains(&phrase), "expected {phrase:?}:\n{said}");
+        }
+    }
+    // What needs a rocker, without one.
+    let plain = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml");
+    for (name, needs) in [
+        ("rocker_angle", "a rocker with its pushrod or pullrod"),
+        (
+            "anti_roll_bar_motion_ratio",
+            "an anti-roll bar with its drop link",
+        ),
+    ] {
+        let asked = format!("outputs.characteristics=[\"{name}\"]");
+        let said = Study::read(&plain, &[asked]).unwrap_err().render(false);
+        assert!(
+            said.contains(&format!(
+                "{name} needs {needs}, which this study does not give"
+            )),
+            "{said}"
+        );
+    }
+}
+
+/// An anti-roll bar on every topology, its drop link on the wheel carrier or an arm: the lever is turned, and
+/// `check` says by what.
+#[test]
+fn every_topology_takes_an_anti_roll_bar() {
+    let bar = [
+        "suspension.hardpoints.drop_link_inner=[-110.0, 470.0, 330.0]",
+        "suspension.hardpoints.anti_roll_bar_inner=[-210.0, 200.0, 330.0]",
+        "suspension.hardpoints.anti_roll_bar_outer=[-210.0, 470.0, 330.0]",
+        "suspension.hardpoints.drop_link_outer=[-110.0, 480.0, 220.0]",
+        "outputs={characteristics=[\"anti_roll_bar_angle\", \"anti_roll_bar_motion_ratio\"]}",
+        "motion.travel=[-20.0, 0.0, 20.0]",
+    ]
+    .map(str::to_owned);
+    for (name, body) in [
+        ("macpherson", "lower_arm"),
+        ("macpherson", "knuckle"),
+        ("double_wishbone", "lower_arm"),
+        ("double_wishbone", "knuckle"),
+        ("five_link", "knuckle"),
+        ("semi_trailing_arm", "arm"),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}_solve.toml"));
+        let mut overrides = bar.to_vec();
+        overrides.push(format!("suspension.bodies.drop_link_outer=\"{body}\""));
+        let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let plan = Plan::of(&study);
+        let found = curves(&study.suspension, &plan).unwrap();
+        assert!(found.are_complete(), "{name}");
+        let [below, design, above] = [0, 1, 2].map(|i| found.stations[i].values[0].unwrap());
+        // The link stands below the lever and pushes it up in jounce.
+        let angles = [below, design, above];
+        assert!(below < -1.0 && above > 1.0, "{name}: {angles:?}");
+        // A point of an arm is where it was but for rounding; in degrees.
+        assert!(design.abs() < 1e-12, "{name}: {angles:?}");
+        let effects = plan.effects(&study);
+        let effect = effects.iter().find(|e| e.name == "anti-roll bar").unwrap();
+        let from = format!(
+            "turned by the drop link from the {}",
+            body.replace('_', " ")
+        );
+        assert_eq!(effect.what, from, "{name}");
+    }
+}
+
+/// `limits` names the travels at which rods come to toggle; just inside them the rocker turns, beyond it does
+/// not.
+#[test]
+fn limits_name_the_toggles() {
+    let study = read(&with_lines(&[NEAR_TOGGLE])).unwrap();
+    let suspension = &study.suspension;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
+    let limits = solver.limits().unwrap();
+    let [rocker, bar] = limits.rockers[..] else {
+        panic!("{limits:?}")
+    };
+    let toggle = rocker.upper.unwrap();
+    assert_eq!(toggle.rod, Rod::Pushrod);
+    assert!((0.0..limits.travel.upper.value()).contains(&toggle.travel));
+    // The bar's drop link stands on the rocker, and goes no further than it.
+    assert!(bar.upper.unwrap().travel <= toggle.travel);
+    for (travel, status) in [
+        (toggle.travel - 1e-5, Status::Ok),
+        (toggle.travel + 1e-5, Status::Toggle(Rod::Pushrod)),
+    ] {
+        let motion = format!("travel = [{travel:?}]");
+        let outputs = ("characteristics", "characteristics = [\"rocker_angle\"]");
+        let plain = [("order", ""), ("points", ""), ("loads", "")];
+        let mut lines = vec![NEAR_TOGGLE, ("travel", &motion), outputs];
+        lines.extend(plain);
+        let (_, found, _) = run(&with_lines(&lines));
+        assert_eq!(found.stations[0].status, status, "{travel}");
+    }
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("study.toml");
+    fs::write(&path, with_lines(&[NEAR_TOGGLE])).unwrap();
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    let shown = command.arg("limits").arg(path).assert().success();
+    let shown = String::from_utf8(shown.get_output().stdout.clone()).unwrap();
+    let line = shown.lines().find(|l| l.contains("pushrod_travel_mm"));
+    assert!(
+        line.unwrap().contains("the pushrod is at toggle"),
+        "{shown}"
+    );
+}

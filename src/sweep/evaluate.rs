@@ -129,8 +129,8 @@ pub struct Evaluator<'a> {
 
 /// The pose's derivatives that values take.
 enum ByDepth<'a> {
-    Positions(Careful<'a, 1>),
-    Rates(Careful<'a, 2>),
+    Positions(Box<Careful<'a, 1>>),
+    Rates(Box<Careful<'a, 2>>),
 }
 
 impl<'a> Evaluator<'a> {
@@ -152,8 +152,8 @@ impl<'a> Evaluator<'a> {
     ) -> Result<Self, DesignFault> {
         let depth = quantities.iter().map(|q| q.depth()).max().unwrap_or(0);
         let careful = match depth {
-            0 => ByDepth::Positions(Careful::new(suspension, stations, quantities)?),
-            _ => ByDepth::Rates(Careful::new(suspension, stations, quantities)?),
+            0 => ByDepth::Positions(Box::new(Careful::new(suspension, stations, quantities)?)),
+            _ => ByDepth::Rates(Box::new(Careful::new(suspension, stations, quantities)?)),
         };
         Ok(Evaluator {
             points: suspension.design.len(),

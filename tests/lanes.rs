@@ -183,7 +183,7 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
             let seed = 17 + k as u64;
             let fine = study(name, FINE, "[0.0]");
             let coarse = study(name, COARSE, "[-40.0, 0.0, 35.0]");
-            let angles = ANGLES.map(|c| Quantity::Characteristic(c));
+            let angles = ANGLES.map(Quantity::Characteristic);
             let angles: Vec<_> = angles
                 .into_iter()
                 .filter(|q| quantities(&fine).contains(q))

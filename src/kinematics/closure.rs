@@ -93,6 +93,20 @@ impl<T: Real> Closure<T> {
     /// The residuals, as lengths: five constraints, then the drive.
     #[inline(always)]
     pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+        match T::IN_REGISTERS {
+            true => self.residuals_here(at, driver),
+            false => self.residuals_apart(at, driver),
+        }
+    }
+
+    /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
+    #[inline(never)]
+    fn residuals_apart(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+        self.residuals_here(at, driver)
+    }
+
+    #[inline(always)]
+    fn residuals_here(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
         for (residual, row) in residuals.iter_mut().zip(&self.rows) {
             *residual = row.residual(at);
@@ -108,7 +122,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
-    #[inline]
+    #[inline(never)]
     pub(super) fn wrenches(&self, at: &Posture<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
         let mut wrenches = [Wrench::zero(like); 6];
@@ -204,6 +218,33 @@ impl<T: Real> Closure<T> {
     /// As [`Closure::differential`], of some of the equations.
     #[inline(always)]
     pub(super) fn differential_of(
+        &self,
+        rows: RowSet,
+        at: &Posture<T>,
+        driver: Driver<T>,
+        weights: &Vector6<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        match T::IN_REGISTERS {
+            true => self.differential_here(rows, at, driver, weights, sink),
+            false => self.differential_apart(rows, at, driver, weights, sink),
+        }
+    }
+
+    #[inline(never)]
+    fn differential_apart(
+        &self,
+        rows: RowSet,
+        at: &Posture<T>,
+        driver: Driver<T>,
+        weights: &Vector6<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        self.differential_here(rows, at, driver, weights, sink);
+    }
+
+    #[inline(always)]
+    fn differential_here(
         &self,
         rows: RowSet,
         at: &Posture<T>,

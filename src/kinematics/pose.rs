@@ -147,6 +147,20 @@ impl<'a, T: Real> Posture<'a, T> {
     /// Present position of a point.
     #[inline(always)]
     pub fn point(&self, id: PointId) -> Vector3<T> {
+        match T::IN_REGISTERS {
+            true => self.point_here(id),
+            false => self.point_apart(id),
+        }
+    }
+
+    /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
+    #[inline]
+    fn point_apart(&self, id: PointId) -> Vector3<T> {
+        self.point_here(id)
+    }
+
+    #[inline(always)]
+    fn point_here(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack => self.grounded(id),
             Body::Knuckle => self.carried(id),
@@ -203,6 +217,19 @@ impl<'a, T: Real> Posture<'a, T> {
     /// Adds the derivative of `gradient . point(id)` to the sink.
     #[inline(always)]
     pub(super) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        match T::IN_REGISTERS {
+            true => self.push_point_here(id, gradient, sink),
+            false => self.push_point_apart(id, gradient, sink),
+        }
+    }
+
+    #[inline]
+    fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        self.push_point_here(id, gradient, sink);
+    }
+
+    #[inline(always)]
+    fn push_point_here(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack => self.push_grounded(id, gradient, sink),
             Body::Knuckle => self.push_carried(id, gradient, sink),

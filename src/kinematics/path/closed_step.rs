@@ -37,7 +37,7 @@ pub(super) struct Quick {
 impl Solver<'_> {
     /// What the closed form needs to go on from a pose.
     pub(super) fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
-        let form = self.form.as_ref()?;
+        let (form, series) = (self.form.as_ref()?, self.series.as_ref()?);
         let tangent = form.half_tangent(pose);
         // Beyond a right angle the tangent of the half angle loses its advantage. Far from the origin
         // the closed form would lose what the closure equations keep.
@@ -50,14 +50,13 @@ impl Solver<'_> {
         if apart.is_nan() || apart > SAME * self.size {
             return None;
         }
-        let state = form
-            .map(Jet::constant)
-            .at_half_tangent(Jet::<f64, 2>::variable(tangent), Jet::constant(point.rack));
+        let state =
+            series.at_half_tangent(Jet::<f64, 2>::variable(tangent), Jet::constant(point.rack));
         // Where the closed form loses digits, at the design position too.
         if !state.now().is_ordinary() {
             return None;
         }
-        let rise = form.map(Jet::constant).travel(&state)[1];
+        let rise = series.travel(&state)[1];
         Some(Quick {
             tangent,
             slope: match point.drive {
@@ -73,13 +72,12 @@ impl Solver<'_> {
 
     /// One step by the closed form, if nothing speaks against it.
     pub(super) fn step_by_closed_form(&self, from: &Place, to: &MotionPoint<f64>) -> Option<Place> {
-        let form = self.form.as_ref()?;
+        let (form, series) = (self.form.as_ref()?, self.series.as_ref()?);
         let quick = from.quick?;
         if to.rack != from.point.rack {
             return None;
         }
         let (start, end) = (from.point.value, to.value);
-        let lifted = form.map(Jet::<f64, 2>::constant);
         let rack = Jet::constant(to.rack);
         // What may be left of the tangent's error.
         let allowed = match quick.speed {
@@ -92,7 +90,7 @@ impl Solver<'_> {
             // No equation to solve.
             Drive::ArmAngle => {
                 let tangent = (0.5 * end).tan();
-                let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
+                let state = series.at_half_tangent(Jet::variable(tangent), rack);
                 (tangent, quick.slope, state.margins())
             }
             Drive::Travel => {
@@ -103,8 +101,8 @@ impl Solver<'_> {
                 let mut settled = false;
                 for iteration in 0..4 {
                     self.work.note(|w| w.closed_form_evaluations += 1);
-                    let state = lifted.at_half_tangent(Jet::variable(tangent), rack);
-                    let rise = lifted.travel(&state);
+                    let state = series.at_half_tangent(Jet::variable(tangent), rack);
+                    let rise = series.travel(&state);
                     let correction = (end - rise[0]) / rise[1];
                     slope = 1.0 / rise[1];
                     margins = state.margins();
@@ -151,7 +149,7 @@ impl Solver<'_> {
         if !(step.abs() <= 0.5 * LONGEST_TURN
             && tangent.abs() < 1.0
             && state.is_ordinary()
-            && stays_clear(&lifted, rack, &quick, (tangent, &margins)))
+            && stays_clear(series, rack, &quick, (tangent, &margins)))
         {
             return None;
         }

@@ -25,7 +25,7 @@ use super::motion::{Lifted, MotionPoint};
 use super::pose::{Pose, Posture};
 use super::work::{Tally, Work};
 use crate::model::{Drive, Mechanism, PointId};
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Jet, Matrix3, Vector3};
 use closed_step::Quick;
 use std::ops::ControlFlow;
 
@@ -43,6 +43,8 @@ pub struct Solver<'m> {
     design: Vec<Vector3<f64>>,
     closure: Closure<f64>,
     form: Option<ClosedForm<f64>>,
+    /// The same over series.
+    series: Option<ClosedForm<Jet<f64, 2>>>,
     /// For the predictor of the step-by-step path; made when first needed.
     lifted: Option<Lifted<3>>,
     lifted_is_current: bool,
@@ -95,6 +97,7 @@ impl<'m> Solver<'m> {
             design: design.to_vec(),
             closure: Closure::new(mechanism, design),
             form: None,
+            series: None,
             lifted: None,
             lifted_is_current: false,
             size: 1.0,
@@ -137,6 +140,7 @@ impl<'m> Solver<'m> {
         }
         self.closure.prepare(self.mechanism, design);
         self.form = ClosedForm::of(self.mechanism, design)?;
+        self.series = self.form.as_ref().map(|form| form.map(Jet::constant));
         Ok(())
     }
 

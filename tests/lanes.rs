@@ -232,13 +232,15 @@ fn a_million_designs_in_lanes_agree_with_the_careful_path() {
 
 #[test]
 fn ordinary_designs_stay_in_the_lanes() {
-    for name in [
-        "macpherson_solve.toml",
-        "double_wishbone_solve.toml",
-        "five_link_solve.toml",
-        "semi_trailing_arm_solve.toml",
+    // With 30 mm at the rear axle's toe links some of the five-links, steered by ten degrees, are no longer
+    // ordinary.
+    for (name, rack) in [
+        ("macpherson_solve.toml", "[0.0, 30.0]"),
+        ("double_wishbone_solve.toml", "[0.0, 30.0]"),
+        ("five_link_solve.toml", "[0.0, 15.0]"),
+        ("semi_trailing_arm_solve.toml", "[0.0, 30.0]"),
     ] {
-        let study = study(name, FINE, "[0.0, 30.0]");
+        let study = study(name, FINE, rack);
         let found = compare(&study, &quantities(&study), 10.0, 3, 1000);
         assert_eq!(found.left, 0, "{found:?}");
     }
@@ -295,7 +297,7 @@ fn every_width_gives_the_same_bits() {
 fn gradients_in_lanes_are_those_of_the_careful_path() {
     for (name, angles, rack, by) in [
         ("macpherson_solve.toml", &ANGLES[..], "[0.0, 20.0]", 30.0),
-        ("attia.toml", &ANGLES[..], "[0.0]", 5.0),
+        ("macpherson_front.toml", &ANGLES[..], "[0.0]", 30.0),
         ("double_wishbone_solve.toml", &ANGLES[..], "[-15.0]", 20.0),
         ("five_link_solve.toml", &ANGLES[..2], "[0.0, 10.0]", 10.0),
         ("semi_trailing_arm_solve.toml", &ANGLES[..2], "[0.0]", 30.0),
@@ -332,6 +334,9 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
         for (number, design) in designs.chunks_exact(points).enumerate() {
             narrow.evaluate(design);
             assert_eq!(narrow.is_right(0), jacobian.is_right(number));
+            if !narrow.is_right(0) {
+                continue;
+            }
             for (angle, station, point) in all_of(angles.len(), stations.count(), points) {
                 let found = jacobian.gradient(number, angle, station, point);
                 assert_eq!(narrow.gradient(0, angle, station, point), found);

@@ -10,6 +10,7 @@ use crate::kinematics::{
 };
 use crate::model::{Body, Mechanism, PointId, SpinAxis, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
+use std::hint::black_box;
 
 /// Reads characteristics off poses in lanes.
 #[derive(Clone, Debug)]
@@ -200,13 +201,16 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// The value of the characteristic of this number, from what has been read.
+    /// Writes the values of all characteristics, from what has been read, each `stride` numbers after the one
+    /// before.
     #[inline(always)]
-    pub fn value<B: Bundle>(&self, number: usize, inputs: &Inputs<B>) -> B {
+    pub fn values<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
         inputs.turn.x.apart(Evaluating {
-            characteristic: self.characteristics[number],
+            characteristics: &self.characteristics,
             inputs,
-        })
+            to,
+            stride,
+        });
     }
 
     /// Whether the derivatives by the hardpoints can be had in lanes: those of the four angles, and not of an
@@ -295,18 +299,26 @@ impl<'a> LaneReader<'a> {
     }
 }
 
-/// The value of a characteristic. Apart also because else the compiler takes what does not depend on the
-/// characteristic out of the loop over them: the divisions and roots of every formula there is, for any one.
+/// Evaluates characteristics.
 struct Evaluating<'i, B> {
-    characteristic: Characteristic,
+    characteristics: &'i [Characteristic],
     inputs: &'i Inputs<B>,
+    to: &'i mut [f64],
+    stride: usize,
 }
 
 impl<B: Bundle> Piece for Evaluating<'_, B> {
-    type Output = B;
+    type Output = ();
     #[inline(always)]
-    fn work(self) -> B {
-        self.characteristic.evaluate(self.inputs)
+    fn work(self) {
+        let mut first = 0;
+        for c in self.characteristics {
+            // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
+            // and roots of every formula there is, for any one of them.
+            let value = c.evaluate(black_box(self.inputs));
+            value.store(&mut self.to[first..]);
+            first += self.stride;
+        }
     }
 }
 

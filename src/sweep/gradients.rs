@@ -161,6 +161,7 @@ impl InLanes for Evaluation<'_, '_> {
         let nothing = Vector3::new(like, like, like);
         let mut group = vec![nothing; *points];
         let mut gradient = vec![nothing; *points];
+        let mut evaluated = vec![0.0; reader.characteristics().len() * B::LANES];
         let mut history = batch.history(like);
         gather(self.designs, *points, 0, count, &mut group);
         let design = batch.design(&group);
@@ -180,6 +181,7 @@ impl InLanes for Evaluation<'_, '_> {
                 Of::Angles => None,
                 Of::Deviations(wanted) => Some(wanted),
             },
+            evaluated: &mut evaluated,
             gradient: &mut gradient,
             values,
             gradients,
@@ -208,6 +210,8 @@ struct Differentiating<'r, B: Bundle> {
     count: usize,
     first: usize,
     wanted: Option<&'r [Wanted]>,
+    /// The angles in this pose.
+    evaluated: &'r mut [f64],
     gradient: &'r mut [Vector3<B>],
     values: &'r mut [f64],
     gradients: &'r mut [f64],
@@ -223,6 +227,7 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
         let rates = at.rates();
         let posture = at.posture(self.rack);
         let adjoint = at.adjoint(&posture, &rates);
+        self.reader.values(&self.inputs, self.evaluated, B::LANES);
         let at_once = if self.wanted.is_some() { angles } else { 1 };
         let mut next = 0;
         while next < angles {
@@ -237,7 +242,7 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
             let end = next + at_once;
             while next < end {
                 let inputs = &self.inputs;
-                let value = self.reader.value(next, inputs);
+                let value = zero.load(&self.evaluated[next * B::LANES..]);
                 let to = &mut self.values[row * B::LANES..];
                 let weight = match self.wanted {
                     None => {

@@ -189,10 +189,9 @@ impl<B: Bundle> Visit<B> for Reading<'_, B> {
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
         self.reader.read(self.wheels, at, rates, &mut self.inputs);
-        for k in 0..self.reader.characteristics().len() {
-            let value = self.reader.value(k, &self.inputs);
-            value.store(&mut self.values[(k * self.count + station) * B::LANES..]);
-        }
+        let values = &mut self.values[station * B::LANES..];
+        self.reader
+            .values(&self.inputs, values, self.count * B::LANES);
         if in_design {
             for lane in 0..B::LANES {
                 let series = LaneReader::series(&self.inputs, lane);

@@ -21,21 +21,13 @@ fn slope<F: Formula, T: Real>(
     spin_axis: Vector3<T>,
     steering_direction: Vector3<T>,
 ) -> T {
-    #[inline(always)]
-    fn along<T: Real>(now: Vector3<T>, rate: Vector3<T>) -> Vector3<Jet<T, 2>> {
-        Vector3::new(
-            Jet([now.x, rate.x]),
-            Jet([now.y, rate.y]),
-            Jet([now.z, rate.z]),
-        )
-    }
     let still = Jet::constant(inputs.turn.x.zero());
     let nothing = Wheel::filled(still);
     let now = &inputs.now;
     let moving = Inputs {
         now: Wheel {
-            spin_axis: along(now.spin_axis, spin_axis),
-            steering_direction: along(now.steering_direction, steering_direction),
+            spin_axis: now.spin_axis.with_rate(spin_axis),
+            steering_direction: now.steering_direction.with_rate(steering_direction),
             ..nothing
         },
         rate: nothing,

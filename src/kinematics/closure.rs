@@ -90,23 +90,16 @@ impl<T: Real> Closure<T> {
         &self.rows
     }
 
-    /// The residuals, as lengths: five constraints, then the drive.
-    #[inline(always)]
-    pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
-        match T::IN_REGISTERS {
-            true => self.residuals_here(at, driver),
-            false => self.residuals_apart(at, driver),
-        }
-    }
-
-    /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
+    /// The residuals, as lengths: five constraints, then the drive. Out of line: inlined everywhere, this
+    /// would take the compiler minutes for derivative numbers.
     #[inline(never)]
-    fn residuals_apart(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
-        self.residuals_here(at, driver)
+    pub(super) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+        self.residuals_inlined(at, driver)
     }
 
+    /// As [`Closure::residuals`], for SIMD lanes.
     #[inline(always)]
-    fn residuals_here(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+    pub(super) fn residuals_inlined(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
         for (residual, row) in residuals.iter_mut().zip(&self.rows) {
             *residual = row.residual(at);
@@ -215,24 +208,10 @@ impl<T: Real> Closure<T> {
         set
     }
 
-    /// As [`Closure::differential`], of some of the equations.
-    #[inline(always)]
-    pub(super) fn differential_of(
-        &self,
-        rows: RowSet,
-        at: &Posture<T>,
-        driver: Driver<T>,
-        weights: &Vector6<T>,
-        sink: &mut impl Sink<T>,
-    ) {
-        match T::IN_REGISTERS {
-            true => self.differential_here(rows, at, driver, weights, sink),
-            false => self.differential_apart(rows, at, driver, weights, sink),
-        }
-    }
-
+    /// Adds `weights` times the differentials of some of the six equations to the sink. Out of line, as
+    /// [`Closure::residuals`].
     #[inline(never)]
-    fn differential_apart(
+    pub(super) fn differential(
         &self,
         rows: RowSet,
         at: &Posture<T>,
@@ -240,11 +219,12 @@ impl<T: Real> Closure<T> {
         weights: &Vector6<T>,
         sink: &mut impl Sink<T>,
     ) {
-        self.differential_here(rows, at, driver, weights, sink);
+        self.differential_inlined(rows, at, driver, weights, sink);
     }
 
+    /// As [`Closure::differential`], for SIMD lanes.
     #[inline(always)]
-    fn differential_here(
+    pub(super) fn differential_inlined(
         &self,
         rows: RowSet,
         at: &Posture<T>,
@@ -260,18 +240,6 @@ impl<T: Real> Closure<T> {
         if rows.holds(driver.row()) {
             driver.differential(at, weights[5], sink);
         }
-    }
-
-    /// Adds `weights` times the differentials of the six equations to the sink.
-    #[inline(always)]
-    pub(super) fn differential(
-        &self,
-        at: &Posture<T>,
-        driver: Driver<T>,
-        weights: &Vector6<T>,
-        sink: &mut impl Sink<T>,
-    ) {
-        self.differential_of(RowSet::ALL, at, driver, weights, sink);
     }
 }
 

@@ -15,6 +15,7 @@
 //! cancel; the cause is the term whose change along the path brings that about. Where the drive is the
 //! arm or the rack, it is the part of the motion that is left when the drive stands still.
 
+use super::closure::RowSet;
 use super::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use super::motion::MotionPoint;
 use super::path::{DesignFault, March, ROUNDING, Solver};
@@ -299,6 +300,7 @@ impl Curve<'_> {
         };
         let mut gradient = vec![Vector3::new(0.0, 0.0, 0.0); self.design.len()];
         self.closure.differential(
+            RowSet::ALL,
             &at,
             motion.driver(),
             &self.fold_multipliers(fold).map(|m| -m),

@@ -2,6 +2,7 @@
 
 use crate::model::{Arm, Body, Mechanism, PointId};
 use crate::number::{Dual, Matrix3, Real, Vector3};
+use std::ops::Neg;
 
 /// Position and rotation of the knuckle, relative to the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +56,17 @@ pub struct Twist<T> {
     pub shift: Vector3<T>,
     /// Angular.
     pub turn: Vector3<T>,
+}
+
+impl<T: Real> Neg for Twist<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Twist {
+            shift: -self.shift,
+            turn: -self.turn,
+        }
+    }
 }
 
 impl<T> Twist<T> {

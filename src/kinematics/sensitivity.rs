@@ -128,7 +128,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
             w.gradient_rows += self.rows.count(self.driver);
         });
         let multipliers = self.lu.solve_transposed_series(&self.jacobian, &wrench);
-        self.closure.differential_of(
+        self.closure.differential(
             self.rows,
             &self.at,
             self.driver,

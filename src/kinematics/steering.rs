@@ -19,7 +19,7 @@
 //! of e is f' . d(origin) + (m' + m x w) . d(rotation). It joins y_x, and the usual adjoint does the
 //! rest. On series in the drive all of this yields series.
 
-use super::closure::{Closure, Driver};
+use super::closure::{Closure, Driver, RowSet};
 use super::lu::{Lu6, Vector6};
 use super::pose::{Posture, Sink, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
@@ -78,6 +78,7 @@ impl<const N: usize> Steered<N> {
             gradient,
         };
         self.closure.differential(
+            RowSet::ALL,
             &moved,
             driver.map(Jet::constant),
             &multipliers.map(|l| Jet::constant(-l)),

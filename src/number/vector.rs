@@ -3,7 +3,7 @@
 //! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
 //! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
 
-use super::Real;
+use super::{Jet, Real};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector of three numbers.
@@ -75,6 +75,16 @@ impl<T: Real> Vector3<T> {
         )
     }
 
+    /// The vector as a series, from its derivative.
+    #[inline(always)]
+    pub fn with_rate(self, rate: Self) -> Vector3<Jet<T, 2>> {
+        Vector3::new(
+            Jet([self.x, rate.x]),
+            Jet([self.y, rate.y]),
+            Jet([self.z, rate.z]),
+        )
+    }
+
     /// Squared length.
     #[inline(always)]
     pub fn norm_squared(self) -> T {
@@ -143,7 +153,7 @@ impl<T: Real> Mul<T> for Vector3<T> {
     }
 }
 
-/// A 3x3 matrix, by columns. Used for rotations only.
+/// A 3x3 matrix, by columns. Nearly always a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix3<T> {
     /// The images of the three unit vectors.

@@ -113,26 +113,24 @@ const STEEPEST: f64 = 4.0;
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
-    /// For a mechanism with a closed form; `None` for one without, and within that where `base` is no
-    /// start.
+    /// For a mechanism with these roles in a closed form; `None` where `base` is no start.
     pub(super) fn of(
-        mechanism: &Mechanism,
+        roles: Roles,
         base: &[Vector3<f64>],
         drive: Drive,
         size: f64,
-    ) -> Option<Option<ByArm>> {
-        let roles = Roles::of(mechanism)?;
+    ) -> Option<ByArm> {
         let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
         let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
         let slope = 1.0 / form.travel(&state)[1];
-        Some(slope.is_finite().then_some(ByArm {
+        slope.is_finite().then_some(ByArm {
             roles,
             slope,
             steepest: match drive {
                 Drive::Travel => STEEPEST / size,
                 Drive::ArmAngle => f64::INFINITY,
             },
-        }))
+        })
     }
 
     /// The steering axis, through the two joints.

@@ -32,7 +32,7 @@ use super::route::{Leg, Place};
 use super::{
     InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates, Visit, weighted, within_half,
 };
-use crate::kinematics::closure::{Closure, Driver};
+use crate::kinematics::closure::{Closure, Driver, RowSet};
 use crate::kinematics::pose::{Pose, Posture, Twist, Wrench};
 use crate::kinematics::sensitivity::HardpointGradient;
 use crate::kinematics::steering::screw_axis;
@@ -120,9 +120,9 @@ struct Blocks<B> {
     inverse_s: Inverse<B>,
 }
 
-/// The inverse of a matrix of three rows, by columns.
+/// The inverse of a matrix of three rows, and the determinant of that.
 struct Inverse<B> {
-    columns: [Vector3<B>; 3],
+    matrix: Matrix3<B>,
     determinant: B,
 }
 
@@ -133,20 +133,11 @@ impl<B: Real> Inverse<B> {
         let determinant = a.dot(across);
         let inverse = determinant.one() / determinant;
         Inverse {
-            columns: [across * inverse, c.cross(a) * inverse, a.cross(b) * inverse],
+            matrix: Matrix3 {
+                columns: [across * inverse, c.cross(a) * inverse, a.cross(b) * inverse],
+            },
             determinant,
         }
-    }
-
-    #[inline(always)]
-    fn apply(&self, v: Vector3<B>) -> Vector3<B> {
-        combined(self.columns, v.x, v.y, v.z)
-    }
-
-    #[inline(always)]
-    fn apply_transposed(&self, v: Vector3<B>) -> Vector3<B> {
-        let [a, b, c] = self.columns;
-        Vector3::new(a.dot(v), b.dot(v), c.dot(v))
     }
 }
 
@@ -180,7 +171,7 @@ impl<B: Real> Blocks<B> {
             right[k] = three(&row, &order.columns, 3);
         }
         let inverse_a = Inverse::of([left[0], left[1], left[2]]);
-        let [p, q, r] = inverse_a.columns;
+        let [p, q, r] = inverse_a.matrix.columns;
         let b = [right[0], right[1], right[2]];
         let w = [
             combined(b, p.x, q.x, r.x),
@@ -210,8 +201,8 @@ impl<B: Real> Blocks<B> {
             three(&f, &self.order.rows, 0),
             three(&f, &self.order.rows, 3),
         );
-        let upper = self.inverse_a.apply(above);
-        let lower = self.inverse_s.apply(Vector3::new(
+        let upper = self.inverse_a.matrix.apply(above);
+        let lower = self.inverse_s.matrix.apply(Vector3::new(
             below.x - self.c[0].dot(upper),
             below.y - self.c[1].dot(upper),
             below.z - self.c[2].dot(upper),
@@ -245,9 +236,11 @@ impl<B: Real> Blocks<B> {
         );
         let lower = self
             .inverse_s
+            .matrix
             .apply_transposed(below - combined(self.w, above.x, above.y, above.z));
         let upper = self
             .inverse_a
+            .matrix
             .apply_transposed(above - combined(self.c, lower.x, lower.y, lower.z));
         let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
         let mut multipliers = solution;
@@ -261,16 +254,6 @@ impl<B: Real> Blocks<B> {
     fn determinants(&self) -> [B; 2] {
         [self.inverse_a.determinant, self.inverse_s.determinant]
     }
-}
-
-/// A vector with its derivative.
-#[inline(always)]
-fn along<B: Real>(now: Vector3<B>, rate: Vector3<B>) -> Vector3<Jet<B, 2>> {
-    Vector3::new(
-        Jet([now.x, rate.x]),
-        Jet([now.y, rate.y]),
-        Jet([now.z, rate.z]),
-    )
 }
 
 /// The derivative.
@@ -339,11 +322,7 @@ impl<B: Bundle> Linear<B> {
     /// The twist of the knuckle per unit of rack displacement.
     #[inline(always)]
     fn steering(&self) -> Twist<B> {
-        let twist = self.blocks.solve(self.by_rack);
-        Twist {
-            shift: -twist.shift,
-            turn: -twist.turn,
-        }
+        -self.blocks.solve(self.by_rack)
     }
 }
 
@@ -410,10 +389,10 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
         }
         let rate = linear.blocks.solve(right);
         let moving = Twist {
-            shift: along(by_rack.shift, rate.shift),
-            turn: along(by_rack.turn, rate.turn),
+            shift: by_rack.shift.with_rate(rate.shift),
+            turn: by_rack.turn.with_rate(rate.turn),
         };
-        let (point, direction) = screw_axis(along(self.at.pose.origin, rates.origin), &moving);
+        let (point, direction) = screw_axis(self.at.pose.origin.with_rate(rates.origin), &moving);
         (slope(point), slope(direction))
     }
 
@@ -451,7 +430,7 @@ impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
         let driver = Driver::Travel(self.travel);
         let mut sink = HardpointGradient(gradient);
         self.closure
-            .differential(self.at, driver, &multipliers, &mut sink);
+            .differential_inlined(RowSet::ALL, self.at, driver, &multipliers, &mut sink);
     }
 }
 
@@ -521,11 +500,7 @@ impl ByLinkage {
                     at: &at,
                     travel,
                 });
-                let twist = blocks.solve(residuals);
-                let twist = Twist {
-                    shift: -twist.shift,
-                    turn: -twist.turn,
-                };
+                let twist = -blocks.solve(residuals);
                 let mut next = moved(unknowns, &twist);
                 for k in 0..UNKNOWNS {
                     next[k] = B::select(settled, unknowns[k], next[k]);
@@ -535,7 +510,7 @@ impl ByLinkage {
                         is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
                 }
                 let at = linkage.posture(next, rack);
-                let missed = linkage.closure.residuals(&at, driver);
+                let missed = linkage.closure.residuals_inlined(&at, driver);
                 let [a, b, c, d, e, g] = missed;
                 settled = is_less(Vector3::new(a, b, c), tolerance)
                     & is_less(Vector3::new(d, e, g), tolerance);

@@ -21,7 +21,7 @@ mod arm;
 mod linkage;
 mod route;
 
-use super::closed_form::Carried;
+use super::closed_form::{Carried, Roles};
 use super::path::March;
 use super::pose::{Posture, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
@@ -196,8 +196,8 @@ impl<'a> Batch<'a> {
         racks: &[f64],
     ) -> Option<Self> {
         let (size, reach) = (mechanism.size(base), mechanism.reach(base));
-        let way = match ByArm::of(mechanism, base, drive, size) {
-            Some(way) => Way::Arm(way?),
+        let way = match Roles::of(mechanism) {
+            Some(roles) => Way::Arm(ByArm::of(roles, base, drive, size)?),
             None => Way::Linkage(ByLinkage::of(mechanism, base, drive, size)?),
         };
         (reach < FAR * size).then_some(())?;
@@ -271,7 +271,6 @@ impl<'a> Batch<'a> {
         visit: &mut impl Visit<B>,
     ) -> B::Mask {
         let places = &self.routes[rack].places;
-        let none = !design.distinct & design.distinct;
         let sound = match (&self.way, &design.form) {
             (Way::Arm(way), Form::Arm(form)) => {
                 way.march(form, self.drive, places, self.tolerance, history, visit)
@@ -279,7 +278,7 @@ impl<'a> Batch<'a> {
             (Way::Linkage(way), Form::Linkage(form)) => {
                 way.march(form, places, self.tolerance, history, visit)
             }
-            _ => none,
+            _ => unreachable!("a design of another batch"),
         };
         design.distinct & sound
     }

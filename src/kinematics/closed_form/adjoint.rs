@@ -25,7 +25,8 @@
 use super::upper::Upper;
 use super::{ClosedForm, Roles, State};
 use crate::kinematics::closed_form::roles::UpperRoles;
-use crate::kinematics::pose::{Posture, Wrench};
+use crate::kinematics::pose::{Posture, Sink, Wrench};
+use crate::kinematics::sensitivity::HardpointGradient;
 use crate::model::{Arm, PointId};
 use crate::number::{Real, Vector3};
 
@@ -110,25 +111,16 @@ impl<T: Real> Legs<T> {
 
     /// Adds what they contribute to a gradient.
     #[inline(always)]
-    fn add(&self, front: T, rear: T, gradient: &mut [Vector3<T>]) {
+    fn add(&self, front: T, rear: T, sink: &mut impl Sink<T>) {
         let Arm {
             front: p,
             rear: q,
             outer,
         } = self.arm;
-        add(gradient, p, self.moved * front);
-        add(gradient, q, self.moved * rear);
-        add(
-            gradient,
-            outer,
-            (self.front * front).plus_scaled(self.rear, rear),
-        );
+        sink.hardpoint(p, self.moved * front);
+        sink.hardpoint(q, self.moved * rear);
+        sink.hardpoint(outer, (self.front * front).plus_scaled(self.rear, rear));
     }
-}
-
-#[inline(always)]
-fn add<T: Real>(gradient: &mut [Vector3<T>], id: PointId, by: Vector3<T>) {
-    gradient[id.0] = gradient[id.0] + by;
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
@@ -148,9 +140,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
         let (free, lever) = form.upper.free(state, &form.line);
         let tie_rod_lever = state.ga * state.gram;
         let inverse = one / (lever * tie_rod_lever);
-        let outer = (d * state.al)
-            .plus_scaled(g, state.be)
-            .plus_scaled(state.n, state.ga);
+        let outer = state.tie_rod_outer();
         let tie_rod = outer - g;
         let [x, y, z] = at.pose.rotation.columns;
         let centre = state.carry(&form.wheel_centre);
@@ -192,6 +182,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
     /// Subtracts mu . F_p from a gradient, for the wrench y_x.
     #[inline(always)]
     pub(in crate::kinematics) fn subtract(&self, wrench: &Wrench<T>, gradient: &mut [Vector3<T>]) {
+        let sink = &mut HardpointGradient(gradient);
         let Wrench { force, moment, .. } = *wrench;
         let travel = force.dot(self.ball_joint_velocity) + moment.dot(self.turn);
         let moment = moment.plus_scaled(self.travel_moment, -travel);
@@ -202,28 +193,26 @@ impl<'a, T: Real> Adjoint<'a, T> {
         at_arm.z = at_arm.z - travel;
 
         let (front, rear) = self.lower_arm.split(at_arm);
-        self.lower_arm.add(front, rear, gradient);
+        self.lower_arm.add(front, rear, sink);
 
         let roles = self.roles;
         let in_knuckle = self.tie_rod_in_knuckle;
         let Vector3 { x, y, z } = self.up_in_knuckle;
         let up = Vector3::new(-x, -y, z.one() - z);
-        add(
-            gradient,
+        sink.hardpoint(
             roles.tie_rod_inner,
             (self.tie_rod - self.tie_rod_designed) * tie_rod,
         );
-        add(
-            gradient,
+        sink.hardpoint(
             roles.tie_rod_outer,
             (self.tie_rod_designed - in_knuckle) * tie_rod,
         );
-        add(gradient, roles.wheel_centre, up * travel);
+        sink.hardpoint(roles.wheel_centre, up * travel);
         let upper = self.at.pose.rotation.apply_transposed(at_upper);
         let origin = upper
             .plus_scaled(in_knuckle, tie_rod)
             .plus_scaled(self.up_in_knuckle, travel);
-        add(gradient, roles.lower_arm.outer, origin);
+        sink.hardpoint(roles.lower_arm.outer, origin);
         match &self.upper {
             UpperEnd::Strut {
                 top,
@@ -232,14 +221,14 @@ impl<'a, T: Real> Adjoint<'a, T> {
                 slid,
             } => {
                 let by_direction = upper * *slid;
-                add(gradient, *top, at_upper - upper);
-                add(gradient, *lower, by_direction);
-                add(gradient, *second, -by_direction);
+                sink.hardpoint(*top, at_upper - upper);
+                sink.hardpoint(*lower, by_direction);
+                sink.hardpoint(*second, -by_direction);
             }
             UpperEnd::Arm(legs) => {
                 let (front, rear) = legs.split(at_upper);
-                legs.add(front, rear, gradient);
-                add(gradient, legs.arm.outer, -upper);
+                legs.add(front, rear, sink);
+                sink.hardpoint(legs.arm.outer, -upper);
             }
         }
     }

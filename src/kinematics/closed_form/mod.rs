@@ -433,6 +433,14 @@ impl<T: Real> State<T> {
         self.d
     }
 
+    /// From the lower ball joint to the tie rod's outer end: t.
+    #[inline(always)]
+    fn tie_rod_outer(&self) -> Vector3<T> {
+        (self.d * self.al)
+            .plus_scaled(self.g, self.be)
+            .plus_scaled(self.n, self.ga)
+    }
+
     /// The image of a knuckle vector.
     #[inline(always)]
     pub(super) fn carry(&self, x: &Carried<T>) -> Vector3<T> {

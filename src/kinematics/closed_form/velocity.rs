@@ -61,7 +61,7 @@ impl<T: Real> ClosedForm<T> {
     /// How a state changes, the arm's angle given by the tangent of its half.
     #[inline(always)]
     pub(in crate::kinematics) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
-        let (d, g, n) = (state.d, state.g, state.n);
+        let (d, g) = (state.d, state.g);
         let (free, lever) = self.upper.free(state, &self.line);
         let tie_rod_lever = state.ga * state.gram;
         let joint = self.ball_joint.velocity(tangent);
@@ -71,9 +71,7 @@ impl<T: Real> ClosedForm<T> {
         let twofold = state.dd * lever;
         let joint_twofold = joint * twofold;
         let held = d.cross(across);
-        let tie_rod_outer = (d * state.al)
-            .plus_scaled(g, state.be)
-            .plus_scaled(n, state.ga);
+        let tie_rod_outer = state.tie_rod_outer();
         let needed = (tie_rod_outer - g).dot(joint_twofold + held.cross(tie_rod_outer));
         let turn = (held * tie_rod_lever).plus_scaled(d, -needed);
         let ball_joint = joint_twofold * tie_rod_lever;

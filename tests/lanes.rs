@@ -132,7 +132,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         for design in 0..BLOCK {
             for (k, quantity) in quantities.iter().enumerate() {
                 let scale = scale_of(*quantity, suspension.size());
-                let pairs = block.values(design, k).iter().zip(wanted.values(design, k));
+                let pairs = block.values(design, k).zip(wanted.values(design, k));
                 for (a, b) in pairs {
                     assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
                     if !a.is_nan() {
@@ -142,7 +142,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
                         if deviation > found.worst {
                             found.worst = deviation;
-                            found.of = Some((*quantity, *b));
+                            found.of = Some((*quantity, b));
                         }
                     }
                 }
@@ -274,7 +274,7 @@ fn every_width_gives_the_same_bits() {
                 let block = &block;
                 (0..quantities.len()).flat_map(move |k| {
                     let slope = std::iter::once(block.slope(d, k));
-                    block.values(d, k).iter().copied().chain(slope)
+                    block.values(d, k).chain(slope)
                 })
             });
             all.map(f64::to_bits).collect()

@@ -259,7 +259,7 @@ impl<'a> Sweep<'a> {
         let work = move |evaluator: &mut Evaluator, block: &mut Block| {
             for _ in 0..blocks {
                 evaluator.evaluate(black_box(designs), block);
-                black_box(block.values(0, 0));
+                black_box(block.value(0, 0, 0));
             }
         };
         Ok(Job {

@@ -38,25 +38,43 @@ fn slope<F: Formula, T: Real>(
     F::evaluate(&moving)[1]
 }
 
+/// An expression of the formula of an angle; `None` for anything else.
+macro_rules! of_angle {
+    ($characteristic:expr, $formula:ident => $value:expr) => {
+        of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)
+    };
+    ($characteristic:expr, $formula:ident => $value:expr, $($angle:ident),*) => {
+        match $characteristic {
+            $(Characteristic::$angle => {
+                type $formula = angles::$angle;
+                Some($value)
+            })*
+            _ => None,
+        }
+    };
+}
+
+/// Whether this is one of the four angles.
+pub(super) fn is_angle(c: Characteristic) -> bool {
+    of_angle!(c, Angle => Angle::INFO.name).is_some()
+}
+
+/// The derivative of an angle by the drive, from the rates of what it reads; `None` for anything else.
+#[inline(always)]
+pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
+    let rate = &inputs.rate;
+    of_angle!(c, Angle => slope::<Angle, T>(inputs, rate.spin_axis, rate.steering_direction))
+}
+
 /// The derivative of an angle by the direction it reads; `None` for anything else.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
-    #[inline(always)]
-    fn by<F: Formula, T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
-        let [x, y, z] = Matrix3::identity(inputs.turn.x).columns;
-        Vector3::new(
-            slope::<F, T>(inputs, x, x),
-            slope::<F, T>(inputs, y, y),
-            slope::<F, T>(inputs, z, z),
-        )
-    }
-    match c {
-        Characteristic::Camber => Some(by::<angles::Camber, T>(inputs)),
-        Characteristic::Toe => Some(by::<angles::Toe, T>(inputs)),
-        Characteristic::Caster => Some(by::<angles::Caster, T>(inputs)),
-        Characteristic::KingpinInclination => Some(by::<angles::KingpinInclination, T>(inputs)),
-        _ => None,
-    }
+    let [x, y, z] = Matrix3::identity(inputs.turn.x).columns;
+    of_angle!(c, Angle => Vector3::new(
+        slope::<Angle, T>(inputs, x, x),
+        slope::<Angle, T>(inputs, y, y),
+        slope::<Angle, T>(inputs, z, z),
+    ))
 }
 
 macro_rules! gain {

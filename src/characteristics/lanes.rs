@@ -3,7 +3,7 @@
 //! Only what the formulas asked for read is formed; which that is has been decided when the reader is
 //! made, by their [`Slot`]s.
 
-use super::gains::by_direction;
+use super::gains::{by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{
     Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Posture, Seeds,
@@ -202,7 +202,7 @@ impl<'a> LaneReader<'a> {
     }
 
     /// Writes the values of all characteristics, from what has been read, each `stride` numbers after the one
-    /// before.
+    /// before; NaN where one is not finite.
     #[inline(always)]
     pub fn values<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
         inputs.turn.x.apart(Evaluating {
@@ -218,16 +218,8 @@ impl<'a> LaneReader<'a> {
     /// long.)
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
-        let is_angle = |c: &Characteristic| {
-            matches!(
-                c,
-                Characteristic::Camber
-                    | Characteristic::Toe
-                    | Characteristic::Caster
-                    | Characteristic::KingpinInclination
-            )
-        };
-        self.characteristics.iter().all(is_angle) && !(self.reads.steering_axis && instantaneous)
+        let angles_alone = self.characteristics.iter().all(|c| is_angle(*c));
+        angles_alone && !(self.reads.steering_axis && instantaneous)
     }
 
     /// Adds, times `weight`, how the characteristic of this number depends on the posture that the inputs
@@ -254,10 +246,40 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// The inputs of one lane as series in the drive, for the slopes of characteristics that are not made
-    /// of velocities themselves. The inputs must have been read with their rates.
+    /// Writes the derivatives of all characteristics by the drive, as [`LaneReader::values`] does, from what
+    /// has been read with its rates. NaN for what is made of velocities: it would take accelerations.
     #[inline(always)]
-    pub fn series<B: Bundle>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
+    pub fn slopes<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
+        let mut in_lanes = 0;
+        let mut first = 0;
+        for c in &self.characteristics {
+            let sloping = Sloping {
+                characteristic: *c,
+                inputs,
+            };
+            if let Some(slope) = inputs.turn.x.apart(sloping) {
+                slope.finite().store(&mut to[first..]);
+                in_lanes += 1;
+            }
+            first += stride;
+        }
+        if in_lanes == self.characteristics.len() {
+            return;
+        }
+        // All formulas as series in one function would take the compiler too long.
+        for lane in 0..B::LANES {
+            let series = LaneReader::series(inputs, lane);
+            for (k, c) in self.characteristics.iter().enumerate() {
+                if !is_angle(*c) {
+                    to[k * stride + lane] = c.slope(&series).finite();
+                }
+            }
+        }
+    }
+
+    /// The inputs of one lane as series in the drive.
+    #[inline(always)]
+    fn series<B: Bundle>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
         let of = |number: B| {
             let mut lanes = [0.0; MOST_LANES];
             number.store(&mut lanes);
@@ -316,7 +338,7 @@ impl<B: Bundle> Piece for Evaluating<'_, B> {
             // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
             // and roots of every formula there is, for any one of them.
             let value = c.evaluate(black_box(self.inputs));
-            value.store(&mut self.to[first..]);
+            value.finite().store(&mut self.to[first..]);
             first += self.stride;
         }
     }
@@ -336,20 +358,28 @@ impl<B: Bundle> Piece for Differentiating<'_, B> {
     }
 }
 
-/// The value of a characteristic of one lane with its slope; out of line, since there is one for each
-/// formula.
-#[inline(never)]
-fn value_and_slope(c: Characteristic, inputs: &Inputs<Jet<f64, 2>>) -> Jet<f64, 2> {
-    c.evaluate(inputs)
+/// The slope of an angle.
+struct Sloping<'i, B> {
+    characteristic: Characteristic,
+    inputs: &'i Inputs<B>,
+}
+
+impl<B: Bundle> Piece for Sloping<'_, B> {
+    type Output = Option<B>;
+    #[inline(always)]
+    fn work(self) -> Option<B> {
+        by_drive(self.characteristic, self.inputs)
+    }
 }
 
 impl Characteristic {
-    /// The slope by the drive in one lane, from inputs as series. NaN for what is made of velocities: it
-    /// would take accelerations.
-    pub fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
+    /// The slope by the drive in one lane, from inputs as series. Out of line, since there is one for each
+    /// formula.
+    #[inline(never)]
+    fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
         match self.info().reads_rates() {
             true => f64::NAN,
-            false => value_and_slope(self, inputs)[1],
+            false => self.evaluate(inputs)[1],
         }
     }
 }

@@ -35,6 +35,12 @@ pub trait Bundle: Real {
     fn all(mask: Self::Mask) -> bool;
     /// Whether the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
+    /// The number, or NaN for one that is not finite.
+    #[inline(always)]
+    fn finite(self) -> Self {
+        let is_finite = self.abs().less(self.lit(f64::INFINITY));
+        Self::select(is_finite, self, self.lit(f64::NAN))
+    }
     /// Does a piece of work in a function of its own, compiled for the same instructions. What is inlined
     /// into one function all takes the compiler long.
     fn apart<P: Piece>(self, piece: P) -> P::Output;

@@ -1,7 +1,7 @@
 //! Designs one at a time, by the careful path.
 
 use super::Stations;
-use super::evaluate::{Block, FailedStation, finite};
+use super::evaluate::{Block, FailedStation};
 use crate::characteristics::{Constants, Quantity, Slots, View};
 use crate::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver, Toggles};
 use crate::model::{RockerId, Suspension};
@@ -90,8 +90,7 @@ impl<'a, const N: usize> Careful<'a, N> {
         solver.prepare(design)?;
         lifted.prepare(solver.mechanism(), design);
         with_slope.prepare(solver.mechanism(), design);
-        let (count, drive) = (stations.count(), stations.drive);
-        let first = number * quantities.len();
+        let drive = stations.drive;
         for (r, rack) in stations.racks.iter().enumerate() {
             let rack = *rack;
             solver.march(drive, &stations.march, rack, |solver, v, pose| {
@@ -108,8 +107,7 @@ impl<'a, const N: usize> Careful<'a, N> {
                     let view = View::reading(&at, *constants, *slots);
                     for k in (0..quantities.len()).filter(free) {
                         let quantity = &quantities[k];
-                        let value = view.value(&at, *quantity)[0];
-                        block.values[(first + k) * count + station] = finite(value);
+                        block.put(number, k, station, view.value(&at, *quantity)[0]);
                     }
                     if station == stations.design() {
                         let at = solver.posture_series(with_slope, pose, &motion.along_drive())?;
@@ -118,7 +116,7 @@ impl<'a, const N: usize> Careful<'a, N> {
                             let quantity = &quantities[k];
                             if quantity.depth() == 0 {
                                 let slope = view.value(&at, *quantity).derivative(1);
-                                block.slopes[first + k] = finite(slope);
+                                block.put_slope(number, k, slope);
                             }
                         }
                     }

@@ -10,11 +10,14 @@ use super::lanes::LaneSolver;
 use crate::characteristics::Quantity;
 use crate::kinematics::{DesignFault, Failure};
 use crate::model::Suspension;
-use crate::number::{Vector3, Width};
+use crate::number::{Bundle, MOST_LANES, Vector3, Width};
 
 /// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
 /// number `k * BLOCK` and on always go together, whatever the threads do.
 pub const BLOCK: usize = 128;
+/// Designs whose values lie side by side, as they come out of the lanes.
+pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
+const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
 /// A station of a design without a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,10 +37,11 @@ pub struct Block {
     outputs: usize,
     stations: usize,
     designs: usize,
-    /// `[design][output][station]`
-    pub(super) values: Vec<f64>,
-    /// `[design][output]`: derivatives by the drive in the design position.
-    pub(super) slopes: Vec<f64>,
+    /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
+    values: Vec<f64>,
+    /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
+    /// position.
+    slopes: Vec<f64>,
     /// By rising number of the design.
     pub(super) failures: Vec<FailedStation>,
     /// Designs that cannot be solved at all, by rising number.
@@ -71,36 +75,63 @@ impl Block {
         self.designs
     }
 
+    /// The value of an output of a design at a station.
+    #[inline]
+    pub fn value(&self, design: usize, output: usize, station: usize) -> f64 {
+        self.values[self.place(design, output, station)]
+    }
+
     /// The values of an output of a design, by station.
-    #[inline]
-    pub fn values(&self, design: usize, output: usize) -> &[f64] {
-        let start = (design * self.outputs + output) * self.stations;
-        &self.values[start..start + self.stations]
-    }
-
-    /// Room for all values of a design.
-    #[inline]
-    pub(super) fn values_of(&mut self, design: usize) -> &mut [f64] {
-        let size = self.outputs * self.stations;
-        &mut self.values[design * size..(design + 1) * size]
-    }
-
-    /// Room for all slopes of a design.
-    #[inline]
-    pub(super) fn slopes_of(&mut self, design: usize) -> &mut [f64] {
-        &mut self.slopes[design * self.outputs..(design + 1) * self.outputs]
-    }
-
-    /// Leaves a design without values.
-    pub(super) fn forget(&mut self, design: usize) {
-        self.values_of(design).fill(f64::NAN);
-        self.slopes_of(design).fill(f64::NAN);
+    pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
+        (0..self.stations).map(move |station| self.value(design, output, station))
     }
 
     /// The derivative by the drive in the design position; NaN for what is made of velocities itself.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
-        self.slopes[design * self.outputs + output]
+        self.slopes[self.slope_place(design, output)]
+    }
+
+    /// Writes down a value, or NaN for one that is not finite (a swing arm of a wheel that does not turn).
+    pub(super) fn put(&mut self, design: usize, output: usize, station: usize, value: f64) {
+        let place = self.place(design, output, station);
+        self.values[place] = value.finite();
+    }
+
+    /// Writes down a slope, or NaN for one that is not finite.
+    pub(super) fn put_slope(&mut self, design: usize, output: usize, slope: f64) {
+        let place = self.slope_place(design, output);
+        self.slopes[place] = slope.finite();
+    }
+
+    /// Room for the values and the slopes of the designs from one on, as many as are solved together: those
+    /// of the next station [`SIDE_BY_SIDE`] numbers on, those of the next output after all stations.
+    #[inline(always)]
+    pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
+        let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));
+        (&mut self.values[value..], &mut self.slopes[slope..])
+    }
+
+    /// Leaves a design without values.
+    pub(super) fn forget(&mut self, design: usize) {
+        for output in 0..self.outputs {
+            for station in 0..self.stations {
+                self.put(design, output, station, f64::NAN);
+            }
+            self.put_slope(design, output, f64::NAN);
+        }
+    }
+
+    #[inline(always)]
+    fn place(&self, design: usize, output: usize, station: usize) -> usize {
+        let row = (design / SIDE_BY_SIDE * self.outputs + output) * self.stations + station;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
+    }
+
+    #[inline(always)]
+    fn slope_place(&self, design: usize, output: usize) -> usize {
+        let row = design / SIDE_BY_SIDE * self.outputs + output;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
     }
 
     /// The stations without a pose, by rising number of the design.
@@ -181,11 +212,6 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// A value, or NaN for one that has none (a swing arm of a wheel that does not turn).
-pub(super) fn finite(value: f64) -> f64 {
-    if value.is_finite() { value } else { f64::NAN }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,14 +258,14 @@ mod tests {
             block.faults().iter().map(|f| f.0).collect::<Vec<_>>(),
             [0, 2]
         );
-        assert!(block.values(0, 0).iter().all(|v| v.is_nan()));
+        assert!(block.values(0, 0).all(|v| v.is_nan()));
 
         let curves = curves(suspension, &Plan::of(&study)).unwrap();
         let camber = Quantity::Characteristic(Characteristic::Camber);
         let factor = 180.0 / std::f64::consts::PI;
         assert_eq!(QUANTITIES[0], camber);
         for (station, solved) in curves.stations.iter().enumerate() {
-            let value = block.values(1, 0)[station];
+            let value = block.value(1, 0, station);
             assert_eq!(
                 solved.values[2],
                 (!value.is_nan()).then_some(value * factor)
@@ -252,13 +278,14 @@ mod tests {
             .collect();
         assert_eq!(failed, [(1, 0)]);
         // The slope of toe is the bump steer.
-        let bump_steer = block.values(1, 2)[stations.design()];
+        let bump_steer = block.value(1, 2, stations.design());
         assert!((block.slope(1, 1) - bump_steer).abs() < 1e-15);
         assert!(block.slope(1, 0) != 0.0);
 
         let before = block.clone();
         evaluator.evaluate(&designs[suspension.design.len()..], &mut block);
-        assert_eq!(block.values(0, 1)[1..], before.values(1, 1)[1..]);
+        let alone = block.values(0, 1).skip(1);
+        assert!(alone.eq(before.values(1, 1).skip(1)));
         assert_eq!(block.slope(0, 1), before.slope(1, 1));
         assert!(block.slope(0, 2).is_nan());
     }

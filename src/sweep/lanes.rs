@@ -1,7 +1,7 @@
 //! Designs in SIMD lanes.
 
 use super::Stations;
-use super::evaluate::{Block, finite};
+use super::evaluate::{Block, SIDE_BY_SIDE};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels, Quantity};
 use crate::kinematics::{Batch, LanePose, Visit};
 use crate::model::Suspension;
@@ -14,10 +14,6 @@ pub(super) struct LaneSolver<'a> {
     reader: LaneReader<'a>,
     stations: &'a Stations,
     points: usize,
-    /// Values of a group of designs: `[output][station][lane]`
-    values: Vec<f64>,
-    /// `[output][lane]`
-    slopes: Vec<f64>,
 }
 
 impl<'a> LaneSolver<'a> {
@@ -39,7 +35,6 @@ impl<'a> LaneSolver<'a> {
         let (drive, racks) = (stations.drive, &stations.racks);
         let batch = Batch::new(mechanism, design, drive, &stations.march, racks)?;
         let constants = Constants::of(suspension);
-        let outputs = characteristics.len();
         let reader = LaneReader::new(mechanism, &batch, constants, characteristics)?;
         Some(LaneSolver {
             width,
@@ -47,8 +42,6 @@ impl<'a> LaneSolver<'a> {
             reader,
             stations,
             points: design.len(),
-            values: vec![0.0; outputs * stations.count() * MOST_LANES],
-            slopes: vec![0.0; outputs * MOST_LANES],
         })
     }
 
@@ -92,8 +85,6 @@ impl InLanes for Evaluation<'_, '_> {
             reader,
             stations,
             points,
-            values,
-            slopes,
             ..
         } = solver;
         let mut history = batch.history(like);
@@ -105,6 +96,7 @@ impl InLanes for Evaluation<'_, '_> {
             gather(designs, *points, first, lanes, &mut group);
             let design = batch.design(&group);
             let wheels = reader.wheels(&design, &group);
+            let (values, slopes) = block.from(first);
             let mut reading = Reading {
                 reader,
                 wheels: &wheels,
@@ -123,10 +115,7 @@ impl InLanes for Evaluation<'_, '_> {
                 rack += 1;
             }
             for lane in 0..lanes {
-                if B::lane(solved, lane) {
-                    scatter(values, B::LANES, lane, block.values_of(first + lane));
-                    scatter(slopes, B::LANES, lane, block.slopes_of(first + lane));
-                } else {
+                if !B::lane(solved, lane) {
                     left.push(first + lane);
                 }
             }
@@ -161,14 +150,6 @@ pub(super) fn gather<B: Bundle>(
     }
 }
 
-/// Every `lanes`-th number from one on, those that are not finite as NaN.
-#[inline(always)]
-fn scatter(values: &[f64], lanes: usize, lane: usize, to: &mut [f64]) {
-    for (to, numbers) in to.iter_mut().zip(values.chunks_exact(lanes)) {
-        *to = finite(numbers[lane]);
-    }
-}
-
 /// Reads the characteristics off the poses of a group.
 struct Reading<'r, B: Bundle> {
     reader: &'r LaneReader<'r>,
@@ -178,6 +159,7 @@ struct Reading<'r, B: Bundle> {
     count: usize,
     first: usize,
     design_station: usize,
+    /// Where to, as [`Block::from`] has it.
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }
@@ -189,16 +171,11 @@ impl<B: Bundle> Visit<B> for Reading<'_, B> {
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
         self.reader.read(self.wheels, at, rates, &mut self.inputs);
-        let values = &mut self.values[station * B::LANES..];
+        let values = &mut self.values[station * SIDE_BY_SIDE..];
         self.reader
-            .values(&self.inputs, values, self.count * B::LANES);
+            .values(&self.inputs, values, self.count * SIDE_BY_SIDE);
         if in_design {
-            for lane in 0..B::LANES {
-                let series = LaneReader::series(&self.inputs, lane);
-                for (k, c) in self.reader.characteristics().iter().enumerate() {
-                    self.slopes[k * B::LANES + lane] = c.slope(&series);
-                }
-            }
+            self.reader.slopes(&self.inputs, self.slopes, SIDE_BY_SIDE);
         }
     }
 }

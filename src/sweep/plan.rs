@@ -191,10 +191,10 @@ impl<'s> SweepPlan<'s> {
             *cell = value + 0.0;
         };
         for (k, (column, gain)) in self.values.iter().zip(&self.gains).enumerate() {
-            let (values, factor) = (block.values(design, k), column.factor());
+            let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for (rack, value) in self.stations.of_motion() {
-                let value = values[self.stations.number(rack, value)] * factor;
+                let value = value_at(self.stations.number(rack, value)) * factor;
                 // A range over a part of the motion would look like one over all of it.
                 (min, max) = match value.is_nan() {
                     true => (f64::NAN, f64::NAN),
@@ -209,16 +209,16 @@ impl<'s> SweepPlan<'s> {
             }
             put(min);
             put(max);
-            put(values[self.stations.design()] * factor);
+            put(value_at(self.stations.design()) * factor);
             if self.quantities[k].depth() == 0 {
                 put(block.slope(design, k) * gain.factor());
             }
         }
         let (mut squares, mut weights) = (0.0, 0.0);
         for wish in &self.wishes {
-            let values = block.values(design, wish.quantity);
             let square = |(station, wanted): &(usize, f64)| {
-                let deviation = (values[*station] - wanted) / wish.tolerance;
+                let value = block.value(design, wish.quantity, *station);
+                let deviation = (value - wanted) / wish.tolerance;
                 deviation * deviation
             };
             let square = wish.wanted.iter().map(square).sum::<f64>() / wish.wanted.len() as f64;

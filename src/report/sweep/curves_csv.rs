@@ -81,7 +81,7 @@ impl CurvesCsv {
                 to.extend_from_slice(cells);
                 for (k, factor) in self.factors.iter().enumerate() {
                     to.push(b',');
-                    append_number(block.values(design, k)[*station] * factor + 0.0, to);
+                    append_number(block.value(design, k, *station) * factor + 0.0, to);
                 }
                 to.push(b',');
                 to.extend_from_slice(words[*station].as_bytes());

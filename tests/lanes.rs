@@ -7,7 +7,7 @@ mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, View};
 use hardpoint::kinematics::{Lifted, MotionPoint, Solver};
-use hardpoint::model::{Body, PointId};
+use hardpoint::model::PointId;
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::study::Study;
 use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted};
@@ -38,25 +38,18 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Everything else that can be read in lanes.
+/// Everything that the suspension has.
 fn quantities(study: &Study) -> Vec<Quantity> {
-    let has_strut = study.suspension.mechanism.strut_upper().is_some();
-    let steers = study.suspension.mechanism.steering_axis.is_some();
-    // The spring of the sample double wishbone stands on an arm: what reads it is not for the lanes.
     let mechanism = &study.suspension.mechanism;
-    let on_arm = mechanism
-        .spring
-        .is_some_and(|spring| matches!(mechanism.body(spring.lower), Body::Arm(_)));
-    let possible = |c: &&Characteristic| match c {
-        Characteristic::AttiaKingpin | Characteristic::AttiaCamber => has_strut,
-        Characteristic::MotionRatio
-        | Characteristic::SpringLength
-        | Characteristic::SpringInclination => !on_arm,
-        // Rockers and anti-roll bars are not for the lanes, and these samples have none.
-        Characteristic::RockerAngle
-        | Characteristic::AntiRollBarAngle
-        | Characteristic::AntiRollBarMotionRatio => false,
-        c => steers || !c.info().needs.contains(&Need::SteeringAxis),
+    let possible = |c: &&Characteristic| {
+        c.info().needs.iter().all(|need| match need {
+            Need::Spring => mechanism.spring.is_some(),
+            Need::Rocker => mechanism.spring_rocker().is_some(),
+            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
+            Need::SteeringAxis => mechanism.steering_axis.is_some(),
+            Need::StrutUpper => mechanism.strut_upper().is_some(),
+            Need::WheelRadius | Need::Wheelbase | Need::CgHeight | Need::BrakeShareFront => true,
+        })
     };
     let all = Characteristic::ALL.iter().filter(possible);
     all.map(|c| Quantity::Characteristic(*c)).collect()
@@ -178,6 +171,8 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
         ("double_wishbone_solve.toml", [10.0, 40.0, 100.0]),
         ("five_link_solve.toml", [10.0, 30.0, 80.0]),
         ("semi_trailing_arm_solve.toml", [10.0, 60.0, 150.0]),
+        // A pushrod with its rocker, which turns an anti-roll bar too.
+        ("double_wishbone_rocker.toml", [3.0, 15.0, 40.0]),
     ] {
         for (k, by) in scatters.into_iter().enumerate() {
             let seed = 17 + k as u64;
@@ -244,6 +239,18 @@ fn ordinary_designs_stay_in_the_lanes() {
         let found = compare(&study, &quantities(&study), 10.0, 3, 1000);
         assert_eq!(found.left, 0, "{found:?}");
     }
+    for name in [
+        "double_wishbone_pushrod.toml",
+        "double_wishbone_rocker.toml",
+    ] {
+        let study = study(
+            name,
+            "{ from = -30.0, to = 30.0, steps = 31 }",
+            "[0.0, 10.0]",
+        );
+        let found = compare(&study, &quantities(&study), 5.0, 3, 1000);
+        assert_eq!(found.left, 0, "{found:?}");
+    }
 }
 
 #[test]
@@ -253,6 +260,7 @@ fn every_width_gives_the_same_bits() {
         ("double_wishbone_solve.toml", 80.0),
         ("five_link_solve.toml", 60.0),
         ("semi_trailing_arm_solve.toml", 100.0),
+        ("double_wishbone_rocker.toml", 20.0),
     ] {
         let study = study(name, FINE, "[0.0, 25.0]");
         let suspension = &study.suspension;

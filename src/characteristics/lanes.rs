@@ -6,9 +6,9 @@
 use super::gains::{by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{
-    Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, LaneRates, Posture, Seeds,
+    Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, Posture, Seeds, Twist,
 };
-use crate::model::{Body, Mechanism, PointId, SpinAxis, SteeringAxis};
+use crate::model::{Body, Mechanism, RockerId, SpinAxis, Spring, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
 use std::hint::black_box;
 
@@ -28,8 +28,16 @@ struct Reads {
     centre: bool,
     steering_axis: bool,
     strut_upper: bool,
-    spring: bool,
+    installation: Installation,
     rates: bool,
+}
+
+/// What is read of spring, rockers and anti-roll bar.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Installation {
+    spring: Option<Spring>,
+    rocker: Option<RockerId>,
+    anti_roll_bar: Option<RockerId>,
 }
 
 /// The designs whose characteristics are read.
@@ -37,16 +45,12 @@ pub struct LaneWheels<B: Bundle> {
     spin_axis: KnuckleVector<B>,
     centre: KnucklePoint<B>,
     strut_upper: Option<KnucklePoint<B>>,
-    spring: Option<(SpringEnd<B>, SpringEnd<B>)>,
     design: Wheel<B>,
 }
 
-/// An end of the spring.
-#[derive(Clone, Copy)]
-enum SpringEnd<B> {
-    Chassis(Vector3<B>),
-    Knuckle(KnucklePoint<B>),
-}
+/// The least squared leverage of a rocker. A toggle is far then, and the rocker turns no more than five
+/// times as fast as with all of it.
+const LEAST_LEVERAGE: f64 = 0.04;
 
 impl<'a> LaneReader<'a> {
     /// A reader of these characteristics; `None` if one of them cannot be read in lanes.
@@ -64,24 +68,24 @@ impl<'a> LaneReader<'a> {
             centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
             steering_axis: slots.contain_steering_axis(),
             strut_upper: slots.contains(Slot::StrutUpper),
-            spring: slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate)
-                || slots.contains(Slot::Spring),
+            installation: Installation {
+                spring: mechanism.spring.filter(|_| {
+                    slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate)
+                        || slots.contains(Slot::Spring)
+                }),
+                rocker: mechanism
+                    .spring_rocker()
+                    .filter(|_| slots.contains(Slot::RockerAngle)),
+                anti_roll_bar: mechanism
+                    .anti_roll_bar()
+                    .filter(|_| slots.contain_either(Slot::BarAngle, Slot::BarAngleRate)),
+            },
             rates: characteristics.iter().any(|c| c.info().reads_rates()),
         };
-        let on = |id: PointId, bodies: &[Body]| bodies.contains(&mechanism.body(id));
-        // Rockers, like springs on them and on arms, are left to the careful path.
-        let of_rockers = [Slot::RockerAngle, Slot::BarAngle, Slot::BarAngleRate];
-        let possible = !of_rockers.iter().any(|slot| slots.contains(*slot))
-            && (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
+        let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
             && mechanism
                 .strut_upper()
-                .is_none_or(|id| !reads.strut_upper || on(id, &[Body::Knuckle]))
-            && mechanism.spring.is_none_or(|spring| {
-                !reads.spring
-                    || [spring.upper, spring.lower]
-                        .iter()
-                        .all(|id| on(*id, &[Body::Chassis, Body::Knuckle]))
-            });
+                .is_none_or(|id| !reads.strut_upper || mechanism.body(id) == Body::Knuckle);
         possible.then_some(LaneReader {
             mechanism,
             characteristics,
@@ -108,19 +112,11 @@ impl<'a> LaneReader<'a> {
             SpinAxis::From(inner) => (centre - design[inner.0]).normalised(),
             SpinAxis::Along(direction) => centre.lit(direction),
         };
-        let end = |id: PointId| match mechanism.body(id) {
-            Body::Chassis => SpringEnd::Chassis(design[id.0]),
-            _ => SpringEnd::Knuckle(lanes.point(design[id.0])),
-        };
         LaneWheels {
             spin_axis: lanes.vector(spin_axis),
             centre: lanes.point(centre),
             strut_upper: match mechanism.strut_upper() {
                 Some(upper) if self.reads.strut_upper => Some(lanes.point(design[upper.0])),
-                _ => None,
-            },
-            spring: match mechanism.spring {
-                Some(spring) if self.reads.spring => Some((end(spring.upper), end(spring.lower))),
                 _ => None,
             },
             design: Wheel {
@@ -150,16 +146,19 @@ impl<'a> LaneReader<'a> {
         self.reads.rates
     }
 
-    /// What the formulas read in a pose; with `rates`, the velocities of all of it.
+    /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
+    /// Says which lanes are right: those where no rocker that is read is close to a toggle.
     #[inline(always)]
     pub fn read<B: Bundle>(
         &self,
         wheels: &LaneWheels<B>,
         at: &impl LanePose<B>,
+        rack: B,
         rates: bool,
         inputs: &mut Inputs<B>,
-    ) {
+    ) -> B::Mask {
         let reads = self.reads;
+        let mut right = rack.zero().less(rack.one());
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
@@ -173,15 +172,21 @@ impl<'a> LaneReader<'a> {
         if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
             now.strut_upper = at.point(upper);
         }
-        if let Some((upper, lower)) = &wheels.spring {
-            now.spring = upper.now(at) - lower.now(at);
-            now.spring_length = now.spring.norm();
-        }
-        if !rates {
-            return;
+        let is_installed = reads.installation != Installation::default();
+        if !rates && !is_installed {
+            return right;
         }
         let rates = at.rates();
         inputs.turn = rates.turn();
+        if is_installed {
+            let installing = Installing {
+                installation: reads.installation,
+                at: &at.posture(rack),
+                motion: &rates.twist(),
+                inputs,
+            };
+            right = rack.apart(installing);
+        }
         let (now, rate) = (&inputs.now, &mut inputs.rate);
         if reads.spin_axis {
             rate.spin_axis = rates.vector(now.spin_axis);
@@ -195,10 +200,7 @@ impl<'a> LaneReader<'a> {
         if reads.strut_upper {
             rate.strut_upper = rates.point(at, now.strut_upper);
         }
-        if let Some((upper, lower)) = &wheels.spring {
-            rate.spring = upper.rate(at, &rates) - lower.rate(at, &rates);
-            rate.spring_length = now.spring.dot(rate.spring) / now.spring_length;
-        }
+        right
     }
 
     /// Writes the values of all characteristics, from what has been read, each `stride` numbers after the one
@@ -310,14 +312,53 @@ impl<'a> LaneReader<'a> {
                 spring_length: pair(now.spring_length, rate.spring_length),
                 spring: pairs(now.spring, rate.spring),
                 strut_upper: pairs(now.strut_upper, rate.strut_upper),
-                // No formula read in lanes reads these.
-                ..nothing
+                rocker_angle: pair(now.rocker_angle, rate.rocker_angle),
+                bar_angle: pair(now.bar_angle, rate.bar_angle),
             },
             rate: nothing,
             turn: nothing.centre,
             design,
             constants: inputs.constants,
         }
+    }
+}
+
+/// Reads spring, rockers and anti-roll bar with their velocities.
+struct Installing<'i, B: Bundle> {
+    installation: Installation,
+    at: &'i Posture<'i, B>,
+    motion: &'i Twist<B>,
+    inputs: &'i mut Inputs<B>,
+}
+
+impl<B: Bundle> Piece for Installing<'_, B> {
+    type Output = B::Mask;
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let (at, motion) = (self.at, self.motion);
+        let (now, rate) = (&mut self.inputs.now, &mut self.inputs.rate);
+        let least = at.rack.lit(LEAST_LEVERAGE);
+        let mut right = at.rack.zero().less(least);
+        if let Some(spring) = self.installation.spring {
+            let upper = at.moving_point(spring.upper, motion);
+            let lower = at.moving_point(spring.lower, motion);
+            right = right & least.less(upper.leverage_squared) & least.less(lower.leverage_squared);
+            now.spring = upper.now - lower.now;
+            now.spring_length = now.spring.norm();
+            rate.spring = upper.rate - lower.rate;
+            rate.spring_length = now.spring.dot(rate.spring) / now.spring_length;
+        }
+        if let Some(rocker) = self.installation.rocker {
+            let angle = at.moving_rocker(rocker, motion);
+            right = right & least.less(angle.leverage_squared);
+            (now.rocker_angle, rate.rocker_angle) = (angle.now, angle.rate);
+        }
+        if let Some(bar) = self.installation.anti_roll_bar {
+            let angle = at.moving_rocker(bar, motion);
+            right = right & least.less(angle.leverage_squared);
+            (now.bar_angle, rate.bar_angle) = (angle.now, angle.rate);
+        }
+        right
     }
 }
 
@@ -380,24 +421,6 @@ impl Characteristic {
         match self.info().reads_rates() {
             true => f64::NAN,
             false => self.evaluate(inputs)[1],
-        }
-    }
-}
-
-impl<B: Bundle> SpringEnd<B> {
-    #[inline(always)]
-    fn now(&self, at: &impl LanePose<B>) -> Vector3<B> {
-        match self {
-            SpringEnd::Chassis(point) => *point,
-            SpringEnd::Knuckle(point) => at.point(point),
-        }
-    }
-
-    #[inline(always)]
-    fn rate(&self, at: &impl LanePose<B>, rates: &LaneRates<B>) -> Vector3<B> {
-        match self {
-            SpringEnd::Chassis(point) => point.zero(),
-            SpringEnd::Knuckle(point) => rates.point(at, at.point(point)),
         }
     }
 }

@@ -46,7 +46,7 @@ pub use motion::{Lifted, MotionPoint};
 pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist, Wrench};
-pub use rocker::{Toggles, has_leverage};
+pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
 pub use sensitivity::{Linearised, Seeds};
 pub(crate) use work::Tally;
 pub use work::Work;

@@ -267,7 +267,7 @@ impl<'a, T: Real> Posture<'a, T> {
         for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
             sink.hardpoint(hardpoint, by);
         }
-        self.push_point(arm.outer, by[4], sink);
+        self.push_carried(arm.outer, by[4], sink);
     }
 
     #[inline(never)]
@@ -275,15 +275,51 @@ impl<'a, T: Real> Posture<'a, T> {
         arm_point(self.arm_inputs(arm, id))
     }
 
+    /// Present position and velocity of a point that stands on no rocker, from the velocity of the knuckle.
+    /// For SIMD lanes.
+    #[inline(always)]
+    pub(super) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
+        let carried = |id: PointId| {
+            let now = self.carried(id);
+            let rate = motion.shift + motion.turn.cross(now - self.pose.origin);
+            [now, rate]
+        };
+        match self.mechanism.body(id) {
+            Body::Knuckle => carried(id),
+            Body::StrutRod(top) => {
+                let lever = self
+                    .pose
+                    .rotation
+                    .apply(self.designed(id) - self.designed(top));
+                [self.designed(top) + lever, motion.turn.cross(lever)]
+            }
+            Body::Arm(arm) => {
+                let arm = self.mechanism.arms[arm.0];
+                let now = arm_point(self.arm_inputs(arm, id));
+                let front = self.designed(arm.front);
+                let axis = self.designed(arm.rear) - front;
+                let [outer, outer_rate] = carried(arm.outer);
+                // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
+                let across = axis.cross(outer - front);
+                let turn = across.dot(outer_rate) / across.norm_squared();
+                [now, axis.cross(now - front) * turn]
+            }
+            Body::Chassis | Body::Rack | Body::Rocker(_) => {
+                let now = self.grounded(id);
+                [now, now.zero()]
+            }
+        }
+    }
+
     /// What [`arm_point`] reads.
-    #[inline]
+    #[inline(always)]
     fn arm_inputs(&self, arm: Arm, id: PointId) -> [Vector3<T>; 5] {
         [
             self.designed(arm.front),
             self.designed(arm.rear),
             self.designed(arm.outer),
             self.designed(id),
-            self.point(arm.outer),
+            self.carried(arm.outer),
         ]
     }
 }
@@ -292,7 +328,7 @@ impl<'a, T: Real> Posture<'a, T> {
 ///
 /// `[front, rear, outer, point, outer now]`: with e the unit axis and r the part of `outer - front`
 /// normal to it, cos = r.r'/r^2 and sin = e.(r x r')/r^2.
-#[inline]
+#[inline(always)]
 fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -> Vector3<T> {
     let axis = (rear - front).normalised();
     let across = |p: Vector3<T>| {

@@ -17,9 +17,9 @@
 //! derivatives do not exist there.
 
 use super::path::DEGENERATE;
-use super::pose::{Posture, Sink, gradient_by};
-use crate::model::{Mechanism, Rocker, RockerId, Rod};
-use crate::number::{Jet, Real, Vector3};
+use super::pose::{Posture, Sink, Twist, gradient_by};
+use crate::model::{Body, Mechanism, PointId, Rocker, RockerId, Rod};
+use crate::number::{Bundle, Jet, Real, Vector3};
 use std::cell::Cell;
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
@@ -39,7 +39,7 @@ struct Turn<T> {
 }
 
 impl<T: Real> Turn<T> {
-    #[inline]
+    #[inline(always)]
     fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
         let from_first = inner - first;
@@ -67,7 +67,7 @@ impl<T: Real> Turn<T> {
     }
 
     /// Where a point of the rocker has come to.
-    #[inline]
+    #[inline(always)]
     fn moved(&self, point: Vector3<T>) -> Vector3<T> {
         let from_first = point - self.first;
         let lever = from_first - self.axis * self.axis.dot(from_first);
@@ -76,13 +76,142 @@ impl<T: Real> Turn<T> {
 
     /// The angle, positive as a rod of this kind turns it from the design position: pushed, or pulled by a
     /// pullrod.
-    #[inline]
+    #[inline(always)]
     fn angle(&self, rod: Rod) -> T {
-        let sense = match rod {
+        (self.sine * self.sense(rod)).atan2(self.cosine)
+    }
+
+    /// 1 or -1: the sign of the turn that counts as positive.
+    #[inline(always)]
+    fn sense(&self, rod: Rod) -> T {
+        match rod {
             Rod::Pushrod | Rod::DropLink => self.pushed,
             Rod::Pullrod => -self.pushed,
+        }
+    }
+}
+
+/// A rocker that turns.
+struct Turning<T> {
+    rocker: Rocker,
+    turn: Turn<T>,
+    /// How fast, about its axis.
+    speed: T,
+    /// The least w^2/(r.r l.l) of this rocker and those that turn it.
+    leverage_squared: T,
+}
+
+/// A point on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingPoint<T> {
+    /// Where it is.
+    pub now: Vector3<T>,
+    /// Its velocity.
+    pub rate: Vector3<T>,
+    /// The square of the least leverage of the rockers it moves with; 1 without any.
+    pub leverage_squared: T,
+}
+
+/// A rocker's angle on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingAngle<T> {
+    /// As [`Posture::rocker_angle`] has it.
+    pub now: T,
+    /// Its derivative.
+    pub rate: T,
+    /// The square of the least leverage of this rocker and those that turn it.
+    pub leverage_squared: T,
+}
+
+/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: everything
+/// inline, nothing recursive.
+impl<B: Bundle> Posture<'_, B> {
+    #[inline(always)]
+    fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+        let mechanism = self.mechanism;
+        let before = |depth: usize| {
+            let carrying = mechanism.rockers_moving(mechanism.rocker(id).outer);
+            std::iter::once(id).chain(carrying).nth(depth)
         };
-        (self.sine * sense).atan2(self.cosine)
+        let mut depth = 0;
+        while before(depth + 1).is_some() {
+            depth += 1;
+        }
+        let mut rocker = mechanism.rocker(before(depth).unwrap_or(id));
+        let [mut outer, mut rate] = self.moving_below_rockers(rocker.outer, motion);
+        let mut least = outer.x.one();
+        loop {
+            let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
+            let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
+            let turn = Turn::of([first, second, inner, designed, outer]);
+            // The rod keeps its length: its ends have the same velocity along it.
+            let end = turn.moved(inner);
+            let rod = end - outer;
+            let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
+            // So that NaN is kept.
+            least = B::select(
+                least.less(turn.leverage_squared),
+                least,
+                turn.leverage_squared,
+            );
+            if depth == 0 {
+                return Turning {
+                    rocker,
+                    turn,
+                    speed,
+                    leverage_squared: least,
+                };
+            }
+            depth -= 1;
+            rocker = mechanism.rocker(before(depth).unwrap_or(id));
+            outer = turn.moved(self.designed(rocker.outer));
+            rate = turn.axis.cross(outer - first) * speed;
+        }
+    }
+
+    /// Present position and velocity of a point.
+    #[inline(always)]
+    pub fn moving_point(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
+        match self.mechanism.body(id) {
+            Body::Rocker(rocker) => {
+                let Turning {
+                    turn,
+                    speed,
+                    leverage_squared,
+                    ..
+                } = self.turning(rocker, motion);
+                let now = turn.moved(self.designed(id));
+                MovingPoint {
+                    now,
+                    rate: turn.axis.cross(now - turn.first) * speed,
+                    leverage_squared,
+                }
+            }
+            _ => {
+                let [now, rate] = self.moving_below_rockers(id, motion);
+                MovingPoint {
+                    now,
+                    rate,
+                    leverage_squared: now.x.one(),
+                }
+            }
+        }
+    }
+
+    /// Angle of a rocker and its derivative.
+    #[inline(always)]
+    pub fn moving_rocker(&self, id: RockerId, motion: &Twist<B>) -> MovingAngle<B> {
+        let Turning {
+            rocker,
+            turn,
+            speed,
+            leverage_squared,
+        } = self.turning(id, motion);
+        MovingAngle {
+            now: turn.angle(rocker.rod),
+            rate: speed * turn.sense(rocker.rod),
+            leverage_squared,
+        }
     }
 }
 

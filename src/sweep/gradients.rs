@@ -175,6 +175,7 @@ impl InLanes for Evaluation<'_, '_> {
             wheels: &wheels,
             inputs: reader.inputs(&wheels),
             rack: like,
+            right: design.is_regular(),
             count: stations.count(),
             first: 0,
             wanted: match of {
@@ -186,14 +187,15 @@ impl InLanes for Evaluation<'_, '_> {
             values,
             gradients,
         };
-        let mut solved = design.is_regular();
         let mut rack = 0;
         while rack < stations.racks.len() {
             reading.first = stations.number(rack, 0);
             reading.rack = like.lit(stations.racks[rack]);
-            solved = solved & batch.solve(&design, rack, &mut history, &mut reading);
+            let solved = batch.solve(&design, rack, &mut history, &mut reading);
+            reading.right = reading.right & solved;
             rack += 1;
         }
+        let solved = reading.right;
         for (lane, right) in right.iter_mut().enumerate() {
             *right = lane < count && B::lane(solved, lane);
         }
@@ -206,6 +208,8 @@ struct Differentiating<'r, B: Bundle> {
     wheels: &'r LaneWheels<B>,
     inputs: Inputs<B>,
     rack: B,
+    /// Lanes that are right so far.
+    right: B::Mask,
     /// Stations in all, and the first one with the rack where it is.
     count: usize,
     first: usize,
@@ -221,7 +225,10 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
-        self.reader.read(self.wheels, at, false, &mut self.inputs);
+        let right = self
+            .reader
+            .read(self.wheels, at, self.rack, false, &mut self.inputs);
+        self.right = self.right & right;
         let angles = self.reader.characteristics().len();
         let zero = self.rack.zero();
         let rates = at.rates();

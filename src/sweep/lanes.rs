@@ -101,19 +101,23 @@ impl InLanes for Evaluation<'_, '_> {
                 reader,
                 wheels: &wheels,
                 inputs: reader.inputs(&wheels),
+                rack: like,
+                right: design.is_regular(),
                 count: stations.count(),
                 first: 0,
                 design_station: stations.design(),
                 values,
                 slopes,
             };
-            let mut solved = design.is_regular();
             let mut rack = 0;
             while rack < stations.racks.len() {
                 reading.first = stations.number(rack, 0);
-                solved = solved & batch.solve(&design, rack, &mut history, &mut reading);
+                reading.rack = like.lit(stations.racks[rack]);
+                let solved = batch.solve(&design, rack, &mut history, &mut reading);
+                reading.right = reading.right & solved;
                 rack += 1;
             }
+            let solved = reading.right;
             for lane in 0..lanes {
                 if !B::lane(solved, lane) {
                     left.push(first + lane);
@@ -155,6 +159,9 @@ struct Reading<'r, B: Bundle> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     inputs: Inputs<B>,
+    rack: B,
+    /// Lanes that are right so far.
+    right: B::Mask,
     /// Stations in all, and the first one with the rack where it is.
     count: usize,
     first: usize,
@@ -170,7 +177,10 @@ impl<B: Bundle> Visit<B> for Reading<'_, B> {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
-        self.reader.read(self.wheels, at, rates, &mut self.inputs);
+        let right = self
+            .reader
+            .read(self.wheels, at, self.rack, rates, &mut self.inputs);
+        self.right = self.right & right;
         let values = &mut self.values[station * SIDE_BY_SIDE..];
         self.reader
             .values(&self.inputs, values, self.count * SIDE_BY_SIDE);

@@ -23,7 +23,7 @@ mod route;
 
 use super::closed_form::{Carried, Roles};
 use super::path::March;
-use super::pose::{Posture, Wrench};
+use super::pose::{Posture, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Bundle, Vector3};
 use arm::{ArmDesign, ByArm};
@@ -173,6 +173,15 @@ impl<B: Bundle> LaneRates<B> {
     #[inline(always)]
     pub fn turn(&self) -> Vector3<B> {
         self.turn
+    }
+
+    /// The velocities of the knuckle.
+    #[inline(always)]
+    pub fn twist(&self) -> Twist<B> {
+        Twist {
+            shift: self.origin,
+            turn: self.turn,
+        }
     }
 }
 

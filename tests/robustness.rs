@@ -435,8 +435,14 @@ fn examine_certified(
                     column.name
                 );
             }
+            // A wheel that lies flat has a camber, but no derivative of it.
             let mut sensitivities = curves.sensitivities.iter();
-            assert!(sensitivities.all(|s| s.value.is_finite()), "{number}");
+            let may_lack =
+                |column: usize| !trial.ordinary && curves.columns[column].name.ends_with("_deg");
+            assert!(
+                sensitivities.all(|s| s.value.is_finite() || may_lack(s.column)),
+                "{number}"
+            );
             Some(proof)
         }
         Status::Failed(failure @ Failure::Uncertified(_)) => {
@@ -479,7 +485,7 @@ fn any_design_is_solved_or_refused_with_a_reason() {
 fn designs_that_failed_once() {
     for number in [
         640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343, 35076, 82214, 84055,
-        104498,
+        104498, 320484, 554382, 619122, 626610, 722525,
     ] {
         examine(number, &mut Tally::default());
     }

@@ -312,7 +312,7 @@ fn motions_that_go_nowhere() {
     let key = "motion.travel";
     #[rustfmt::skip]
     let cases: &[(&str, &str, &[&str])] = &[
-        ("travel = { from = 80.0, to = -80.0, steps = 41 }", "motion.travel.from", &["the range is reversed: from 80 is above to -80", "from = -80, to = 80"]),
+        ("travel = { from = 80.0, to = -80.0, steps = 41 }", "motion.travel.from", &["the range is reversed: from = 80 is above to = -80", "from = -80, to = 80"]),
         ("travel = { from = 80.0, to = 80.0, steps = 41 }", "motion.travel.to", &["the range is empty"]),
         ("travel = { from = -80.0, to = 80.0, steps = 1 }", "motion.travel.steps", &["one step cannot reach"]),
         ("travel = { from = -80.0, to = 80.0, steps = 0 }", "motion.travel.steps", &["expected from 1 to 10000000, found 0"]),
@@ -342,6 +342,12 @@ fn motions_that_go_nowhere() {
     }
     let text = edited(travel, "");
     assert_mistake(&text, "[motion]", "motion", &["expected travel or time"]);
+    // The ball joint straight above the axis of the arm.
+    let text = edited(travel, "drive = \"arm_angle\"\narm_angle = [1.0]");
+    let text = text.replace("[   5.0, 705.0, 190.0]", "[ -70.0, 355.0, 500.0]");
+    let text = &text[..text.find("[optimise]").unwrap()];
+    let phrases = ["dead centre", "moves lower_ball_joint level"];
+    assert_mistake(text, "drive =", "motion.drive", &phrases);
 }
 
 #[test]

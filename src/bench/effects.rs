@@ -41,7 +41,7 @@ struct Change {
     apply: fn(&mut Study),
 }
 
-const CHANGES: [Change; 11] = [
+const CHANGES: [Change; 12] = [
     Change {
         name: "position",
         apply: |_| (),
@@ -90,6 +90,18 @@ const CHANGES: [Change; 11] = [
                 let ratio = Characteristic::MotionRatio;
                 study.outputs.characteristics.push(ratio);
             }
+        },
+    },
+    Change {
+        name: "angles of rocker and anti-roll bar",
+        apply: |study| {
+            let mechanism = &study.suspension.mechanism;
+            let rocker = mechanism.spring_rocker();
+            let rocker = rocker.map(|_| Characteristic::RockerAngle);
+            let bar = mechanism.anti_roll_bar();
+            let bar = bar.map(|_| Characteristic::AntiRollBarAngle);
+            study.outputs.characteristics.extend(rocker);
+            study.outputs.characteristics.extend(bar);
         },
     },
     Change {

@@ -54,6 +54,7 @@ pub struct Throughput {
 const ANGLES: &str = "four angles";
 const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
+const MOTION_RATIO: &str = "motion ratio of the spring";
 const JACOBIAN: &str = "four angles by every hardpoint";
 const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
 
@@ -94,6 +95,8 @@ impl Throughput {
             ))
             .collect();
 
+        let motion_ratio = quantities(suspension, &[Characteristic::MotionRatio]);
+
         let mut found = Vec::new();
         let mut jobs: Vec<Job<'_>> = Vec::new();
         let mut add = |asked, method: String, threads, job| {
@@ -122,6 +125,16 @@ impl Throughput {
         for threads in 2..=threads {
             let job = sweep.job(&angles, widest, threads)?;
             add(ANGLES, method.clone(), threads, job);
+        }
+        if !motion_ratio.is_empty() {
+            add(
+                MOTION_RATIO,
+                method,
+                1,
+                sweep.job(&motion_ratio, widest, 1)?,
+            );
+            let job = sweep.job(&motion_ratio, None, 1)?;
+            add(MOTION_RATIO, ONE_BY_ONE.to_owned(), 1, job);
         }
         let job = sweep.series::<3>(&angles);
         add(
@@ -203,8 +216,15 @@ const PAPER: &str = "point coordinates (paper)";
 
 /// Those of the characteristics that the suspension has.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
-    let steered = suspension.mechanism.steering_axis.is_some();
-    let possible = |c: &&Characteristic| steered || !c.info().needs.contains(&Need::SteeringAxis);
+    let mechanism = &suspension.mechanism;
+    let possible = |c: &&Characteristic| {
+        let lacking = |need: &Need| match need {
+            Need::SteeringAxis => mechanism.steering_axis.is_none(),
+            Need::Spring => mechanism.spring.is_none(),
+            _ => false,
+        };
+        !c.info().needs.iter().any(lacking)
+    };
     let possible = characteristics.iter().filter(possible);
     possible.map(|c| Quantity::Characteristic(*c)).collect()
 }

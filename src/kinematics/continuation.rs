@@ -109,6 +109,11 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
+        // Where the path is known badly, a correction may take it to before its start.
+        let unresolved = |at: &CurvePoint| {
+            let gone = direction * (at.value() - value);
+            PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
+        };
         let mut step = LONGEST_STEP;
         for _ in 0..MOST_STEPS {
             let next = self.step(&here, step).filter(|(next, missed)| {
@@ -119,7 +124,7 @@ impl Curve<'_> {
             let Some((next, missed)) = next else {
                 step *= 0.5;
                 if step < SHORTEST_STEP {
-                    return Err(PathEnd::Unresolved(here.value()));
+                    return Err(unresolved(&here));
                 }
                 continue;
             };
@@ -136,7 +141,7 @@ impl Curve<'_> {
                 }
                 step *= 0.5;
                 if step < SHORTEST_STEP {
-                    return Err(PathEnd::Unresolved(here.value()));
+                    return Err(unresolved(&here));
                 }
                 continue;
             }
@@ -146,7 +151,7 @@ impl Curve<'_> {
                 }
                 step *= 0.5;
                 if step < SHORTEST_STEP {
-                    return Err(PathEnd::Unresolved(here.value()));
+                    return Err(unresolved(&here));
                 }
                 continue;
             }
@@ -155,7 +160,7 @@ impl Curve<'_> {
                 step = (2.0 * step).min(LONGEST_STEP);
             }
         }
-        Err(PathEnd::Unresolved(here.value()))
+        Err(unresolved(&here))
     }
 
     /// The multipliers m of the six equations with m A = (0, ..., 0, 1) at a fold: the value there
@@ -312,7 +317,7 @@ impl Curve<'_> {
             }
             // Written so that NaN is refused.
             let shrinks = correction < 0.5 * last;
-            if correction <= from.noise || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
+            if correction <= self.rounding || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
                 pose.rotation = pose.rotation.orthonormalised();
                 let found = self.at(&pose, value, Some(from.orientation), 1.0)?;
                 return Some((found, missed));

@@ -40,6 +40,7 @@ pub use batch::{
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
+pub use constraint::raises_its_joint;
 pub use limits::{Limit, LimitCause, Limits, Range, RangeEnd, RockerRange, Toggle};
 pub use loads::{Balance, Load, Reaction, Reactions, Support};
 pub use motion::{Lifted, MotionPoint};

@@ -5,6 +5,7 @@ use super::file;
 use super::names::choose;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
+use crate::kinematics::raises_its_joint;
 use crate::model::{self, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
@@ -158,18 +159,29 @@ pub fn check_drive(
     suspension: &Suspension,
     problems: &mut Problems,
 ) {
+    if !motion.drive.is_angle() {
+        return;
+    }
     let mechanism = &suspension.mechanism;
-    if motion.drive.is_angle() && mechanism.arms.is_empty() {
-        let place = section
-            .get_ref()
-            .drive
-            .as_ref()
-            .map_or(section.span(), |d| d.span());
+    let written = section.get_ref().drive.as_ref();
+    let place = written.map_or(section.span(), Spanned::span);
+    let Some(arm) = mechanism.arms.first() else {
         let message = format!(
             "{} has no arm whose angle could drive it",
             mechanism.topology.name
         );
         problems.add(place, message);
+        return;
+    };
+    if motion.drive == Drive::ArmAngle && !raises_its_joint(*arm, &suspension.design) {
+        let outer = &mechanism.points[arm.outer.0].name;
+        let message = format!(
+            "the arm is at dead centre in the design position: a turn moves {outer} level at first, so \
+             neither direction is the one that raises it"
+        );
+        problems
+            .add(place, message)
+            .help("drive it by the travel of the wheel");
     }
 }
 
@@ -233,7 +245,7 @@ fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> 
     let count = within(steps, 1..=MOST_STATIONS, problems)?;
     if from.value > to.value {
         let message = format!(
-            "the range is reversed: from {} is above to {}",
+            "the range is reversed: from = {} is above to = {}",
             from.value, to.value
         );
         let help = format!("from = {}, to = {}", to.value, from.value);

@@ -43,6 +43,8 @@ pub struct SmallSteps {
     wheel: V,
     /// From the arm's axis to its outer joint, the direction of that and the one across in its circle.
     arm: [V; 3],
+    /// Whether the joint goes level at first, so that neither direction of a turn is the positive one.
+    is_at_dead_centre: bool,
 }
 
 impl SmallSteps {
@@ -94,6 +96,7 @@ impl SmallSteps {
             lines,
             wheel: at(mechanism.wheel_centre),
             arm: [radius, radius.normalised(), across.normalised()],
+            is_at_dead_centre: across.z.abs() <= 1e-10 * across.norm(),
         }
     }
 
@@ -210,8 +213,12 @@ impl SmallSteps {
         all
     }
 
-    /// The pose at `to`, the rack moved first, then the drive; `None` where the steps become too small.
+    /// The pose at `to`, the rack moved first, then the drive; `None` where the steps become too small, or
+    /// for a turn of an arm at dead centre.
     pub fn follow(&self, to: &MotionPoint<f64>) -> Option<Pose<f64>> {
+        if to.drive == Drive::ArmAngle && self.is_at_dead_centre {
+            return None;
+        }
         let mut x = X::zeros();
         for k in 0..3 {
             x[3 + 4 * k] = 1.0;

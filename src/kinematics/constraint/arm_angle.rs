@@ -10,6 +10,7 @@
 //! The axis is taken so that a positive angle raises the outer joint, whichever way round its two
 //! points are named.
 
+use crate::kinematics::path::DEGENERATE;
 use crate::kinematics::pose::{Posture, Sink};
 use crate::model::{Arm, PointId};
 use crate::number::{Real, Vector3};
@@ -34,8 +35,21 @@ pub(in crate::kinematics) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (Po
 /// 1 where a positive turn about the axis from rear to front raises the outer joint, else -1.
 #[inline]
 fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
+    way(arm, design).z.sign()
+}
+
+/// The way of the outer joint in a turn about the axis from rear to front.
+#[inline]
+fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
     let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
-    (front - rear).cross(outer - rear).z.sign()
+    (front - rear).cross(outer - rear)
+}
+
+/// Whether an arm raises its outer joint in one direction of its turn and lowers it in the other. At dead
+/// centre the joint goes level at first, and which turn is positive would be a matter of rounding.
+pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
+    let way = way(arm, design);
+    way.z.abs() > DEGENERATE * way.norm()
 }
 
 impl<T: Real> ArmAngle<T> {

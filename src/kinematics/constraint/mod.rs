@@ -15,6 +15,7 @@ mod link;
 mod revolute;
 mod strut_line;
 
+pub use arm_angle::raises_its_joint;
 pub(super) use arm_angle::{ArmAngle, axis_ends};
 use link::Link;
 use revolute::Pinned;

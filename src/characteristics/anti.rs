@@ -1,10 +1,11 @@
 //! Anti-dive, anti-lift and anti-squat: how much of the load transfer in braking and driving goes
 //! through the arms instead of the springs.
 //!
-//! By virtual work: a braking force -F x at the contact point does the work -F C_x' per unit of wheel
-//! travel and so pushes the wheel down with F C_x'; the load transfer is F_total h/L. For drive
-//! torque that comes through shafts the force acts at the wheel centre W. Primes are derivatives by
-//! wheel travel.
+//! By virtual work: a braking force -F x at the contact point does the work -F C_x' and what the load transfer
+//! N = F_total h/L adds to the wheel load does N C_z', so that the springs are left with N - F C_x'/C_z': the
+//! slope of the way of C, which a side view's instantaneous centre gives too. C is a point of the carrier,
+//! the wheel being locked. For drive torque that comes through shafts the force acts at the wheel centre W.
+//! Primes are derivatives by wheel travel, W_z' = 1.
 
 use super::instant_centre::CONTACT_VELOCITY;
 use super::{Formula, Info, Inputs, Need, Slot, Unit};
@@ -19,11 +20,12 @@ const BRAKING: &[Need] = &[
 const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
-/// 100 share (L/h) C_x'/W_z'
+/// 100 share (L/h) C_x'/C_z'
 #[inline(always)]
 fn braking<T: Real>(inputs: &Inputs<T>, share: f64) -> T {
     let c = &inputs.constants;
-    let forward = inputs.contact_velocity().x / inputs.rate.centre.z;
+    let velocity = inputs.contact_velocity();
+    let forward = velocity.x / velocity.z;
     forward.scaled(100.0 * share * c.wheelbase / c.cg_height)
 }
 
@@ -34,7 +36,7 @@ impl Formula for AntiDive {
         name: "anti_dive",
         unit: Unit::Percent,
         positive: "the front resists diving in braking",
-        formula: "100 p_f (L/h) C_x'",
+        formula: "100 p_f (L/h) C_x'/C_z'",
         source: SOURCE,
         reads: CONTACT_VELOCITY,
         needs: BRAKING,
@@ -52,7 +54,7 @@ impl Formula for AntiLift {
         name: "anti_lift",
         unit: Unit::Percent,
         positive: "the rear resists lifting in braking",
-        formula: "-100 (1 - p_f) (L/h) C_x'",
+        formula: "-100 (1 - p_f) (L/h) C_x'/C_z'",
         source: SOURCE,
         reads: CONTACT_VELOCITY,
         needs: BRAKING,

@@ -116,28 +116,32 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             all.found.len()
         )?;
     }
+    let mut err = std::io::stderr().lock();
     for place in &all.undecided {
         let degrees = |angle: f64| shortest(angle.to_degrees());
         match place {
-            Undecided::ArmAngle(low, high) => eprintln!(
+            Undecided::ArmAngle(low, high) => writeln!(
+                err,
                 "undecided: whether there is one more between arm angles {} and {} deg",
                 degrees(*low),
                 degrees(*high)
-            ),
+            )?,
             Undecided::Pose(pose) => {
                 let lever = suspension.design[suspension.mechanism.wheel_centre.0]
                     - suspension.design[suspension.mechanism.origin.0];
                 let centre = pose.origin + pose.rotation.apply(lever);
                 let [x, y, z] = suspension.frame.vector(centre).to_array().map(shortest);
-                eprintln!(
+                writeln!(
+                    err,
                     "undecided: whether there is one more with the wheel centre next to {x}, {y}, {z} {unit}"
-                );
+                )?;
             }
-            Undecided::Rotations(share) => eprintln!(
+            Undecided::Rotations(share) => writeln!(
+                err,
                 "undecided: whether there are more; {} % of all rotations of the wheel carrier were not \
                  searched, as the design has assemblies too close together or without number",
                 shortest(share * 100.0)
-            ),
+            )?,
         }
     }
     Ok(match all.undecided.is_empty() {

@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let name = format!("bench_{}", study.name);
     let default = PathBuf::from("out").join(&name);
     let out = arguments.out.as_deref().unwrap_or(&default);
-    let output = Output::at(out, arguments.format.into())?;
+    let output = Output::at(out, arguments.format.into(), "bench")?;
     let clock = Clock {
         samples: arguments.samples,
         ..Clock::default()

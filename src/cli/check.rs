@@ -7,7 +7,7 @@ use crate::curves::curves;
 use crate::kinematics::{DesignFault, March, PaperTheta};
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{SolveSummary, Table};
+use crate::report::{SolveSummary, Table, doubts};
 use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
 
@@ -30,6 +30,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let format = arguments.format.into();
     if format == crate::report::Format::Text {
         writeln!(out, "{}: valid\n", path.display())?;
+        for doubt in doubts(&study.suspension).map_err(fault)? {
+            writeln!(out, "{doubt}\n")?;
+        }
         writeln!(out, "{}\n", motion(&study, &plan))?;
         for line in rods(&study.suspension) {
             writeln!(out, "{line}\n")?;

@@ -34,9 +34,13 @@ fn table(study: &Study, limits: &Limits) -> Table {
     let unit = study.suspension.length_unit.symbol();
     let mut table = Table::new(["quantity", "from", "because", "to", "because there"]);
     let mut push = |name: String, range: &Range, factor: f64| {
+        let beyond = match (&range.lower, &range.upper) {
+            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
+            _ => "it goes on beyond half a turn",
+        };
         let end = |end: &RangeEnd, turn: f64| match end {
             RangeEnd::Fold(limit) => (shortest(limit.value * factor), limit.cause.to_string()),
-            RangeEnd::FullTurn => (shortest(turn * factor), "it turns right round".to_owned()),
+            RangeEnd::FullTurn => (shortest(turn * factor), beyond.to_owned()),
             RangeEnd::Unresolved(value) => (
                 shortest(value * factor),
                 "the path could not be followed further".to_owned(),

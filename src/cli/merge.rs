@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     let tally = parts.tally(|designs| line.inc(designs));
     line.finish_and_clear();
     let tally = tally.map_err(not_this)?;
-    let output = Output::at(&arguments.out, arguments.format.into())?;
+    let output = Output::at(&arguments.out, arguments.format.into(), "sweep")?;
     if let Some(directory) = output.directory() {
         parts.join(directory).map_err(|error| match error {
             MergeError::Parts(error) => not_this(error),

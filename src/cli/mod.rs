@@ -16,6 +16,7 @@ mod sweep;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -245,7 +246,8 @@ pub fn run() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(Stop::ClosedPipe) => Exit::Done.into(),
         Err(Stop::Failed { message, exit }) => {
-            eprintln!("{}", message.trim_end());
+            // A standard error that is closed or full is no reason to end otherwise.
+            let _ = writeln!(std::io::stderr(), "{}", message.trim_end());
             exit.into()
         }
     }

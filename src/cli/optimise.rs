@@ -9,8 +9,9 @@ use crate::curves::curves;
 use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::report::{Record, TuningSummary, curves_csv, history_csv, remarks};
+use crate::report::{Record, TuningSummary, curves_csv, doubts, history_csv, remarks};
 use crate::study::{Optimise, Study};
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
@@ -27,7 +28,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let plan = Plan::with_targets(&study);
     let fault = |fault| design_fault(&study, path, &fault);
     let before = curves(&study.suspension, &plan).map_err(fault)?;
-    let output = Output::open(arguments, &study)?;
+    let output = Output::open(arguments, &study, "optimise")?;
     let wanted = Wanted::open(arguments)?;
     let tuning = pool
         .install(|| tune_with_progress(&study, optimise))
@@ -42,6 +43,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
 
     let length = study.suspension.length_unit;
     let mut complete = true;
+    let mut refused = None;
     let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
     output.file("curves_before.csv", &curves_csv(&before, &plan, length))?;
     output.file("history.csv", &history_csv(&tuning.starts))?;
@@ -51,11 +53,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         complete &= after.are_complete();
         designs.push(("after", "curves.csv", tuned, after));
         output.main_csv("curves.csv", &curves_csv(after, &plan, length))?;
-        output.file("optimised.toml", study.with_design(&best.design).as_bytes())?;
+        let tuned = study.with_design(&best.design);
+        output.file("optimised.toml", tuned.as_bytes())?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        refused = Study::from_text("optimised.toml", &tuned, directory).err();
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
     } else {
         complete = false;
+        output.without("curves.csv")?;
+        output.without("optimised.toml")?;
     }
+    output.without("sensitivities.csv")?;
     if output.directory().is_some() {
         let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
         output.record("report.json", &record)?;
@@ -71,8 +79,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if tuning.best.is_some() {
         output.table(&summary.variables_table())?;
     }
-    for remark in after.iter().flat_map(|after| remarks(&study, after)) {
+    let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
+    let doubts = doubts.into_iter().flatten();
+    for remark in doubts.chain(after.iter().flat_map(|after| remarks(&study, after))) {
         output.say(&format!("\n{remark}\n"))?;
+    }
+    if let Some(errors) = refused {
+        complete = false;
+        output.say(&format!(
+            "\nwarning: the tuned design is not one that other commands take:\n{}\n",
+            errors.render(false)
+        ))?;
     }
     for combination in summary.unseen() {
         output.say(&format!(

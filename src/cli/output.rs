@@ -16,17 +16,27 @@ pub(super) struct Output {
 }
 
 impl Output {
-    /// Opens the output, so that a place that cannot be written is known before the work is done.
-    pub(super) fn open(arguments: &RunArguments, study: &Study) -> Result<Self, Stop> {
+    /// Opens the output of a command, so that a place that cannot be written is known before the work is
+    /// done.
+    pub(super) fn open(
+        arguments: &RunArguments,
+        study: &Study,
+        command: &str,
+    ) -> Result<Self, Stop> {
         let default = PathBuf::from("out").join(&study.name);
         let format = arguments.study.format.into();
-        Output::at(arguments.out.as_deref().unwrap_or(&default), format)
+        Output::at(
+            arguments.out.as_deref().unwrap_or(&default),
+            format,
+            command,
+        )
     }
 
     /// Opens a directory, or standard output for `-`.
-    pub(super) fn at(path: &Path, format: Format) -> Result<Self, Stop> {
+    pub(super) fn at(path: &Path, format: Format, command: &str) -> Result<Self, Stop> {
         let path = Some(path).filter(|path| *path != Path::new("-"));
-        let directory = path.map(RunDirectory::create).transpose();
+        let directory = path.map(|path| RunDirectory::claim(path, command));
+        let directory = directory.transpose();
         Ok(Output {
             directory: directory.map_err(Stop::wrong_input)?,
             format,
@@ -45,6 +55,14 @@ impl Output {
     pub(super) fn file(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
+            None => Ok(()),
+        }
+    }
+
+    /// Removes a file of an earlier run: beside the new results it would speak of others.
+    pub(super) fn without(&self, name: &str) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.remove(name).map_err(Stop::unwritten),
             None => Ok(()),
         }
     }
@@ -77,7 +95,7 @@ impl Output {
         if self.directory.is_some() && self.is_text() {
             io::stdout().write_all(text.as_bytes())?;
         } else {
-            io::stderr().write_all(text.as_bytes())?;
+            say_aside(text);
         }
         Ok(())
     }
@@ -87,7 +105,7 @@ impl Output {
         let text = table.render(self.format);
         match self.directory {
             Some(_) => io::stdout().write_all(text.as_bytes())?,
-            None => io::stderr().write_all(text.as_bytes())?,
+            None => say_aside(&text),
         }
         Ok(())
     }
@@ -103,6 +121,11 @@ impl Output {
             None => Ok(()),
         }
     }
+}
+
+/// Writes to standard error. That it is closed or full takes nothing from the results.
+fn say_aside(text: &str) {
+    let _ = io::stderr().write_all(text.as_bytes());
 }
 
 /// The rayon pool of a run.

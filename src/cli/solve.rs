@@ -6,7 +6,9 @@ use super::output::{Output, design_fault};
 use super::report::Wanted;
 use crate::curves::curves;
 use crate::plan::Plan;
-use crate::report::{Record, SolveSummary, Stretch, curves_csv, remarks, sensitivities_csv};
+use crate::report::{
+    Record, SolveSummary, Stretch, curves_csv, doubts, remarks, sensitivities_csv,
+};
 use crate::study::Study;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
@@ -15,14 +17,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let plan = Plan::of(&study);
     let suspension = &study.suspension;
     let curves = curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
-    let output = Output::open(arguments, &study)?;
+    let output = Output::open(arguments, &study, "solve")?;
     let wanted = Wanted::open(arguments)?;
 
     let length = suspension.length_unit;
     let summary = SolveSummary::of(&study, &curves);
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &curves_csv(&curves, &plan, length))?;
-    if !plan.sensitivities.is_empty() {
+    if plan.sensitivities.is_empty() {
+        output.without("sensitivities.csv")?;
+    } else {
         let csv = sensitivities_csv(&curves, &plan, &suspension.mechanism, length);
         output.file("sensitivities.csv", &csv)?;
         files.push("sensitivities.csv");
@@ -45,7 +49,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         summary.headline()
     ))?;
     output.table(&summary.table())?;
-    for remark in remarks(&study, &curves) {
+    let doubts = doubts(suspension).map_err(|fault| design_fault(&study, path, &fault))?;
+    for remark in doubts.into_iter().chain(remarks(&study, &curves)) {
         output.say(&format!("\n{remark}\n"))?;
     }
     for failure in Stretch::all(&curves, plan.drive) {

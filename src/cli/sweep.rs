@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
         ));
     }
-    let output = Output::at(&out, arguments.study.format.into())?;
+    let output = Output::at(&out, arguments.study.format.into(), "sweep")?;
     let record = &plan.record;
     let text = SweepText::of(&plan, &study, output.directory().is_some());
     let (mut files, mut tally, next) = match output.directory() {
@@ -63,7 +63,11 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             SweepFiles::resume(record, &text, directory).map_err(not_this)?
         }
         directory => {
-            let files = SweepFiles::begin(record, &text, directory).map_err(Stop::wrong_input)?;
+            let files = SweepFiles::begin(record, &text, directory);
+            let files = files.map_err(|error| match directory {
+                Some(_) => Stop::wrong_input(error),
+                None => unwritten(error),
+            })?;
             (files, Tally::empty(record), record.blocks().start)
         }
     };

@@ -69,12 +69,16 @@ impl<const N: usize> Run<'_, N> {
                     continue;
                 }
             };
+            if let Ok(at) = self.posture(&driven, &start) {
+                self.toggles.begin_at(&at);
+            }
+            let start_value = start.station().value;
             driven.equations.march(&start, &values, |number, pose| {
                 let read = |pose: &Pose| {
                     let posture = self.posture(&driven, pose)?;
                     Ok(Findings {
                         condition: Some(driven.equations.condition(pose)),
-                        ..self.values(&posture, number)
+                        ..self.values(&posture, number, pose.station().value - start_value)
                     })
                 };
                 let found = pose

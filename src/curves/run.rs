@@ -35,7 +35,7 @@ pub(super) struct Run<'a, const N: usize> {
     loads: Loads<'a>,
     /// The rockers that each output moves with.
     rockers: Vec<Vec<RockerId>>,
-    toggles: Toggles,
+    pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
     /// Of the solver.
@@ -65,7 +65,7 @@ impl<'a, const N: usize> Run<'a, N> {
         columns.extend(loads.columns());
         let at = |rack: f64, number: usize, value: f64| Station {
             travel: (plan.drive == Drive::Travel).then_some(value),
-            angle: plan.drive.is_angle().then(|| value.to_degrees()),
+            angle: plan.drive.is_angle().then(|| plan.drive.printed(value)),
             rack,
             time: plan.time.as_ref().map(|law| law.times[number]),
             // Of what is not on the course nothing more will be known.
@@ -134,6 +134,7 @@ impl<'a, const N: usize> Run<'a, N> {
         for (i, rack) in plan.racks.iter().enumerate() {
             let drive = plan.drive.in_kernel();
             let rack = rack * plan.rack_sign;
+            self.toggles.begin(&mut solver, drive, rack)?;
             let mut take =
                 |solver: &Solver, place: usize, pose: Result<&Pose<f64>, Failure>, proof| {
                     let number = course.stations[place];
@@ -206,15 +207,16 @@ impl<'a, const N: usize> Run<'a, N> {
         number: usize,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Findings, Failure> {
+        let drive = motion.value[0];
         if self.plan.sensitivities.is_empty() {
             let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
             return Ok(Findings {
                 condition: Some(condition.number),
-                ..self.loaded(solver, pose, &posture, number)
+                ..self.loaded(solver, pose, &posture, number, drive)
             });
         }
         let linearised = solver.linearised(&self.lifted, pose, motion)?;
-        let findings = self.loaded(solver, pose, &linearised.at, number);
+        let findings = self.loaded(solver, pose, &linearised.at, number, drive);
         Ok(Findings {
             gradients: self.gradients(&linearised, number),
             condition: Some(linearised.conditioning(solver.size()).number),
@@ -229,8 +231,9 @@ impl<'a, const N: usize> Run<'a, N> {
         pose: &Pose<f64>,
         at: &Posture<Jet<f64, N>>,
         number: usize,
+        drive: f64,
     ) -> Findings {
-        let mut findings = self.values(at, number);
+        let mut findings = self.values(at, number, drive);
         let stuck = self.loads.rocker().filter(|id| self.toggles.holds(*id));
         if stuck.is_some() {
             findings.values.resize(self.columns.len(), None);
@@ -246,11 +249,12 @@ impl<'a, const N: usize> Run<'a, N> {
         findings
     }
 
-    /// The value of every column of an output.
-    pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize) -> Findings {
+    /// The value of every column of an output, at a station of the motion whose drive is so far from the
+    /// design position.
+    pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize, drive: f64) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
-        let toggle = self.toggles.note(at);
+        let toggle = self.toggles.note(at, drive);
         let view = View::reading(at, plan.constants, plan.reads);
         let mut values = Vec::with_capacity(self.columns.len());
         for (columns, output) in self.columns_by_output() {

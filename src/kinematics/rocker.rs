@@ -16,9 +16,9 @@
 //! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
 //! derivatives do not exist there.
 
-use super::path::DEGENERATE;
+use super::path::{DEGENERATE, DesignFault, Solver};
 use super::pose::{Posture, Sink, Twist, gradient_by};
-use crate::model::{Body, Mechanism, PointId, Rocker, RockerId, Rod};
+use crate::model::{Body, Drive, Mechanism, PointId, Rocker, RockerId, Rod};
 use crate::number::{Bundle, Jet, Real, Vector3};
 use std::cell::Cell;
 
@@ -320,21 +320,24 @@ impl Posture<'_, f64> {
     }
 }
 
-/// Watches rockers along a march: outward from the design position, one after the other, none goes beyond a
-/// toggle. What happens between two stations is not seen.
+/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. What happens
+/// between two stations is not seen.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
+    /// The rockers at or beyond toggle where the march began, by number.
+    at_start: Cell<Stuck>,
     past: Cell<Past>,
 }
+
+/// A set of rockers, by number.
+type Stuck = u32;
 
 /// Where the march was last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
-    travel: f64,
-    rack: f64,
-    /// The rockers at or beyond toggle, by number.
-    stuck: u32,
+    value: f64,
+    stuck: Stuck,
 }
 
 impl Toggles {
@@ -349,49 +352,71 @@ impl Toggles {
         watched.dedup();
         Toggles {
             watched,
-            past: Cell::default(),
+            ..Toggles::default()
         }
     }
 
-    /// Makes ready for the march of another design.
-    pub fn forget(&self) {
-        self.past.set(Past::default());
+    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
+    pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
+        if self.watched.is_empty() {
+            return Ok(());
+        }
+        // Without a pose to begin with there will be none to note.
+        let stuck = match solver.placed(drive, rack)? {
+            Ok((pose, point)) => self.stuck(&solver.posture(&pose, point.rack), 0, |c| c),
+            Err(_) => 0,
+        };
+        self.begin_with(stuck);
+        Ok(())
     }
 
-    /// Looks at the next station of a march; returns the first rocker that has come to a toggle there or
-    /// before.
-    pub fn note<const N: usize>(&self, at: &Posture<Jet<f64, N>>) -> Option<Rod> {
+    /// Makes ready for a march that begins in this pose.
+    pub fn begin_at<const N: usize>(&self, at: &Posture<Jet<f64, N>>) {
+        self.begin_with(self.stuck(at, 0, |c| c[0]));
+    }
+
+    fn begin_with(&self, stuck: Stuck) {
+        self.at_start.set(stuck);
+        self.past.set(Past { value: 0.0, stuck });
+    }
+
+    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
+    /// returns the first rocker that has come to a toggle there or before.
+    pub fn note<const N: usize>(&self, at: &Posture<Jet<f64, N>>, value: f64) -> Option<Rod> {
         if self.watched.is_empty() {
             return None;
         }
-        let mechanism = at.mechanism;
-        let centre = mechanism.wheel_centre;
-        let travel = at.point(centre).z[0] - at.designed(centre).z[0];
-        let rack = at.rack[0];
         let past = self.past.get();
-        // Another march, or the other side of this one.
-        let goes_on =
-            rack == past.rack && travel.abs() >= past.travel.abs() && travel * past.travel >= 0.0;
-        let mut stuck = if goes_on { past.stuck } else { 0 };
-        for rocker in &self.watched {
-            let before = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
-            let carried = before.fold(0, |set, before| set | stuck & 1 << before.0);
-            let leverage = Turn::of(at.ends(mechanism.rocker(*rocker))).leverage_squared;
-            if carried != 0 || !is_enough(leverage[0]) {
-                stuck |= 1 << rocker.0;
-            }
-        }
-        self.past.set(Past {
-            travel,
-            rack,
-            stuck,
-        });
+        // Else the march has turned to the other side of its beginning.
+        let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
+        let before = match goes_on {
+            true => past.stuck,
+            false => self.at_start.get(),
+        };
+        let stuck = self.stuck(at, before, |c| c[0]);
+        self.past.set(Past { value, stuck });
         let first = self.watched.iter().find(|id| self.holds(**id));
-        first.map(|id| mechanism.rocker(*id).rod)
+        first.map(|id| at.mechanism.rocker(*id).rod)
     }
 
     /// Whether a rocker is at or beyond a toggle at the station last noted.
     pub fn holds(&self, rocker: RockerId) -> bool {
         self.past.get().stuck & 1 << rocker.0 != 0
+    }
+
+    /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
+    /// a one turns.
+    fn stuck<T: Real>(&self, at: &Posture<T>, before: Stuck, now: impl Fn(T) -> f64) -> Stuck {
+        let mechanism = at.mechanism;
+        let mut stuck = before;
+        for rocker in &self.watched {
+            let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
+            let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
+            let leverage = Turn::of(at.ends(mechanism.rocker(*rocker))).leverage_squared;
+            if is_carried || !is_enough(now(leverage)) {
+                stuck |= 1 << rocker.0;
+            }
+        }
+        stuck
     }
 }

@@ -254,12 +254,13 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
             toggles,
             buffer,
         } = self;
-        toggles.forget();
         moved_design(design, frame, variables, x, moved);
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         solver.prepare(moved).map_err(refused)?;
         lifted.prepare(mechanism, moved);
+        let begun = toggles.begin(solver, wishes.drive, wishes.rack);
+        begun.map_err(refused)?;
         let mut failed: Option<(f64, Failure)> = None;
         let visited = solver.march(
             wishes.drive,
@@ -275,7 +276,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                 .along_drive::<N>();
                 let linearised = pose
                     .and_then(|pose| solver.linearised(lifted, pose, &motion))
-                    .and_then(|linearised| match toggles.note(&linearised.at) {
+                    .and_then(|linearised| match toggles.note(&linearised.at, value) {
                         None => Ok(linearised),
                         Some(rod) => Err(Failure::Toggle(rod)),
                     });

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod curve_table;
+mod doubts;
 mod failures;
 mod files;
 mod finished;
@@ -23,6 +24,7 @@ mod tuning_summary;
 
 pub use accuracy::remarks;
 pub use curve_table::CurveTable;
+pub use doubts::doubts;
 pub use failures::Stretch;
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::FinishedRun;
@@ -31,7 +33,7 @@ pub use page::{page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
-pub use run_directory::{RunDirectory, WriteError};
+pub use run_directory::{NoPlace, RunDirectory, WriteError};
 pub use scene::{Frame, Member, MemberKind, Placement, Scene};
 pub use solve_summary::SolveSummary;
 pub use sweep::{

@@ -13,6 +13,30 @@ pub struct WriteError {
     pub source: std::io::Error,
 }
 
+/// Commands whose results take long to get, and a file that tells them.
+const LONG_RUNS: [(&str, &str); 2] = [("sweep", "sweep.json"), ("optimise", "optimised.toml")];
+
+/// A directory that is not for the results of a run.
+#[derive(Debug, thiserror::Error)]
+pub enum NoPlace {
+    /// It cannot be written.
+    #[error(transparent)]
+    Unwritable(#[from] WriteError),
+    /// It holds what would be lost.
+    #[error(
+        "{path} holds the results of `hardpoint {command}` ({file}), which would be lost: give another \
+         directory with --out, or remove it"
+    )]
+    Taken {
+        /// The directory.
+        path: String,
+        /// Whose results they are.
+        command: &'static str,
+        /// What tells so.
+        file: &'static str,
+    },
+}
+
 /// An output directory. Files appear in it whole or not at all.
 #[derive(Debug)]
 pub struct RunDirectory {
@@ -31,6 +55,21 @@ impl RunDirectory {
         Ok(RunDirectory {
             path: path.to_owned(),
         })
+    }
+
+    /// The directory for the results of a command. Those of the same command are replaced, and those of
+    /// commands that take no time.
+    pub fn claim(path: &Path, command: &str) -> Result<Self, NoPlace> {
+        for (owner, file) in LONG_RUNS {
+            if owner != command && path.join(file).is_file() {
+                return Err(NoPlace::Taken {
+                    path: path.display().to_string(),
+                    command: owner,
+                    file,
+                });
+            }
+        }
+        Ok(RunDirectory::create(path)?)
     }
 
     /// Where it is.

@@ -175,12 +175,13 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
         }));
         let rack = rack * plan.rack_sign;
         let drive = plan.drive.in_kernel();
+        toggles.begin(&mut solver, drive, rack)?;
         solver.march(drive, &course.march, rack, |solver, place, pose| {
             let number = course.stations[place];
             let motion = course.motion::<1>(values[number], rack);
             frames[first + number].pose = pose
                 .and_then(|pose| solver.posture_series(&lifted, pose, &motion))
-                .and_then(|at| match toggles.note(&at) {
+                .and_then(|at| match toggles.note(&at, motion.value[0]) {
                     None => Ok(Placement::of(suspension, &at)),
                     Some(rod) => Err(Failure::Toggle(rod)),
                 })

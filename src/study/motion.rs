@@ -49,9 +49,20 @@ impl Drive {
     /// A value of its, as written in degrees or length units.
     pub fn printed(self, value: f64) -> f64 {
         match self.is_angle() {
-            true => value.to_degrees(),
+            true => degrees(value),
             false => value,
         }
+    }
+}
+
+/// An angle in degrees: the shortest decimal that means this angle, if fourteen digits do.
+fn degrees(angle: f64) -> f64 {
+    let exact = angle.to_degrees();
+    let short = format!("{exact:.13e}").parse().unwrap_or(exact);
+    if f64::to_radians(short) == angle {
+        short
+    } else {
+        exact
     }
 }
 

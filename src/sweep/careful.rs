@@ -86,13 +86,13 @@ impl<'a, const N: usize> Careful<'a, N> {
             lifted,
             with_slope,
         } = self;
-        toggles.forget();
         solver.prepare(design)?;
         lifted.prepare(solver.mechanism(), design);
         with_slope.prepare(solver.mechanism(), design);
         let drive = stations.drive;
         for (r, rack) in stations.racks.iter().enumerate() {
             let rack = *rack;
+            toggles.begin(solver, drive, rack)?;
             solver.march(drive, &stations.march, rack, |solver, v, pose| {
                 let station = stations.number(r, v);
                 let motion = MotionPoint {
@@ -102,7 +102,7 @@ impl<'a, const N: usize> Careful<'a, N> {
                 };
                 let read = |pose: &Pose<f64>| {
                     let at = solver.posture_series(lifted, pose, &motion.along_drive())?;
-                    let toggle = toggles.note(&at);
+                    let toggle = toggles.note(&at, motion.value);
                     let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
                     let view = View::reading(&at, *constants, *slots);
                     for k in (0..quantities.len()).filter(free) {

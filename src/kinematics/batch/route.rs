@@ -9,6 +9,8 @@ use crate::kinematics::March;
 
 /// Places a prediction is made from.
 const NEIGHBOURS: usize = 8;
+/// Nothing takes so many steps to get to: it is for the careful path to say so.
+const MOST_STEPS: f64 = 1e4;
 /// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
 pub(super) type Stencil = [(usize, f64); NEIGHBOURS];
 
@@ -60,7 +62,7 @@ pub(super) struct Route {
 
 impl Route {
     /// The way through the stations of a march with the rack displaced, in steps of the drive and of the
-    /// rack no longer than these; `None` if two stations coincide.
+    /// rack no longer than these; `None` if two stations coincide or one is out of all reach.
     pub(super) fn through(
         march: &March,
         rack: f64,
@@ -80,7 +82,7 @@ impl Route {
                     design_station = Some(station);
                     continue;
                 }
-                let steps = steps(before, value, longest);
+                let steps = steps(before, value, longest)?;
                 let step = (value - before) / steps.len() as f64;
                 let last = steps.len() - 1;
                 for (k, place) in steps.into_iter().enumerate() {
@@ -103,7 +105,7 @@ impl Route {
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
         if rack != 0.0 {
-            let steps = steps(0.0, rack, longest_of_rack);
+            let steps = steps(0.0, rack, longest_of_rack)?;
             let step = rack / steps.len() as f64;
             for (k, displaced) in steps.into_iter().enumerate() {
                 places.push(at_zero(displaced, step, k + 1));
@@ -111,9 +113,9 @@ impl Route {
         }
         let first = places.len() - 1;
         places[first].station = design_station;
-        let mut visited = vec![0.0];
+        let mut visited = Visited::default();
         for (value, station, leg, step) in stations {
-            let mut prediction = stencil(&visited, value);
+            let mut prediction = visited.stencil(value);
             for (place, _) in &mut prediction {
                 *place += first;
             }
@@ -124,18 +126,23 @@ impl Route {
                 leg,
                 step,
                 prediction,
-                along_slope: if visited.len() == 1 { value } else { 0.0 },
+                along_slope: if visited.values.len() == 1 {
+                    value
+                } else {
+                    0.0
+                },
                 along_rack: 0.0,
             });
-            visited.push(value);
+            visited.add(value);
         }
         Some(Route { places })
     }
 }
 
-/// The ends of equal steps from one value to another.
-fn steps(from: f64, to: f64, longest: f64) -> Vec<f64> {
+/// The ends of equal steps from one value to another; `None` for too many.
+fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     let count = ((to - from).abs() / longest).ceil().max(1.0);
+    (count <= MOST_STEPS).then_some(())?;
     let mut steps = Vec::new();
     let mut step = 1.0;
     while step < count {
@@ -143,7 +150,7 @@ fn steps(from: f64, to: f64, longest: f64) -> Vec<f64> {
         step += 1.0;
     }
     steps.push(to);
-    steps
+    Some(steps)
 }
 
 /// The line through the two places before, equally far apart.
@@ -157,29 +164,60 @@ fn straight_on(number: usize) -> Stencil {
     stencil
 }
 
-/// The `most` places nearest to a value.
-fn nearest(visited: &[f64], value: f64, most: usize) -> Vec<usize> {
-    let mut numbers: Vec<usize> = (0..visited.len()).collect();
-    numbers.sort_by(|a, b| {
-        let distance = |i: &usize| (visited[*i] - value).abs();
-        distance(a).total_cmp(&distance(b)).then(a.cmp(b))
-    });
-    numbers.truncate(most);
-    numbers
+/// Values of the drive in the order of the visit, from zero outward on both sides.
+struct Visited {
+    values: Vec<f64>,
+    /// The numbers of those above zero and of those below.
+    sides: [Vec<usize>; 2],
 }
 
-/// prod (x - x_m)/(x_j - x_m)
-fn stencil(visited: &[f64], value: f64) -> Stencil {
-    let numbers = nearest(visited, value, NEIGHBOURS);
-    let mut stencil = [(0, 0.0); NEIGHBOURS];
-    for (entry, j) in stencil.iter_mut().zip(&numbers) {
-        let others = numbers.iter().filter(|m| *m != j);
-        let weight = others.fold(1.0, |product, m| {
-            product * (value - visited[*m]) / (visited[*j] - visited[*m])
-        });
-        *entry = (*j, weight);
+impl Default for Visited {
+    fn default() -> Self {
+        Visited {
+            values: vec![0.0],
+            sides: Default::default(),
+        }
     }
-    stencil
+}
+
+impl Visited {
+    fn side(value: f64) -> usize {
+        usize::from(value < 0.0)
+    }
+
+    fn add(&mut self, value: f64) {
+        self.sides[Self::side(value)].push(self.values.len());
+        self.values.push(value);
+    }
+
+    /// The places nearest to a value that is farther out than all of them.
+    fn nearest(&self, value: f64) -> Vec<usize> {
+        let own = &self.sides[Self::side(value)];
+        let across = &self.sides[1 - Self::side(value)];
+        let latest = own.iter().rev().take(NEIGHBOURS);
+        let innermost = across.iter().take(NEIGHBOURS);
+        let mut numbers: Vec<usize> = latest.chain(innermost).copied().chain([0]).collect();
+        numbers.sort_by(|a, b| {
+            let distance = |i: &usize| (self.values[*i] - value).abs();
+            distance(a).total_cmp(&distance(b)).then(a.cmp(b))
+        });
+        numbers.truncate(NEIGHBOURS);
+        numbers
+    }
+
+    /// prod (x - x_m)/(x_j - x_m)
+    fn stencil(&self, value: f64) -> Stencil {
+        let numbers = self.nearest(value);
+        let mut stencil = [(0, 0.0); NEIGHBOURS];
+        for (entry, j) in stencil.iter_mut().zip(&numbers) {
+            let others = numbers.iter().filter(|m| *m != j);
+            let weight = others.fold(1.0, |product, m| {
+                product * (value - self.values[*m]) / (self.values[*j] - self.values[*m])
+            });
+            *entry = (*j, weight);
+        }
+        stencil
+    }
 }
 
 #[cfg(test)]
@@ -215,5 +253,8 @@ mod tests {
         assert_eq!(route.places[3].station, Some(1));
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
         assert!(Route::through(&March::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
+        // Out of all reach.
+        assert!(Route::through(&March::through(&[1e12]), 0.0, 0.5, 1.0).is_none());
+        assert!(Route::through(&March::through(&[1.0]), 1e12, 0.5, 1.0).is_none());
     }
 }

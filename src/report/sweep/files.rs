@@ -96,6 +96,14 @@ impl SweepFiles {
             });
         };
         clear(directory)?;
+        // Of another sweep, or of curves of the same study.
+        for stem in ["designs", "curves"] {
+            for format in ["csv", "parquet"] {
+                directory.remove(&format!("{stem}.{format}"))?;
+            }
+        }
+        directory.remove("sensitivities.csv")?;
+        directory.remove("report.json")?;
         let json = serde_json::to_string_pretty(record).expect("records are plain data");
         directory.write("sweep.json", (json + "\n").as_bytes())?;
         let begin = |name: &str, header: &[u8]| {

@@ -1,0 +1,177 @@
+//! What a suspension may well be, but seldom is: points that are swapped, a wrong sign or a wrong unit. None of
+//! it is a mistake, so it is only said.
+
+use crate::characteristics::{Characteristic, Constants, View};
+use crate::kinematics::{DesignFault, Lifted, MotionPoint, Solver};
+use crate::model::{Constraint, Drive, LengthUnit, PointId, Rod, SteeringAxis, Suspension};
+use crate::number::{Jet, Vector3};
+
+/// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
+const WHEEL_ANGLE: f64 = 15.0;
+const STEERING_AXIS_ANGLE: f64 = 30.0;
+/// Believable motion ratios of a spring.
+const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
+/// Believable lengths, in metres: from a model car to a haul truck.
+const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
+const WHEELBASE: [f64; 2] = [0.1, 20.0];
+const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
+/// How far a wheel may be off half the track, as a part of it.
+const OFF_TRACK: f64 = 0.1;
+
+/// What is doubtful of a suspension in its design position, a line each.
+pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
+    let mut doubts = Doubts {
+        suspension,
+        found: Vec::new(),
+    };
+    doubts.rods();
+    doubts.steering_axis();
+    doubts.figures();
+    doubts.angles()?;
+    Ok(doubts.found)
+}
+
+struct Doubts<'a> {
+    suspension: &'a Suspension,
+    found: Vec<String>,
+}
+
+impl<'a> Doubts<'a> {
+    fn say(&mut self, doubt: String) {
+        self.found.push(format!("doubtful: {doubt}"));
+    }
+
+    fn at(&self, id: PointId) -> Vector3<f64> {
+        self.suspension.design[id.0]
+    }
+
+    fn name(&self, id: PointId) -> &'a str {
+        self.suspension.mechanism.name(id)
+    }
+
+    /// Rods lead outboard from the body to the wheel carrier, and inboard from there to a rocker.
+    fn rods(&mut self) {
+        let mechanism = &self.suspension.mechanism;
+        let links = mechanism.constraints.iter().filter_map(|c| match *c {
+            Constraint::Link { inner, outer } => Some((inner, outer)),
+            _ => None,
+        });
+        let to_springs = |rod: Rod| rod != Rod::DropLink;
+        let rockers = mechanism.rockers.iter().filter(|r| to_springs(r.rod));
+        for (inner, outer) in links.chain(rockers.map(|r| (r.inner, r.outer))) {
+            let rod = self.at(outer) - self.at(inner);
+            if rod.y < -0.5 * rod.norm() {
+                let [inner, outer] = [inner, outer].map(|id| self.name(id));
+                self.say(format!(
+                    "{inner} is outboard of {outer}. Are they swapped, or has one of them the wrong sign?"
+                ));
+            }
+        }
+    }
+
+    fn steering_axis(&mut self) {
+        let axis = self.suspension.mechanism.steering_axis;
+        let Some(SteeringAxis::Through { lower, upper }) = axis else {
+            return;
+        };
+        let along = self.at(upper) - self.at(lower);
+        let [lower, upper] = [lower, upper].map(|id| self.name(id));
+        if along.z <= 0.0 {
+            self.say(format!(
+                "{upper} is not above {lower}, and the steering axis leads from {lower} to {upper}. Are they \
+                 swapped?"
+            ));
+            return;
+        }
+        for (name, across) in [("kingpin inclination", -along.y), ("caster", -along.x)] {
+            let angle = across.atan2(along.z).to_degrees();
+            if angle.abs() > STEERING_AXIS_ANGLE {
+                self.say(format!(
+                    "the {name} is {angle:.1} deg, from {lower} and {upper}"
+                ));
+            }
+        }
+    }
+
+    fn figures(&mut self) {
+        let Suspension {
+            vehicle,
+            wheel_radius,
+            length_unit,
+            ..
+        } = self.suspension;
+        let (unit, metre) = match length_unit {
+            LengthUnit::Millimetre => ("mm", 1000.0),
+            LengthUnit::Metre => ("m", 1.0),
+        };
+        for (name, length, [least, most]) in [
+            ("[wheel] radius", *wheel_radius, WHEEL_RADIUS),
+            ("[vehicle] wheelbase", vehicle.wheelbase, WHEELBASE),
+            ("[vehicle] cg_height", vehicle.cg_height, CG_HEIGHT),
+        ] {
+            if let Some(length) = length
+                && !(least * metre..=most * metre).contains(&length)
+            {
+                self.say(format!(
+                    "{name} is {length} {unit}. Every length is in length_unit"
+                ));
+            }
+        }
+        let outboard = self.at(self.suspension.mechanism.wheel_centre).y;
+        if let Some(track) = vehicle.track
+            && (2.0 * outboard - track).abs() > OFF_TRACK * track
+        {
+            self.say(format!(
+                "[vehicle] track is {track} {unit}, but the wheel centre is {outboard} {unit} from the centre \
+                 plane, y = 0"
+            ));
+        }
+    }
+
+    /// Camber, toe and motion ratio.
+    fn angles(&mut self) -> Result<(), DesignFault> {
+        let Suspension {
+            mechanism, design, ..
+        } = self.suspension;
+        let solver = Solver::new(mechanism, design)?;
+        let lifted = Lifted::<2>::new(mechanism, design);
+        let motion = MotionPoint {
+            drive: Drive::Travel,
+            value: Jet::variable(0.0),
+            rack: Jet::constant(0.0),
+        };
+        // A design position that is a fold has no rates; the solver says so elsewhere.
+        let Ok(at) = solver.posture_series(&lifted, &solver.design_pose(), &motion) else {
+            return Ok(());
+        };
+        let view = View::of(&at, Constants::of(self.suspension));
+        for (name, angle) in [
+            ("camber", Characteristic::Camber),
+            ("toe", Characteristic::Toe),
+        ] {
+            let angle = view.characteristic(angle)[0].to_degrees();
+            if angle.abs() > WHEEL_ANGLE {
+                self.say(format!(
+                    "the {name} is {angle:.1} deg in the design position"
+                ));
+            }
+        }
+        let Some(spring) = mechanism.spring else {
+            return Ok(());
+        };
+        let ratio = view.characteristic(Characteristic::MotionRatio)[0];
+        let [least, most] = MOTION_RATIO;
+        let [upper, lower] = [spring.upper, spring.lower].map(|id| self.name(id));
+        if ratio < 0.0 {
+            self.say(format!(
+                "the spring from {lower} to {upper} lengthens in jounce: its motion ratio is {ratio:.3}. Are its \
+                 ends, or those of a rod, swapped?"
+            ));
+        } else if !(least..=most).contains(&ratio) {
+            self.say(format!(
+                "the motion ratio of the spring from {lower} to {upper} is {ratio:.3}"
+            ));
+        }
+        Ok(())
+    }
+}

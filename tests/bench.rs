@@ -184,8 +184,9 @@ fn throughput_is_measured_by_every_way_there_is() {
             let all = found.measurements.iter();
             all.filter(|m| m.method.starts_with(method)).count()
         };
-        // Angles and gains on one thread, and the widest on two.
-        let expected = (2 + gradients) * widths + 1;
+        // Angles and gains on one thread, the widest on two, and it on one for the motion ratio.
+        let springs = study.suspension.mechanism.spring.iter().count();
+        let expected = (2 + gradients) * widths + 1 + springs;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");
         let rows = found.measurements.len();

@@ -91,9 +91,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
             errors.render(false)
         ))?;
     }
+    let unit = length.symbol();
     for combination in summary.unseen() {
         output.say(&format!(
-            "\n  the targets cannot tell apart: {combination}\n"
+            "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
         ))?;
     }
     if output.is_text() {

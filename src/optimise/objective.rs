@@ -190,7 +190,8 @@ impl<'a, const N: usize> Objective<'a, N> {
         wishes: &'a Wishes,
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
-        let points: Vec<PointId> = variables.iter().map(|v| v.point).collect();
+        let moves = variables.iter().flat_map(|v| &v.moves);
+        let points: Vec<PointId> = moves.map(|m| m.point).collect();
         let mechanism = &suspension.mechanism;
         let wanted = wishes.by_station.iter().flatten();
         let rockers =
@@ -222,13 +223,15 @@ pub fn moved_design(
 ) {
     moved.copy_from_slice(design);
     for (variable, offset) in variables.iter().zip(x) {
-        let point = &mut moved[variable.point.0];
-        let coordinate = match variable.axis {
-            Axis::X => &mut point.x,
-            Axis::Y => &mut point.y,
-            Axis::Z => &mut point.z,
-        };
-        *coordinate += frame.sign(variable.axis) * offset;
+        for m in &variable.moves {
+            let point = &mut moved[m.point.0];
+            let coordinate = match m.axis {
+                Axis::X => &mut point.x,
+                Axis::Y => &mut point.y,
+                Axis::Z => &mut point.z,
+            };
+            *coordinate += frame.sign(m.axis) * m.factor * offset;
+        }
     }
 }
 
@@ -292,6 +295,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                     let quantity = Quantity::Characteristic(wish.characteristic);
                     let found = view.value(&linearised.at, quantity)[0];
                     into.residuals[wish.row] = (found - wish.value) * wish.scale;
+                    into.jacobian.row_mut(wish.row).fill(0.0);
                     view.gradients(
                         &linearised,
                         quantity,
@@ -299,10 +303,10 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                         buffer,
                         |_, PointId(p), gradient| {
                             for (column, variable) in variables.iter().enumerate() {
-                                if variable.point.0 == p {
-                                    let by_axis = gradient.to_array()[variable.axis as usize];
-                                    into.jacobian[(wish.row, column)] =
-                                        by_axis * frame.sign(variable.axis) * wish.scale;
+                                for m in variable.moves.iter().filter(|m| m.point.0 == p) {
+                                    let by_axis = gradient.to_array()[m.axis as usize];
+                                    into.jacobian[(wish.row, column)] +=
+                                        by_axis * frame.sign(m.axis) * m.factor * wish.scale;
                                 }
                             }
                         },

@@ -39,8 +39,10 @@ pub struct TuningSummary {
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VariableSummary {
+    /// Joined by `+` where several move together.
     hardpoint: String,
     axis: String,
+    /// The coordinate, of the first where several move together.
     design: f64,
     tuned: Option<f64>,
     offset: Option<f64>,
@@ -85,12 +87,13 @@ impl TuningSummary {
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
         let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
+            let first = v.moves[0];
             let coordinate = |design: &[crate::number::Vector3<f64>]| {
-                suspension.frame.vector(design[v.point.0]).to_array()[v.axis as usize]
+                suspension.frame.vector(design[first.point.0]).to_array()[first.axis as usize]
             };
             VariableSummary {
-                hardpoint: suspension.mechanism.name(v.point).to_owned(),
-                axis: v.axis.name().to_owned(),
+                hardpoint: v.name.clone(),
+                axis: first.axis.name().to_owned(),
                 design: coordinate(&suspension.design),
                 tuned: best.map(|b| coordinate(&b.design)),
                 offset: best.map(|b| b.offsets[k] + 0.0),
@@ -300,7 +303,7 @@ impl TuningSummary {
                 .zip(&self.variables)
                 .filter(|(c, v)| c.abs() > 1e-3 * (v.range[1] - v.range[0]));
             let parts: Vec<String> = parts
-                .map(|(c, v)| format!("{}.{} {:+.3}", v.hardpoint, v.axis, c))
+                .map(|(c, v)| format!("{}.{} {c:+.3}", v.hardpoint, v.axis))
                 .collect();
             parts.join(", ")
         };

@@ -229,7 +229,7 @@ pub struct Optimise {
     /// Cap on iterations.
     pub max_iterations: Option<Whole>,
     /// What may move.
-    pub variables: Spanned<Vec<Variable>>,
+    pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// What is wanted.
     pub targets: Spanned<Vec<Spanned<Target>>>,
 }
@@ -238,8 +238,12 @@ pub struct Optimise {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variable {
-    /// Name of the hardpoint.
-    pub hardpoint: Text,
+    /// Name of the hardpoint,
+    pub hardpoint: Option<Text>,
+    /// or names of several that move together.
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// How far each of them moves per unit of the variable.
+    pub factors: Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`.
     pub axis: Text,
     /// Lowest and highest offset, two numbers if they are right.

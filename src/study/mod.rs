@@ -15,6 +15,7 @@ mod file;
 mod geometry;
 mod loads;
 mod motion;
+mod moves;
 mod names;
 mod optimise;
 mod outputs;
@@ -260,13 +261,13 @@ pub struct Optimise {
     pub targets: Vec<Target>,
 }
 
-/// A coordinate that may move.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What may move: a coordinate, or several together.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// The hardpoint.
-    pub point: PointId,
-    /// The coordinate, in the study's axes.
-    pub axis: Axis,
+    /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
+    pub name: String,
+    /// The coordinates it moves, along one axis; at least one.
+    pub moves: Vec<Move>,
     /// Lowest and highest offset from the design, in the study's axes.
     pub range: [f64; 2],
 }

@@ -3,13 +3,14 @@
 use super::error::Problems;
 use super::file;
 use super::motion::within;
+use super::moves;
 use super::names::choose;
-use super::outputs::hardpoint;
 use super::resolve::Context;
 use super::targets::{WrittenCurve, targets};
 use super::value::Whole;
 use super::{Optimise, Variable};
-use crate::model::{Axis, Suspension};
+use crate::model::Suspension;
+use toml::Spanned;
 
 /// The optimisation, if nothing is wrong with it, and the target curves that came from files, by the
 /// place of their target.
@@ -62,29 +63,41 @@ fn variables(
         .iter()
         .map(|v| variable(v, suspension, problems))
         .collect();
-    for (i, variable) in written.iter().enumerate() {
-        let same = |other: &&file::Variable| {
-            (other.hardpoint.get_ref(), other.axis.get_ref())
-                == (variable.hardpoint.get_ref(), variable.axis.get_ref())
+    let place = |i: usize| {
+        let variable = &written[i];
+        let points = &variable.get_ref().hardpoint;
+        points.as_ref().map_or(variable.span(), Spanned::span)
+    };
+    for (i, variable) in resolved.iter().enumerate() {
+        let Some(variable) = variable else { continue };
+        let same = |other: &Option<Variable>| {
+            let other = other.as_ref();
+            other.is_some_and(|other| other.moves == variable.moves)
         };
-        if let Some(first) = written[..i].iter().find(same) {
-            let (point, axis) = (variable.hardpoint.get_ref(), variable.axis.get_ref());
-            let message = format!("{axis} of {point} is already a variable");
-            let error = problems.add(variable.hardpoint.span(), message);
-            error.related(first.hardpoint.span(), "here");
+        if let Some(first) = resolved[..i].iter().position(same) {
+            let axis = variable.moves[0].axis.name();
+            let message = format!("{axis} of {} is already a variable", variable.name);
+            let error = problems.add(place(i), message);
+            error.related(place(first), "here");
         }
     }
     resolved.into_iter().collect()
 }
 
 fn variable(
-    written: &file::Variable,
+    variable: &Spanned<file::Variable>,
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Variable> {
-    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
-    let point = hardpoint(&written.hardpoint, suspension, problems);
-    let axis = choose(&written.axis, "axis", &axes, problems);
+    let written = variable.get_ref();
+    let moved = moves::Written {
+        place: variable.span(),
+        hardpoint: &written.hardpoint,
+        hardpoints: &written.hardpoints,
+        factors: &written.factors,
+        axis: &written.axis,
+    };
+    let moves = moves::moves(&moved, suspension, problems);
     let place = written.range.span();
     let range = match written.range.get_ref().as_slice() {
         [low, high] => [low.value, high.value],
@@ -116,9 +129,10 @@ fn variable(
         problems.add(place, message);
         return None;
     }
+    let moves = moves?;
     Some(Variable {
-        point: point?,
-        axis: axis?,
+        name: moves::names(&moves, suspension),
+        moves,
         range,
     })
 }

@@ -3,13 +3,11 @@
 use super::error::Problems;
 use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
+use super::moves;
 use super::names::choose;
-use super::outputs::hardpoint;
 use super::resolve::Context;
 use super::value::{Number, Text, Whole};
-use super::{
-    Designs, Drive, FileFormat, Formulation, Move, Sampled, Sampling, Sweep, SweepVariable,
-};
+use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
 use std::collections::HashMap;
 use toml::Spanned;
@@ -248,9 +246,14 @@ fn variable(
     problems: &mut Problems,
 ) -> Option<SweepVariable> {
     let written = place.get_ref();
-    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
-    let axis = choose(&written.axis, "axis", &axes, problems);
-    let points = points(place, suspension, problems);
+    let moved = moves::Written {
+        place: place.span(),
+        hardpoint: &written.hardpoint,
+        hardpoints: &written.hardpoints,
+        factors: &written.factors,
+        axis: &written.axis,
+    };
+    let moves = moves::moves(&moved, suspension, problems);
     let absolute = written.absolute.as_ref().filter(|a| *a.get_ref());
     if let (Some(absolute), Some(list)) = (absolute, &written.hardpoints) {
         let message = "hardpoints that move together are given by an offset";
@@ -263,27 +266,17 @@ fn variable(
         None => Some(None),
         Some(steps) => self::steps(steps, range, problems).map(Some),
     };
-    let (axis, points) = (axis?, points?);
+    let moves = moves?;
     let name = match &written.name {
         Some(name) => plain(name, problems)?,
         None => {
-            let names: Vec<&str> = points
-                .iter()
-                .map(|(point, _)| suspension.mechanism.name(*point))
-                .collect();
-            column_stem(&names.join("+"), axis, absolute.is_some())
+            let names = moves::names(&moves, suspension);
+            column_stem(&names, moves[0].axis, absolute.is_some())
         }
     };
     Some(SweepVariable {
         name,
-        moves: points
-            .into_iter()
-            .map(|(point, factor)| Move {
-                point,
-                axis,
-                factor,
-            })
-            .collect(),
+        moves,
         absolute: absolute.is_some(),
         range: range?,
         steps: steps?,
@@ -294,73 +287,6 @@ fn variable(
 pub fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     let kind = if absolute { "" } else { "d" };
     format!("{point}_{kind}{}", axis.name())
-}
-
-/// The hardpoints a variable moves, and how far.
-fn points(
-    place: &Spanned<file::SweepVariable>,
-    suspension: &Suspension,
-    problems: &mut Problems,
-) -> Option<Vec<(PointId, f64)>> {
-    let written = place.get_ref();
-    let list = match (&written.hardpoint, &written.hardpoints) {
-        (Some(name), None) => {
-            if let Some(factors) = &written.factors {
-                let message = "factors belong to hardpoints, several that move together";
-                problems.add(factors.span(), message);
-            }
-            return Some(vec![(hardpoint(name, suspension, problems)?, 1.0)]);
-        }
-        (None, Some(list)) => list,
-        (Some(_), Some(list)) => {
-            let message = "expected hardpoint, or hardpoints that move together, found both";
-            problems.add(list.span(), message);
-            return None;
-        }
-        (None, None) => {
-            let message = "expected hardpoint, or hardpoints that move together";
-            problems.add(place.span(), message);
-            return None;
-        }
-    };
-    let names = list.get_ref();
-    if names.is_empty() {
-        let message = "expected at least one hardpoint, found an empty list";
-        problems.add(list.span(), message);
-        return None;
-    }
-    let points: Vec<_> = names
-        .iter()
-        .map(|name| hardpoint(name, suspension, problems))
-        .collect();
-    for (i, name) in names.iter().enumerate() {
-        if let Some(first) = names[..i].iter().find(|n| n.get_ref() == name.get_ref()) {
-            let message = format!("{:?} is listed twice", name.get_ref());
-            let error = problems.add(name.span(), message);
-            error.related(first.span(), "first here");
-        }
-    }
-    let points: Vec<PointId> = points.into_iter().collect::<Option<_>>()?;
-    let Some(factors) = &written.factors else {
-        return Some(points.into_iter().map(|point| (point, 1.0)).collect());
-    };
-    let numbers = factors.get_ref();
-    if numbers.len() != points.len() {
-        let message = format!(
-            "expected a factor for each of the {} hardpoints, found {}",
-            points.len(),
-            numbers.len()
-        );
-        problems.add(factors.span(), message);
-        return None;
-    }
-    if let Some(zero) = numbers.iter().find(|n| n.value == 0.0) {
-        let message = "a hardpoint with factor 0 does not move; leave it out";
-        problems.add(zero.span.clone(), message);
-        return None;
-    }
-    let factors = numbers.iter().map(|n| n.value);
-    Some(points.into_iter().zip(factors).collect())
 }
 
 fn range(written: &Spanned<Vec<Number>>, problems: &mut Problems) -> Option<[f64; 2]> {

@@ -127,19 +127,24 @@ fn report_makes_the_same_page_for_any_number_of_threads() {
     assert!(page("1") == page("2"));
 }
 
-/// The page is of what ran last in a directory.
+/// The page is of what ran last in a directory: a sweep takes the place of a solve, but not the other way
+/// round.
 #[test]
-fn a_solve_in_the_same_directory_takes_its_place() {
+fn a_sweep_in_the_same_directory_takes_its_place() {
     let run = sweep("plain", &["--set", "sweep.samples=200"]);
     let study = run.directory.path().join("plain.toml");
+    let out = run.directory.path().join("solved");
+    let page = || fs::read_to_string(out.join("report.html")).unwrap();
     let mut solve = hardpoint(&["solve", "--report", "--out"]);
-    solve.arg(run.path()).arg(&study).assert().success();
-    assert!(run.page().contains("id=\"mechanism\""));
+    solve.arg(&out).arg(&study).assert().success();
+    assert!(page().contains("id=\"mechanism\""));
     let mut sweep = hardpoint(&["sweep", "--set", "sweep.samples=200", "--out"]);
-    sweep.arg(run.path()).arg(&study).assert().success();
-    assert!(!run.path().join("report.html").exists(), "of another run");
-    hardpoint(&["report"]).arg(run.path()).assert().success();
-    assert!(run.page().contains("id=\"designs\""));
+    sweep.arg(&out).arg(&study).assert().success();
+    assert!(!out.join("report.html").exists(), "of another run");
+    hardpoint(&["report"]).arg(&out).assert().success();
+    assert!(page().contains("id=\"designs\""));
+    solve.assert().code(2);
+    assert!(page().contains("id=\"designs\""));
 }
 
 #[test]

@@ -8,12 +8,21 @@
 //! none of designs from a file.
 //!
 //! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken
-//! together). From other samples it is the correlation ratio by levels of equal width, less what chance
-//! alone would make of it (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935); what is
-//! lost within a level is about 1/levels^2 of the share. From Saltelli's samples it is the mean of
+//! together). From other samples the plane's part of it is known, and only what is left of the output when
+//! the plane is taken away, r, has to be told from chance:
+//!
+//! ```text
+//! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + between levels of x_j of r,   y = mean + sum b_i u_i + r
+//! ```
+//!
+//! each of the two less what chance alone would make of it; the second is the correlation ratio by levels of
+//! equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935), and what is lost within a
+//! level is about 1/levels^2 of it. The nearer the plane is to the truth, the less is left to chance.
+//! From Saltelli's samples it is the mean of
 //! (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
 //! as half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999): that
-//! part of the variance that stays when everything but this variable is known.
+//! part of the variance that stays when everything but this variable is known. Chance may take these out of
+//! the interval from 0 to 1; they are put back to its ends.
 
 use super::{SweepRecord, Tally};
 use nalgebra::{DMatrix, DVector};
@@ -73,10 +82,10 @@ impl Effects {
         if effects.deviation <= CONSTANT * size {
             return effects;
         }
-        if let Some(plane) = plane {
-            let (slopes, explained) = plane.slopes(tally, k, width);
+        let fitted = plane.map(|plane| (plane, plane.slopes(tally, k, width)));
+        if let Some((_, (slopes, explained))) = &fitted {
             effects.r2 = Some((explained / (squares / n)).clamp(0.0, 1.0));
-            for (effect, slope) in effects.of.iter_mut().zip(&slopes) {
+            for (effect, slope) in effects.of.iter_mut().zip(slopes) {
                 effect.change = Some(2.0 * slope);
             }
         }
@@ -86,9 +95,19 @@ impl Effects {
                 "saltelli" => {
                     (effect.share, effect.total) = exchanged(tally, variable, k, width);
                 }
-                method => {
-                    let exact = method == "grid" && tally.solved == tally.designs;
-                    effect.share = share_by_levels(tally, variable, k, width, squares, exact);
+                "grid" if tally.solved == tally.designs => {
+                    let (between, _) = between_levels(tally, variable, k, width, None);
+                    effect.share = Some((between / squares).clamp(0.0, 1.0));
+                }
+                _ => {
+                    if let Some((plane, (slopes, explained))) = &fitted {
+                        let left = (squares - n * explained).max(0.0);
+                        let linear = n * slopes[variable].powi(2) * plane.variance(variable);
+                        let by_levels =
+                            between_levels(tally, variable, k, width, Some((plane, slopes)));
+                        effect.share = share(by_levels, left, linear, n).map(|s| s / squares);
+                    }
+                    effect.share = effect.share.map(|s| s.clamp(0.0, 1.0));
                 }
             }
         }
@@ -96,34 +115,42 @@ impl Effects {
     }
 }
 
-/// The part of an output's variance that is between the levels of a variable. `exact` where every
-/// combination of levels is there, so that nothing between them is chance.
-fn share_by_levels(
+/// The sum of squares of an output between the levels of a variable, and the number of levels met. With a plane,
+/// of what is left when that is taken away.
+fn between_levels(
     tally: &Tally,
     variable: usize,
     k: usize,
     width: usize,
-    squares: f64,
-    exact: bool,
-) -> Option<f64> {
+    plane: Option<(&Plane, &Vec<f64>)>,
+) -> (f64, f64) {
     let levels = &tally.levels.of[variable];
-    let n = tally.moments.count as f64;
-    let mean = tally.moments.y[k] / n;
+    let mean = tally.moments.y[k] / tally.moments.count as f64;
     let (mut between, mut met) = (0.0, 0.0);
     for (level, count) in levels.counts.iter().enumerate().filter(|(_, c)| **c > 0) {
-        let off = levels.sums[level * width + k] / *count as f64 - mean;
-        between += *count as f64 * off * off;
+        let count = *count as f64;
+        let mut off = levels.sums[level * width + k] / count - mean;
+        if let Some((plane, slopes)) = plane {
+            let places = &levels.places[level * slopes.len()..];
+            for ((slope, place), middle) in slopes.iter().zip(places).zip(plane.mean.iter()) {
+                off -= slope * (place / count - middle);
+            }
+        }
+        between += count * off * off;
         met += 1.0;
     }
-    if exact {
-        return Some((between / squares).clamp(0.0, 1.0));
-    }
+    (between, met)
+}
+
+/// The sum of squares that a variable accounts for: its part of the plane, and what is between its levels of the
+/// sum of squares that the plane leaves.
+fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
     // With few designs for each level there is nothing to be told from chance.
     if n < 4.0 * met {
         return None;
     }
-    let within = (squares - between).max(0.0) / (n - met);
-    Some(((between - (met - 1.0) * within) / squares).clamp(0.0, 1.0))
+    let chance = (left - between).max(0.0) / (n - met);
+    Some((linear - chance).max(0.0) + (between - (met - 1.0) * chance).max(0.0))
 }
 
 /// First-order and total index from Saltelli's samples.
@@ -139,12 +166,14 @@ fn exchanged(tally: &Tally, variable: usize, k: usize, width: usize) -> (Option<
     // y_B about the mean: the same in the limit, with less noise.
     let first = (sums.first[at] - mean * sums.steps[at]) / n;
     let total = 0.5 * sums.total[at] / n;
-    (Some(first / variance), Some(total / variance))
+    let part = |of: f64| Some((of / variance).clamp(0.0, 1.0));
+    (part(first), part(total))
 }
 
 /// The plane of least squares through all designs.
 struct Plane {
     mean: DVector<f64>,
+    variances: DVector<f64>,
     factors: nalgebra::Cholesky<f64, nalgebra::Dyn>,
 }
 
@@ -165,8 +194,18 @@ impl Plane {
             let eigenvalues = covariance.clone().symmetric_eigenvalues();
             eigenvalues.min() > 1e-9 * eigenvalues.max()
         };
+        let variances = covariance.diagonal();
         let factors = covariance.cholesky().filter(|_| independent)?;
-        Some(Plane { mean, factors })
+        Some(Plane {
+            mean,
+            variances,
+            factors,
+        })
+    }
+
+    /// Variance of a scaled variable.
+    fn variance(&self, variable: usize) -> f64 {
+        self.variances[variable]
     }
 
     /// The slopes by the scaled variables, and the variance they explain.

@@ -115,17 +115,20 @@ impl Moments {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levels {
     spans: Vec<Span>,
+    scaled: Vec<f64>,
     /// By variable.
     pub of: Vec<LevelSums>,
 }
 
-/// Sums of outputs by the level of one variable.
+/// Sums of outputs and variables by the level of one variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevelSums {
     /// Designs by level.
     pub counts: Vec<u64>,
     /// `[level][output]`
     pub sums: Vec<f64>,
+    /// `[level][variable]`, of the scaled variables.
+    pub places: Vec<f64>,
 }
 
 impl Levels {
@@ -134,20 +137,27 @@ impl Levels {
         let of = spans.iter().map(|span| LevelSums {
             counts: vec![0; span.levels],
             sums: vec![0.0; span.levels * record.outputs.len()],
+            places: vec![0.0; span.levels * spans.len()],
         });
         Levels {
             of: of.collect(),
+            scaled: vec![0.0; spans.len()],
             spans,
         }
     }
 
     pub(super) fn add(&mut self, variables: &[f64], outputs: &[f64]) {
-        let width = outputs.len();
-        for ((level_sums, span), value) in self.of.iter_mut().zip(&self.spans).zip(variables) {
-            let share = 0.5 * (span.scaled(*value) + 1.0);
+        let (width, depth) = (outputs.len(), variables.len());
+        for ((scaled, span), value) in self.scaled.iter_mut().zip(&self.spans).zip(variables) {
+            *scaled = span.scaled(*value);
+        }
+        for ((level_sums, span), scaled) in self.of.iter_mut().zip(&self.spans).zip(&self.scaled) {
+            let share = 0.5 * (scaled + 1.0);
             let level = ((share * span.levels as f64) as usize).min(span.levels - 1);
             level_sums.counts[level] += 1;
             add_to(&mut level_sums.sums[level * width..][..width], outputs);
+            let places = &mut level_sums.places[level * depth..][..depth];
+            add_to(places, &self.scaled);
         }
     }
 
@@ -157,6 +167,7 @@ impl Levels {
                 *count += other;
             }
             add_to(&mut sums.sums, &other.sums);
+            add_to(&mut sums.places, &other.places);
         }
     }
 }

@@ -28,6 +28,8 @@ pub enum Unmeasurable {
         /// How many it takes.
         needed: usize,
     },
+    /// So many threads cannot be had.
+    Threads(usize),
 }
 
 impl From<DesignFault> for Unmeasurable {
@@ -40,6 +42,7 @@ impl fmt::Display for Unmeasurable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Unmeasurable::Design(fault) => write!(f, "the design cannot be solved: {fault:?}"),
+            Unmeasurable::Threads(count) => write!(f, "{count} threads cannot be started"),
             Unmeasurable::FewStations { solved, needed } => write!(
                 f,
                 "the motion has {solved} stations of different travel with a pose; it takes {needed} to \

@@ -14,13 +14,17 @@ use crate::number::{Jet, Vector3, Width};
 use crate::report::Table;
 use crate::study::{Drive, Motion, Study};
 use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted, uniform};
+use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 /// How far a hardpoint is moved, in sizes.
 const SCATTER: f64 = 0.01;
-/// Blocks that each thread solves in one go: long against the start of a thread.
+/// Blocks that are solved in one go,
 const BLOCKS: usize = 32;
+/// and by each of several threads: long against the time it takes to wake them.
+const BLOCKS_OF_THREAD: usize = 128;
 /// Designs for what is slow.
 const FEW: usize = 16;
 
@@ -270,12 +274,23 @@ impl<'a> Sweep<'a> {
             stations,
             designs,
         } = *self;
-        let blocks = if width.is_some() { BLOCKS } else { 1 };
+        let blocks = match (width, threads) {
+            (None, _) => 1,
+            (Some(_), 1) => BLOCKS,
+            (Some(_), _) => BLOCKS_OF_THREAD,
+        };
         let mut workers = Vec::new();
         for _ in 0..threads {
             let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
-            workers.push((evaluator, Block::new(quantities.len(), stations.count())));
+            let block = Block::new(quantities.len(), stations.count());
+            workers.push(Mutex::new((evaluator, block)));
         }
+        // As in a sweep they live long: it may take a scheduler tens of milliseconds to give a new thread a
+        // core of its own.
+        let pool = (threads > 1).then(|| ThreadPoolBuilder::new().num_threads(threads).build());
+        let pool = pool
+            .transpose()
+            .map_err(|_| Unmeasurable::Threads(threads))?;
         let work = move |evaluator: &mut Evaluator, block: &mut Block| {
             for _ in 0..blocks {
                 evaluator.evaluate(black_box(designs), block);
@@ -285,14 +300,17 @@ impl<'a> Sweep<'a> {
         Ok(Job {
             items: threads * blocks * BLOCK * stations.count(),
             work: Box::new(move || {
-                if let [(evaluator, block)] = workers.as_mut_slice() {
-                    return work(evaluator, block);
-                }
-                std::thread::scope(|scope| {
-                    for (evaluator, block) in &mut workers {
-                        scope.spawn(|| work(evaluator, block));
+                let work_of = |number: usize| {
+                    let mut worker = workers[number].lock().expect("no thread has panicked");
+                    let (evaluator, block) = &mut *worker;
+                    work(evaluator, block);
+                };
+                match &pool {
+                    None => work_of(0),
+                    Some(pool) => {
+                        pool.broadcast(|thread| work_of(thread.index()));
                     }
-                });
+                }
             }),
         })
     }

@@ -126,23 +126,23 @@ impl<T: Real> Closure<T> {
         wrenches
     }
 
-    /// The residuals, and the Jacobian as [`Closure::wrenches`] has it.
+    /// The residual of one of the six equations and its row of the Jacobian, as [`Closure::wrenches`] has
+    /// it.
     #[inline(always)]
-    pub(super) fn linearised(
-        &self,
-        at: &Posture<T>,
-        driver: Driver<T>,
-    ) -> (Vector6<T>, [Wrench<T>; 6]) {
-        let (zero, one) = (at.rack.zero(), at.rack.one());
-        let mut residuals = [zero; 6];
-        let mut wrenches = [Wrench::zero(zero); 6];
-        for (number, row) in self.rows.iter().enumerate() {
-            residuals[number] = row.residual(at);
-            row.differential(at, one, &mut wrenches[number]);
-        }
-        residuals[5] = driver.residual(at);
-        driver.differential(at, one, &mut wrenches[5]);
-        (residuals, wrenches)
+    pub(super) fn row(&self, number: usize, at: &Posture<T>, driver: Driver<T>) -> (T, Wrench<T>) {
+        let mut wrench = Wrench::zero(at.rack);
+        let one = at.rack.one();
+        let residual = match self.rows.get(number) {
+            Some(row) => {
+                row.differential(at, one, &mut wrench);
+                row.residual(at)
+            }
+            None => {
+                driver.differential(at, one, &mut wrench);
+                driver.residual(at)
+            }
+        };
+        (residual, wrench)
     }
 
     /// How the rows of [`Closure::wrenches`] change along a motion of the knuckle, the rack held; the sixth

@@ -39,6 +39,7 @@ use crate::kinematics::steering::screw_axis;
 use crate::model::{Drive, Mechanism};
 use crate::number::{Bundle, Jet, Matrix3, Piece, Real, Vector3};
 use std::array::from_fn;
+use std::cell::{Cell, Ref, RefCell};
 
 /// Of displacement and rotation.
 pub(super) const UNKNOWNS: usize = 6;
@@ -72,6 +73,8 @@ pub(super) struct ByLinkage {
 struct Order {
     rows: [usize; 6],
     columns: [usize; 6],
+    /// Where each row has come to.
+    places: [usize; 6],
 }
 
 /// The constants of a design in each lane.
@@ -109,18 +112,23 @@ impl<'d, B: Real> LinkageDesign<'d, B> {
     }
 }
 
-/// The blocks of a Jacobian.
+/// The blocks of a Jacobian. They are filled in where they are: to move them about would take a quarter of
+/// the time.
 struct Blocks<B> {
     order: Order,
     inverse_size: B,
+    /// Rows of A above those of C,
+    left: [Vector3<B>; 6],
+    /// of B above those of D.
+    right: [Vector3<B>; 6],
     inverse_a: Inverse<B>,
-    /// Rows of A^-1 B and C.
+    /// Rows of A^-1 B.
     w: [Vector3<B>; 3],
-    c: [Vector3<B>; 3],
     inverse_s: Inverse<B>,
 }
 
 /// The inverse of a matrix of three rows, and the determinant of that.
+#[derive(Clone, Copy)]
 struct Inverse<B> {
     matrix: Matrix3<B>,
     determinant: B,
@@ -158,40 +166,64 @@ fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B>
 }
 
 impl<B: Real> Blocks<B> {
+    /// Of a Jacobian of which nothing is known yet.
     #[inline(always)]
-    fn of(wrenches: &[Wrench<B>; 6], order: Order, inverse_size: B) -> Self {
+    fn unformed(order: Order, inverse_size: B) -> Self {
         let zero = inverse_size.zero();
         let null = Vector3::new(zero, zero, zero);
-        let (mut left, mut right) = ([null; 6], [null; 6]);
-        for k in 0..6 {
-            let Wrench { force, moment, .. } = wrenches[order.rows[k]];
-            let m = moment * inverse_size;
-            let row = [force.x, force.y, force.z, m.x, m.y, m.z];
-            left[k] = three(&row, &order.columns, 0);
-            right[k] = three(&row, &order.columns, 3);
+        let unformed = Inverse {
+            matrix: Matrix3 { columns: [null; 3] },
+            determinant: zero,
+        };
+        Blocks {
+            order,
+            inverse_size,
+            left: [null; 6],
+            right: [null; 6],
+            inverse_a: unformed,
+            w: [null; 3],
+            inverse_s: unformed,
         }
-        let inverse_a = Inverse::of([left[0], left[1], left[2]]);
-        let [p, q, r] = inverse_a.matrix.columns;
-        let b = [right[0], right[1], right[2]];
+    }
+
+    /// Takes down a row of the Jacobian.
+    #[inline(always)]
+    fn put(&mut self, number: usize, wrench: &Wrench<B>) {
+        let Wrench { force, moment, .. } = *wrench;
+        let m = moment * self.inverse_size;
+        let row = [force.x, force.y, force.z, m.x, m.y, m.z];
+        let place = self.order.places[number];
+        self.left[place] = three(&row, &self.order.columns, 0);
+        self.right[place] = three(&row, &self.order.columns, 3);
+    }
+
+    /// Eliminates, once all rows are there.
+    #[inline(always)]
+    fn eliminate(&mut self) {
+        let [a0, a1, a2, ..] = self.left;
+        self.inverse_a = Inverse::of([a0, a1, a2]);
+        let [p, q, r] = self.inverse_a.matrix.columns;
+        let [b0, b1, b2, d0, d1, d2] = self.right;
+        let b = [b0, b1, b2];
         let w = [
             combined(b, p.x, q.x, r.x),
             combined(b, p.y, q.y, r.y),
             combined(b, p.z, q.z, r.z),
         ];
-        let c = [left[3], left[4], left[5]];
-        let s = [
-            right[3] - combined(w, c[0].x, c[0].y, c[0].z),
-            right[4] - combined(w, c[1].x, c[1].y, c[1].z),
-            right[5] - combined(w, c[2].x, c[2].y, c[2].z),
-        ];
-        Blocks {
-            order,
-            inverse_size,
-            inverse_a,
-            w,
-            c,
-            inverse_s: Inverse::of(s),
-        }
+        let [c0, c1, c2] = self.c();
+        self.inverse_s = Inverse::of([
+            d0 - combined(w, c0.x, c0.y, c0.z),
+            d1 - combined(w, c1.x, c1.y, c1.z),
+            d2 - combined(w, c2.x, c2.y, c2.z),
+        ]);
+        self.w = w;
+    }
+
+    /// Rows of C.
+    #[inline(always)]
+    fn c(&self) -> [Vector3<B>; 3] {
+        let [.., c0, c1, c2] = self.left;
+        [c0, c1, c2]
     }
 
     /// The twist (v, w) with J (v, w) = f.
@@ -202,10 +234,11 @@ impl<B: Real> Blocks<B> {
             three(&f, &self.order.rows, 3),
         );
         let upper = self.inverse_a.matrix.apply(above);
+        let [c0, c1, c2] = self.c();
         let lower = self.inverse_s.matrix.apply(Vector3::new(
-            below.x - self.c[0].dot(upper),
-            below.y - self.c[1].dot(upper),
-            below.z - self.c[2].dot(upper),
+            below.x - c0.dot(upper),
+            below.y - c1.dot(upper),
+            below.z - c2.dot(upper),
         ));
         let upper = upper
             - Vector3::new(
@@ -241,7 +274,7 @@ impl<B: Real> Blocks<B> {
         let upper = self
             .inverse_a
             .matrix
-            .apply_transposed(above - combined(self.c, lower.x, lower.y, lower.z));
+            .apply_transposed(above - combined(self.c(), lower.x, lower.y, lower.z));
         let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
         let mut multipliers = solution;
         for k in 0..6 {
@@ -276,10 +309,12 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 
 /// A pose of a linkage.
 struct LinkagePose<'p, 'd, B> {
-    way: &'p ByLinkage,
     linkage: &'p LinkageDesign<'d, B>,
     at: Posture<'d, B>,
     travel: B,
+    /// Room for the equations about the pose; whether they are there.
+    linear: &'p RefCell<Linear<B>>,
+    is_linear: Cell<bool>,
 }
 
 /// The closure equations about a posture.
@@ -290,35 +325,43 @@ struct Linear<B> {
     blocks: Blocks<B>,
 }
 
-/// Forms [`Linear`].
+/// Fills in [`Linear`].
 struct Linearising<'p, 'd, B> {
-    way: &'p ByLinkage,
     linkage: &'p LinkageDesign<'d, B>,
     at: &'p Posture<'d, B>,
     travel: B,
+    linear: &'p mut Linear<B>,
 }
 
 impl<B: Bundle> Piece for Linearising<'_, '_, B> {
-    type Output = Linear<B>;
+    type Output = ();
 
     #[inline(always)]
-    fn work(self) -> Linear<B> {
+    fn work(self) {
         let driver = Driver::Travel(self.travel);
-        let (residuals, wrenches) = self.linkage.closure.linearised(self.at, driver);
-        let mut by_rack = residuals;
-        for k in 0..6 {
-            by_rack[k] = wrenches[k].rack;
+        let linear = self.linear;
+        for number in 0..6 {
+            let (residual, wrench) = self.linkage.closure.row(number, self.at, driver);
+            linear.residuals[number] = residual;
+            linear.by_rack[number] = wrench.rack;
+            linear.blocks.put(number, &wrench);
         }
-        let inverse_size = self.travel.lit(1.0 / self.way.size);
-        Linear {
-            residuals,
-            by_rack,
-            blocks: Blocks::of(&wrenches, self.way.order, inverse_size),
-        }
+        linear.blocks.eliminate();
     }
 }
 
 impl<B: Bundle> Linear<B> {
+    /// Of which nothing is known yet.
+    #[inline(always)]
+    fn unformed(way: &ByLinkage, like: B) -> Self {
+        let zero = like.zero();
+        Linear {
+            residuals: [zero; 6],
+            by_rack: [zero; 6],
+            blocks: Blocks::unformed(way.order, like.lit(1.0 / way.size)),
+        }
+    }
+
     /// The twist of the knuckle per unit of rack displacement.
     #[inline(always)]
     fn steering(&self) -> Twist<B> {
@@ -327,14 +370,18 @@ impl<B: Bundle> Linear<B> {
 }
 
 impl<B: Bundle> LinkagePose<'_, '_, B> {
+    /// The equations about the pose, formed when first asked for.
     #[inline(always)]
-    fn linear(&self) -> Linear<B> {
-        self.travel.apart(Linearising {
-            way: self.way,
-            linkage: self.linkage,
-            at: &self.at,
-            travel: self.travel,
-        })
+    fn linear(&self) -> Ref<'_, Linear<B>> {
+        if !self.is_linear.replace(true) {
+            self.travel.apart(Linearising {
+                linkage: self.linkage,
+                at: &self.at,
+                travel: self.travel,
+                linear: &mut self.linear.borrow_mut(),
+            });
+        }
+        self.linear.borrow()
     }
 }
 
@@ -407,7 +454,7 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
             closure: &self.linkage.closure,
             at,
             travel: self.travel,
-            blocks: self.linear().blocks,
+            linear: self.linear(),
         }
     }
 }
@@ -417,13 +464,13 @@ struct LinkageAdjoint<'p, B> {
     closure: &'p Closure<B>,
     at: &'p Posture<'p, B>,
     travel: B,
-    blocks: Blocks<B>,
+    linear: Ref<'p, Linear<B>>,
 }
 
 impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
     #[inline(always)]
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]) {
-        let mut multipliers = self.blocks.solve_transposed(wrench);
+        let mut multipliers = self.linear.blocks.solve_transposed(wrench);
         for multiplier in &mut multipliers {
             *multiplier = -*multiplier;
         }
@@ -445,8 +492,12 @@ impl ByLinkage {
         (drive == Drive::Travel).then_some(())?;
         let linkage = LinkageDesign::new(mechanism, base);
         let at = linkage.posture([0.0; UNKNOWNS], 0.0);
-        let wrenches = linkage.closure.linearised(&at, Driver::Travel(0.0)).1;
-        let blocks = Blocks::of(&wrenches, Order::of(&wrenches, size)?, 1.0 / size);
+        let wrenches = linkage.closure.wrenches(&at, Driver::Travel(0.0));
+        let mut blocks = Blocks::unformed(Order::of(&wrenches, size)?, 1.0 / size);
+        for (number, wrench) in wrenches.iter().enumerate() {
+            blocks.put(number, wrench);
+        }
+        blocks.eliminate();
         let slope = |twist: Twist<f64>| moved([0.0; UNKNOWNS], &twist);
         Some(ByLinkage {
             order: blocks.order,
@@ -471,6 +522,7 @@ impl ByLinkage {
         let tolerance = zero.lit(tolerance);
         let largest = zero.lit(LARGEST_CORRECTION);
         let inverse_size = zero.lit(1.0 / self.size);
+        let room = RefCell::new(Linear::unformed(self, zero));
         let mut sound = zero.less(zero.one());
         let mut last = [Watch {
             turned: Vector3::new(zero, zero, zero),
@@ -492,15 +544,14 @@ impl ByLinkage {
             let mut round = 1;
             loop {
                 let at = linkage.posture(unknowns, rack);
-                let Linear {
-                    residuals, blocks, ..
-                } = zero.apart(Linearising {
-                    way: self,
+                let mut linear = room.borrow_mut();
+                zero.apart(Linearising {
                     linkage,
                     at: &at,
                     travel,
+                    linear: &mut linear,
                 });
-                let twist = -blocks.solve(residuals);
+                let twist = -linear.blocks.solve(linear.residuals);
                 let mut next = moved(unknowns, &twist);
                 for k in 0..UNKNOWNS {
                     next[k] = B::select(settled, unknowns[k], next[k]);
@@ -524,7 +575,7 @@ impl ByLinkage {
                 let [_, _, _, x, y, z] = unknowns;
                 let watch = Watch {
                     turned: Vector3::new(x, y, z),
-                    determinants: blocks.determinants(),
+                    determinants: linear.blocks.determinants(),
                 };
                 sound = sound & settled & close & watch.is_sound(&self.determinants);
                 let side = place.leg.side();
@@ -535,12 +586,14 @@ impl ByLinkage {
                     Leg::Rack => last = [watch; 2],
                     _ => last[side] = watch,
                 }
+                drop(linear);
                 if let Some(station) = place.station {
                     let pose = LinkagePose {
-                        way: self,
                         linkage,
                         at,
                         travel,
+                        linear: &room,
+                        is_linear: Cell::new(false),
                     };
                     visit.pose(station, &pose);
                 }
@@ -563,6 +616,7 @@ impl Order {
         let mut order = Order {
             rows: from_fn(|i| i),
             columns: from_fn(|i| i),
+            places: from_fn(|i| i),
         };
         for k in 0..6 {
             let entries = (k..6).flat_map(|i| (k..6).map(move |j| (i, j)));
@@ -580,6 +634,9 @@ impl Order {
                     *entry -= factor * above;
                 }
             }
+        }
+        for (place, row) in order.rows.into_iter().enumerate() {
+            order.places[row] = place;
         }
         Some(order)
     }

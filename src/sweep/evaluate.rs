@@ -5,6 +5,7 @@
 //! neighbours in the block, and nothing is allocated from block to block but for failures.
 
 use super::Stations;
+use super::aligned::Aligned;
 use super::careful::Careful;
 use super::lanes::LaneSolver;
 use crate::characteristics::Quantity;
@@ -38,10 +39,10 @@ pub struct Block {
     stations: usize,
     designs: usize,
     /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
-    values: Vec<f64>,
+    values: Aligned,
     /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
     /// position.
-    slopes: Vec<f64>,
+    slopes: Aligned,
     /// By rising number of the design.
     pub(super) failures: Vec<FailedStation>,
     /// Designs that cannot be solved at all, by rising number.
@@ -55,8 +56,8 @@ impl Block {
             outputs,
             stations,
             designs: 0,
-            values: vec![f64::NAN; BLOCK * outputs * stations],
-            slopes: vec![f64::NAN; BLOCK * outputs],
+            values: Aligned::new(f64::NAN, BLOCK * outputs * stations),
+            slopes: Aligned::new(f64::NAN, BLOCK * outputs),
             failures: Vec::new(),
             faults: Vec::new(),
         }

@@ -5,6 +5,7 @@
 //! second costs one adjoint a pose, the first one for each angle.
 
 use super::Stations;
+use super::aligned::Aligned;
 use super::lanes::gather;
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels};
 use crate::kinematics::{Batch, LaneAdjoint, LanePose, Seeds, Visit};
@@ -41,9 +42,9 @@ pub struct Gradients<'a> {
     lanes: usize,
     right: [bool; MOST_LANES],
     /// `[angle][station][lane]`, or `[lane]`
-    values: Vec<f64>,
+    values: Aligned,
     /// `[angle][station][point][axis][lane]`, or `[point][axis][lane]`
-    gradients: Vec<f64>,
+    gradients: Aligned,
 }
 
 impl<'a> Gradients<'a> {
@@ -80,8 +81,8 @@ impl<'a> Gradients<'a> {
             of,
             lanes: 1,
             right: [false; MOST_LANES],
-            values: vec![0.0; rows * MOST_LANES],
-            gradients: vec![0.0; rows * design.len() * 3 * MOST_LANES],
+            values: Aligned::new(0.0, rows * MOST_LANES),
+            gradients: Aligned::new(0.0, rows * design.len() * 3 * MOST_LANES),
         })
     }
 

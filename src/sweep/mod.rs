@@ -5,6 +5,7 @@
 //! are added in the order of the blocks ([`Tally`]), so that results are the same to the bit for any
 //! number of threads, in one run, in shards or resumed.
 
+mod aligned;
 mod careful;
 mod effects;
 mod evaluate;

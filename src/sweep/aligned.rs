@@ -1,0 +1,52 @@
+//! Numbers in memory as registers like them.
+
+use std::ops::{Deref, DerefMut};
+
+/// Bytes of a cache line, and numbers in it.
+const LINE: usize = 64;
+const IN_LINE: usize = LINE / size_of::<f64>();
+
+/// Numbers that begin with a cache line, so that no register full of them lies across two.
+#[derive(Debug)]
+pub(super) struct Aligned {
+    numbers: Vec<f64>,
+    start: usize,
+    length: usize,
+}
+
+impl Aligned {
+    /// So many times the same number.
+    pub(super) fn new(number: f64, length: usize) -> Self {
+        let numbers = vec![number; length + IN_LINE - 1];
+        // Speed alone depends on it.
+        let start = numbers.as_ptr().align_offset(LINE).min(IN_LINE - 1);
+        Aligned {
+            numbers,
+            start,
+            length,
+        }
+    }
+}
+
+impl Clone for Aligned {
+    fn clone(&self) -> Self {
+        let mut clone = Aligned::new(0.0, self.length);
+        clone.copy_from_slice(self);
+        clone
+    }
+}
+
+impl Deref for Aligned {
+    type Target = [f64];
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        &self.numbers[self.start..self.start + self.length]
+    }
+}
+
+impl DerefMut for Aligned {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.numbers[self.start..self.start + self.length]
+    }
+}

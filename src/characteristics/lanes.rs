@@ -215,13 +215,17 @@ impl<'a> LaneReader<'a> {
         });
     }
 
+    /// Whether only the four angles are read.
+    fn is_of_angles(&self) -> bool {
+        self.characteristics.iter().all(|c| is_angle(*c))
+    }
+
     /// Whether the derivatives by the hardpoints can be had in lanes: those of the four angles, and not of an
     /// instantaneous steering axis. (All formulas differentiated in one function would take the compiler too
     /// long.)
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
-        let angles_alone = self.characteristics.iter().all(|c| is_angle(*c));
-        angles_alone && !(self.reads.steering_axis && instantaneous)
+        self.is_of_angles() && !(self.reads.steering_axis && instantaneous)
     }
 
     /// Adds, times `weight`, how the characteristic of this number depends on the posture that the inputs
@@ -252,7 +256,6 @@ impl<'a> LaneReader<'a> {
     /// has been read with its rates. NaN for what is made of velocities: it would take accelerations.
     #[inline(always)]
     pub fn slopes<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
-        let mut in_lanes = 0;
         let mut first = 0;
         for c in &self.characteristics {
             let sloping = Sloping {
@@ -261,11 +264,10 @@ impl<'a> LaneReader<'a> {
             };
             if let Some(slope) = inputs.turn.x.apart(sloping) {
                 slope.finite().store(&mut to[first..]);
-                in_lanes += 1;
             }
             first += stride;
         }
-        if in_lanes == self.characteristics.len() {
+        if self.is_of_angles() {
             return;
         }
         // All formulas as series in one function would take the compiler too long.

@@ -2,7 +2,7 @@
 
 use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
-use super::output::design_fault;
+use super::output::{design_fault, say_aside};
 use crate::characteristics::{Characteristic, Constants, Quantity, View};
 use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Pose, Solver, Trait, Undecided};
 use crate::model::Drive;
@@ -116,33 +116,28 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             all.found.len()
         )?;
     }
-    let mut err = std::io::stderr().lock();
     for place in &all.undecided {
         let degrees = |angle: f64| shortest(angle.to_degrees());
-        match place {
-            Undecided::ArmAngle(low, high) => writeln!(
-                err,
-                "undecided: whether there is one more between arm angles {} and {} deg",
+        let unknown = match place {
+            Undecided::ArmAngle(low, high) => format!(
+                "is one more between arm angles {} and {} deg",
                 degrees(*low),
                 degrees(*high)
-            )?,
+            ),
             Undecided::Pose(pose) => {
                 let lever = suspension.design[suspension.mechanism.wheel_centre.0]
                     - suspension.design[suspension.mechanism.origin.0];
                 let centre = pose.origin + pose.rotation.apply(lever);
                 let [x, y, z] = suspension.frame.vector(centre).to_array().map(shortest);
-                writeln!(
-                    err,
-                    "undecided: whether there is one more with the wheel centre next to {x}, {y}, {z} {unit}"
-                )?;
+                format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
             }
-            Undecided::Rotations(share) => writeln!(
-                err,
-                "undecided: whether there are more; {} % of all rotations of the wheel carrier were not \
-                 searched, as the design has assemblies too close together or without number",
+            Undecided::Rotations(share) => format!(
+                "are more; {} % of all rotations of the wheel carrier were not searched, as the design has \
+                 assemblies too close together or without number",
                 shortest(share * 100.0)
-            )?,
-        }
+            ),
+        };
+        say_aside(&format!("undecided: whether there {unknown}\n"));
     }
     Ok(match all.undecided.is_empty() {
         true => Exit::Done,

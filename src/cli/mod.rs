@@ -16,7 +16,6 @@ mod sweep;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -246,8 +245,7 @@ pub fn run() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(Stop::ClosedPipe) => Exit::Done.into(),
         Err(Stop::Failed { message, exit }) => {
-            // A standard error that is closed or full is no reason to end otherwise.
-            let _ = writeln!(std::io::stderr(), "{}", message.trim_end());
+            output::say_aside(&format!("{}\n", message.trim_end()));
             exit.into()
         }
     }

@@ -124,7 +124,7 @@ impl Output {
 }
 
 /// Writes to standard error. That it is closed or full takes nothing from the results.
-fn say_aside(text: &str) {
+pub(super) fn say_aside(text: &str) {
     let _ = io::stderr().write_all(text.as_bytes());
 }
 

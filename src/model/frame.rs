@@ -64,6 +64,14 @@ impl LengthUnit {
             LengthUnit::Metre => "m",
         }
     }
+
+    /// How many of it a metre has.
+    pub fn per_metre(self) -> f64 {
+        match self {
+            LengthUnit::Millimetre => 1000.0,
+            LengthUnit::Metre => 1.0,
+        }
+    }
 }
 
 /// The map between the study's axes and the kernel's: a sign for each coordinate.

@@ -3,7 +3,7 @@
 
 use crate::characteristics::{Characteristic, Constants, View};
 use crate::kinematics::{DesignFault, Lifted, MotionPoint, Solver};
-use crate::model::{Constraint, Drive, LengthUnit, PointId, Rod, SteeringAxis, Suspension};
+use crate::model::{Constraint, Drive, PointId, Rod, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 
 /// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
@@ -100,10 +100,7 @@ impl<'a> Doubts<'a> {
             length_unit,
             ..
         } = self.suspension;
-        let (unit, metre) = match length_unit {
-            LengthUnit::Millimetre => ("mm", 1000.0),
-            LengthUnit::Metre => ("m", 1.0),
-        };
+        let (unit, metre) = (length_unit.symbol(), length_unit.per_metre());
         for (name, length, [least, most]) in [
             ("[wheel] radius", *wheel_radius, WHEEL_RADIUS),
             ("[vehicle] wheelbase", vehicle.wheelbase, WHEELBASE),

@@ -4,7 +4,7 @@ use super::error::Problems;
 use super::file;
 use super::value::Text;
 use crate::kinematics::has_leverage;
-use crate::model::{Body, LengthUnit, PointId, Suspension};
+use crate::model::{Body, PointId, Suspension};
 use std::ops::Range as Span;
 
 /// Points closer than this share of the mechanism's size coincide.
@@ -122,10 +122,7 @@ impl Geometry<'_> {
     fn plausible_size(&self, problems: &mut Problems) -> Option<()> {
         let size = self.suspension.size();
         let unit = self.suspension.length_unit;
-        let metres = match unit {
-            LengthUnit::Millimetre => size / 1000.0,
-            LengthUnit::Metre => size,
-        };
+        let metres = size / unit.per_metre();
         let [smallest, largest] = PLAUSIBLE_SIZE;
         if (smallest..=largest).contains(&metres) {
             return Some(());

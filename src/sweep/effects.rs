@@ -102,12 +102,12 @@ impl Effects {
                 _ => {
                     if let Some((plane, (slopes, explained))) = &fitted {
                         let left = (squares - n * explained).max(0.0);
-                        let linear = n * slopes[variable].powi(2) * plane.variance(variable);
+                        let linear = n * slopes[variable].powi(2) * plane.variances[variable];
                         let by_levels =
                             between_levels(tally, variable, k, width, Some((plane, slopes)));
-                        effect.share = share(by_levels, left, linear, n).map(|s| s / squares);
+                        let share = share(by_levels, left, linear, n);
+                        effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
                     }
-                    effect.share = effect.share.map(|s| s.clamp(0.0, 1.0));
                 }
             }
         }
@@ -173,6 +173,7 @@ fn exchanged(tally: &Tally, variable: usize, k: usize, width: usize) -> (Option<
 /// The plane of least squares through all designs.
 struct Plane {
     mean: DVector<f64>,
+    /// Of the scaled variables.
     variances: DVector<f64>,
     factors: nalgebra::Cholesky<f64, nalgebra::Dyn>,
 }
@@ -201,11 +202,6 @@ impl Plane {
             variances,
             factors,
         })
-    }
-
-    /// Variance of a scaled variable.
-    fn variance(&self, variable: usize) -> f64 {
-        self.variances[variable]
     }
 
     /// The slopes by the scaled variables, and the variance they explain.

@@ -10,7 +10,7 @@ use hardpoint::kinematics::{Lifted, MotionPoint, Solver};
 use hardpoint::model::{PointId, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::study::Study;
-use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted};
+use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted};
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
@@ -327,12 +327,11 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
                 weight: (k % 3) as f64,
             })
             .collect();
-        let of = |of, width| {
-            Gradients::new(suspension, &stations, angles, of, width)
+        let in_lanes = |width| {
+            Gradients::new(suspension, &stations, angles, width)
                 .unwrap_or_else(|| panic!("{name} has gradients in lanes"))
         };
-        let mut jacobian = of(Of::Angles, Width::widest());
-        let mut deviation = of(Of::Deviations(wanted.clone()), Width::widest());
+        let mut lanes = in_lanes(Width::widest());
         let mut scatter = Scatter {
             random: Random(8),
             base: suspension.design.clone(),
@@ -340,27 +339,23 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
         };
         let points = suspension.design.len();
         let designs = scatter.block();
-        let designs = &designs[..jacobian.at_once() * points];
-        jacobian.evaluate(designs);
-        deviation.evaluate(designs);
+        let designs = &designs[..lanes.at_once() * points];
+        let jacobians = collected(&mut lanes, designs, angles.len(), stations.count(), points);
+        lanes.deviations(designs, &wanted);
 
         // The same bits by one lane at a time.
-        let mut narrow = of(Of::Angles, Width::Scalar);
+        let mut narrow = in_lanes(Width::Scalar);
         for (number, design) in designs.chunks_exact(points).enumerate() {
-            narrow.evaluate(design);
-            assert_eq!(narrow.is_right(0), jacobian.is_right(number));
-            if !narrow.is_right(0) {
-                continue;
-            }
-            for (angle, station, point) in all_of(angles.len(), stations.count(), points) {
-                let found = jacobian.gradient(number, angle, station, point);
-                assert_eq!(narrow.gradient(0, angle, station, point), found);
+            let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);
+            assert_eq!(narrow.is_right(0), lanes.is_right(number));
+            if narrow.is_right(0) {
+                assert_eq!(alone[0], jacobians[number]);
             }
         }
 
         let mut right = 0;
         for (number, design) in designs.chunks_exact(points).enumerate() {
-            if !jacobian.is_right(number) {
+            if !lanes.is_right(number) {
                 continue;
             }
             right += 1;
@@ -369,43 +364,52 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
             let careful = careful_gradients(&study, &stations, design, angles);
             let largest = careful.iter().map(|(_, g)| norm(g)).fold(0.0, f64::max);
             for (k, (value, gradient)) in careful.iter().enumerate() {
-                let (angle, station) = (k / stations.count(), k % stations.count());
-                let found = jacobian.value(number, angle, station);
+                let (found, by_point) = &jacobians[number][k];
                 assert!((found - value).abs() < 1e-12, "{name}: {found} {value}");
                 let Wanted { value: v, weight } = wanted[k];
                 sum += weight * (value - v) * (value - v);
                 for (point, wanted) in gradient.iter().enumerate() {
-                    let found = jacobian.gradient(number, angle, station, PointId(point));
+                    let found = by_point[point];
                     let missed = (found - *wanted).norm() / largest;
                     let what = &mechanism.points[point].name;
                     assert!(missed < 1e-11, "{name}, {what}: {found:?} {wanted:?}");
                     by_points[point] = by_points[point] + *wanted * (2.0 * weight * (value - v));
                 }
             }
-            let missed = (deviation.value(number, 0, 0) - sum).abs();
+            let missed = (lanes.sum(number) - sum).abs();
             assert!(missed < 1e-12 * sum, "{name}: {missed}");
             let scale = norm(&by_points).max(sum / size);
             for (point, wanted) in by_points.iter().enumerate() {
-                let found = deviation.gradient(number, 0, 0, PointId(point));
+                let found = lanes.gradient(number, PointId(point));
                 assert!((found - *wanted).norm() < 1e-11 * scale, "{name}");
             }
         }
-        assert!(2 * right > jacobian.at_once(), "{name}: {right}");
+        assert!(2 * right > lanes.at_once(), "{name}: {right}");
     }
 }
 
-fn all_of(
+/// Of each design the value and the gradient of each angle at each station.
+fn collected(
+    lanes: &mut Gradients<'_>,
+    designs: &[Vector3<f64>],
     angles: usize,
     stations: usize,
     points: usize,
-) -> impl Iterator<Item = (usize, usize, PointId)> {
-    (0..angles * stations * points).map(move |k| {
-        (
-            k / points / stations,
-            k / points % stations,
-            PointId(k % points),
-        )
-    })
+) -> Vec<Vec<(f64, Vec<Vector3<f64>>)>> {
+    let count = designs.len() / points;
+    let mut collected = vec![vec![(0.0, Vec::new()); angles * stations]; count];
+    lanes.jacobians(designs, |jacobians| {
+        for (design, collected) in collected.iter_mut().enumerate() {
+            for angle in 0..angles {
+                let gradient = |point| jacobians.gradient(design, angle, PointId(point));
+                collected[angle * stations + jacobians.station()] = (
+                    jacobians.value(design, angle),
+                    (0..points).map(gradient).collect(),
+                );
+            }
+        }
+    });
+    collected
 }
 
 fn norm(gradient: &[Vector3<f64>]) -> f64 {

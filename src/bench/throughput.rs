@@ -13,7 +13,7 @@ use crate::model::Suspension;
 use crate::number::{Jet, Vector3, Width};
 use crate::report::Table;
 use crate::study::{Drive, Motion, Study};
-use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Of, Stations, Wanted, uniform};
+use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted, uniform};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -147,13 +147,13 @@ impl Throughput {
             1,
             job,
         );
-        for (asked, of) in [
-            (DEVIATION, Of::Deviations(sweep.wanted(angles.len()))),
-            (JACOBIAN, Of::Angles),
+        for (asked, wanted) in [
+            (DEVIATION, Some(sweep.wanted(angles.len()))),
+            (JACOBIAN, None),
         ] {
             for width in widths.clone() {
                 let method = format!("lanes, {}", width.name());
-                if let Some(job) = sweep.gradients_in_lanes(&angles, &of, width) {
+                if let Some(job) = sweep.gradients_in_lanes(&angles, wanted.clone(), width) {
                     add(asked, method, 1, job);
                 }
             }
@@ -369,11 +369,12 @@ impl<'a> Sweep<'a> {
         vec![wanted; angles * self.stations.count()]
     }
 
-    /// Derivatives by every hardpoint coordinate, as many designs at a time as there are lanes.
+    /// Derivatives by every hardpoint coordinate, as many designs at a time as there are lanes: of the sum of
+    /// deviations from what is wanted, or of each quantity.
     fn gradients_in_lanes(
         &self,
         quantities: &[Quantity],
-        of: &Of,
+        wanted: Option<Vec<Wanted>>,
         width: Width,
     ) -> Option<Job<'a>> {
         let Sweep {
@@ -388,15 +389,21 @@ impl<'a> Sweep<'a> {
                 _ => None,
             })
             .collect();
-        let mut gradients = Gradients::new(suspension, stations, &angles, of.clone(), width)?;
+        let mut gradients = Gradients::new(suspension, stations, &angles, width)?;
         let at_once = gradients.at_once() * suspension.design.len();
         Some(Job {
             items: BLOCKS / 4 * BLOCK * stations.count(),
             work: Box::new(move || {
                 for _ in 0..BLOCKS / 4 {
                     for group in designs.chunks(at_once) {
-                        gradients.evaluate(black_box(group));
-                        black_box(gradients.value(0, 0, 0));
+                        let group = black_box(group);
+                        match &wanted {
+                            Some(wanted) => gradients.deviations(group, wanted),
+                            None => gradients.jacobians(group, |jacobians| {
+                                black_box(jacobians);
+                            }),
+                        }
+                        black_box(gradients.sum(0));
                     }
                 }
             }),

@@ -1,8 +1,11 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
 //! For programs that move many designs at once, such as a descent from several starts: the four angles by
-//! every hardpoint coordinate at every station, or a sum of their squared deviations with its gradient. The
+//! every hardpoint coordinate, or a sum of their squared deviations over all stations with its gradient. The
 //! second costs one adjoint a pose, the first one for each angle.
+//!
+//! Jacobians are handed over pose by pose, not kept: 864 bytes a pose for a strut, so that to write those of
+//! a whole curve to memory takes as long as to find them.
 
 use super::Stations;
 use super::aligned::Aligned;
@@ -21,15 +24,6 @@ pub struct Wanted {
     pub weight: f64,
 }
 
-/// What is differentiated.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Of {
-    /// Every angle at every station.
-    Angles,
-    /// The sum of weighted squared deviations; what is wanted, angle by angle and station by station.
-    Deviations(Vec<Wanted>),
-}
-
 /// Forms gradients by every hardpoint coordinate, in the kernel's frame.
 pub struct Gradients<'a> {
     width: Width,
@@ -37,14 +31,58 @@ pub struct Gradients<'a> {
     reader: LaneReader<'a>,
     stations: &'a Stations,
     points: usize,
-    of: Of,
-    /// Lanes of the last group.
-    lanes: usize,
     right: [bool; MOST_LANES],
-    /// `[angle][station][lane]`, or `[lane]`
-    values: Aligned,
-    /// `[angle][station][point][axis][lane]`, or `[point][axis][lane]`
-    gradients: Aligned,
+    found: Found,
+}
+
+/// What has been found, side by side in the lanes.
+struct Found {
+    /// Lanes there are.
+    lanes: usize,
+    points: usize,
+    /// The angles of a pose, `[angle][lane]`.
+    angles: Aligned,
+    /// Their derivatives, `[angle][point][axis][lane]`.
+    jacobian: Aligned,
+    /// A sum of deviations, `[lane]`.
+    sum: Aligned,
+    /// Its derivatives, `[point][axis][lane]`.
+    gradient: Aligned,
+}
+
+impl Found {
+    #[inline(always)]
+    fn vector(&self, of: &[f64], first: usize, point: PointId, design: usize) -> Vector3<f64> {
+        let first = (first * self.points + point.0) * 3;
+        let component = |axis: usize| of[(first + axis) * self.lanes + design];
+        Vector3::new(component(0), component(1), component(2))
+    }
+}
+
+/// The angles of several designs at a station, and their derivatives.
+pub struct Jacobians<'f> {
+    station: usize,
+    found: &'f Found,
+}
+
+impl Jacobians<'_> {
+    /// The station.
+    pub fn station(&self) -> usize {
+        self.station
+    }
+
+    /// The value of an angle.
+    #[inline(always)]
+    pub fn value(&self, design: usize, angle: usize) -> f64 {
+        self.found.angles[angle * self.found.lanes + design]
+    }
+
+    /// Its gradient by a hardpoint.
+    #[inline(always)]
+    pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
+        self.found
+            .vector(&self.found.jacobian, angle, point, design)
+    }
 }
 
 impl<'a> Gradients<'a> {
@@ -54,7 +92,6 @@ impl<'a> Gradients<'a> {
         suspension: &'a Suspension,
         stations: &'a Stations,
         angles: &[Characteristic],
-        of: Of,
         width: Width,
     ) -> Option<Self> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -64,25 +101,22 @@ impl<'a> Gradients<'a> {
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, angles.to_vec())?;
         reader.has_gradients().then_some(())?;
-        let rows = angles.len() * stations.count();
-        let rows = match &of {
-            Of::Angles => rows,
-            Of::Deviations(wanted) => {
-                assert_eq!(wanted.len(), rows, "one for each angle and station");
-                1
-            }
-        };
+        let (angles, points) = (angles.len(), design.len());
         Some(Gradients {
             width,
             batch,
             reader,
             stations,
-            points: design.len(),
-            of,
-            lanes: 1,
+            points,
             right: [false; MOST_LANES],
-            values: Aligned::new(0.0, rows * MOST_LANES),
-            gradients: Aligned::new(0.0, rows * design.len() * 3 * MOST_LANES),
+            found: Found {
+                lanes: 1,
+                points,
+                angles: Aligned::new(0.0, angles * MOST_LANES),
+                jacobian: Aligned::new(0.0, angles * points * 3 * MOST_LANES),
+                sum: Aligned::new(0.0, MOST_LANES),
+                gradient: Aligned::new(0.0, points * 3 * MOST_LANES),
+            },
         })
     }
 
@@ -99,12 +133,27 @@ impl<'a> Gradients<'a> {
         self.width.run(Count)
     }
 
-    /// Evaluates designs, as many as fit into the lanes at most.
-    pub fn evaluate(&mut self, designs: &[Vector3<f64>]) {
+    /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are
+    /// solved. Which designs were right is known afterwards ([`Gradients::is_right`]): what is visited of
+    /// others is anything, NaN included.
+    pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
+        self.evaluate(designs, Task::Jacobians(&mut visit));
+    }
+
+    /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
+    /// `wanted` angle by angle and station by station.
+    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) {
+        let all = self.reader.characteristics().len() * self.stations.count();
+        assert_eq!(wanted.len(), all, "one for each angle and station");
+        self.evaluate(designs, Task::Deviations(wanted));
+    }
+
+    fn evaluate(&mut self, designs: &[Vector3<f64>], task: Task<'_>) {
         let width = self.width;
         width.run(Evaluation {
             gradients: self,
             designs,
+            task,
         });
     }
 
@@ -113,33 +162,32 @@ impl<'a> Gradients<'a> {
         self.right[design]
     }
 
-    /// The value of an angle at a station, or with both 0 the sum of deviations.
-    pub fn value(&self, design: usize, angle: usize, station: usize) -> f64 {
-        let row = angle * self.stations.count() + station;
-        self.values[row * self.lanes + design]
+    /// The sum of deviations of a design.
+    pub fn sum(&self, design: usize) -> f64 {
+        self.found.sum[design]
     }
 
     /// Its gradient by a hardpoint.
-    pub fn gradient(
-        &self,
-        design: usize,
-        angle: usize,
-        station: usize,
-        point: PointId,
-    ) -> Vector3<f64> {
-        let row = angle * self.stations.count() + station;
-        let first = (row * self.points + point.0) * 3;
-        let component = |axis: usize| self.gradients[(first + axis) * self.lanes + design];
-        Vector3::new(component(0), component(1), component(2))
+    pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
+        self.found.vector(&self.found.gradient, 0, point, design)
     }
 }
 
-struct Evaluation<'s, 'a> {
-    gradients: &'s mut Gradients<'a>,
-    designs: &'s [Vector3<f64>],
+/// What is formed.
+enum Task<'t> {
+    /// Every angle's derivatives, to be handed over.
+    Jacobians(&'t mut dyn FnMut(&Jacobians<'_>)),
+    /// A sum of deviations, with its derivatives.
+    Deviations(&'t [Wanted]),
 }
 
-impl InLanes for Evaluation<'_, '_> {
+struct Evaluation<'s, 'a, 't> {
+    gradients: &'s mut Gradients<'a>,
+    designs: &'s [Vector3<f64>],
+    task: Task<'t>,
+}
+
+impl InLanes for Evaluation<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -149,28 +197,21 @@ impl InLanes for Evaluation<'_, '_> {
             reader,
             stations,
             points,
-            of,
-            lanes,
             right,
-            values,
-            gradients,
+            found,
             ..
         } = self.gradients;
         let count = self.designs.len() / *points;
         assert!(count <= B::LANES, "more designs than lanes");
-        *lanes = B::LANES;
-        let nothing = Vector3::new(like, like, like);
+        found.lanes = B::LANES;
+        let zero = like.zero();
+        let nothing = Vector3::new(zero, zero, zero);
         let mut group = vec![nothing; *points];
         let mut gradient = vec![nothing; *points];
-        let mut evaluated = vec![0.0; reader.characteristics().len() * B::LANES];
         let mut history = batch.history(like);
         gather(self.designs, *points, 0, count, &mut group);
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
-        if let Of::Deviations(_) = of {
-            values.fill(0.0);
-            gradients.fill(0.0);
-        }
         let mut reading = Differentiating {
             reader,
             wheels: &wheels,
@@ -179,14 +220,10 @@ impl InLanes for Evaluation<'_, '_> {
             right: design.is_regular(),
             count: stations.count(),
             first: 0,
-            wanted: match of {
-                Of::Angles => None,
-                Of::Deviations(wanted) => Some(wanted),
-            },
-            evaluated: &mut evaluated,
+            task: self.task,
+            sum: zero,
             gradient: &mut gradient,
-            values,
-            gradients,
+            found,
         };
         let mut rack = 0;
         while rack < stations.racks.len() {
@@ -197,14 +234,30 @@ impl InLanes for Evaluation<'_, '_> {
             rack += 1;
         }
         let solved = reading.right;
+        if let Task::Deviations(_) = reading.task {
+            reading.sum.store(&mut reading.found.sum);
+            put(reading.gradient, &mut reading.found.gradient);
+        }
         for (lane, right) in right.iter_mut().enumerate() {
             *right = lane < count && B::lane(solved, lane);
         }
     }
 }
 
+/// Writes vectors, `[point][axis][lane]`.
+#[inline(always)]
+fn put<B: Bundle>(vectors: &[Vector3<B>], to: &mut [f64]) {
+    for (to, vector) in to.chunks_exact_mut(3 * B::LANES).zip(vectors) {
+        let (x, rest) = to.split_at_mut(B::LANES);
+        let (y, z) = rest.split_at_mut(B::LANES);
+        vector.x.store(x);
+        vector.y.store(y);
+        vector.z.store(z);
+    }
+}
+
 /// Differentiates the angles in the poses of a group.
-struct Differentiating<'r, B: Bundle> {
+struct Differentiating<'r, 't, B: Bundle> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     inputs: Inputs<B>,
@@ -214,15 +267,15 @@ struct Differentiating<'r, B: Bundle> {
     /// Stations in all, and the first one with the rack where it is.
     count: usize,
     first: usize,
-    wanted: Option<&'r [Wanted]>,
-    /// The angles in this pose.
-    evaluated: &'r mut [f64],
+    task: Task<'t>,
+    /// Of the deviations so far.
+    sum: B,
+    /// Of that sum, or of one angle.
     gradient: &'r mut [Vector3<B>],
-    values: &'r mut [f64],
-    gradients: &'r mut [f64],
+    found: &'r mut Found,
 }
 
-impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
+impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
@@ -235,56 +288,49 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, B> {
         let rates = at.rates();
         let posture = at.posture(self.rack);
         let adjoint = at.adjoint(&posture, &rates);
-        self.reader.values(&self.inputs, self.evaluated, B::LANES);
-        let at_once = if self.wanted.is_some() { angles } else { 1 };
-        let mut next = 0;
-        while next < angles {
-            for component in self.gradient.iter_mut() {
-                *component = Vector3::new(zero, zero, zero);
-            }
-            let mut seeds = Seeds::new(&posture, self.gradient);
-            let row = match self.wanted {
-                None => next * self.count + station,
-                Some(_) => 0,
+        let Found {
+            angles: values,
+            jacobian,
+            ..
+        } = &mut *self.found;
+        self.reader.values(&self.inputs, values, B::LANES);
+        let row = self.gradient.len() * 3 * B::LANES;
+        let mut angle = 0;
+        while angle < angles {
+            let end = match self.task {
+                Task::Jacobians(_) => {
+                    self.gradient.fill(Vector3::new(zero, zero, zero));
+                    angle + 1
+                }
+                Task::Deviations(_) => angles,
             };
-            let end = next + at_once;
-            while next < end {
-                let inputs = &self.inputs;
-                let value = zero.load(&self.evaluated[next * B::LANES..]);
-                let to = &mut self.values[row * B::LANES..];
-                let weight = match self.wanted {
-                    None => {
-                        value.store(to);
-                        zero.one()
-                    }
-                    Some(wanted) => {
-                        let Wanted { value: v, weight } = wanted[next * self.count + station];
-                        let missed = value - zero.lit(v);
+            let to = &mut jacobian[angle * row..];
+            let mut seeds = Seeds::new(&posture, self.gradient);
+            while angle < end {
+                let weight = match self.task {
+                    Task::Jacobians(_) => zero.one(),
+                    Task::Deviations(wanted) => {
+                        let Wanted { value, weight } = wanted[angle * self.count + station];
+                        let missed = zero.load(&values[angle * B::LANES..]) - zero.lit(value);
                         let weighted = missed * zero.lit(weight);
-                        zero.load(to).plus_product(weighted, missed).store(to);
+                        self.sum = self.sum.plus_product(weighted, missed);
                         weighted + weighted
                     }
                 };
-                self.reader.seed(next, weight, inputs, &posture, &mut seeds);
-                next += 1;
+                let inputs = &self.inputs;
+                self.reader
+                    .seed(angle, weight, inputs, &posture, &mut seeds);
+                angle += 1;
             }
             let wrench = seeds.wrench();
             adjoint.subtract(&wrench, self.gradient);
-            let to = &mut self.gradients[row * self.gradient.len() * 3 * B::LANES..];
-            let components = to.chunks_exact_mut(3 * B::LANES);
-            for (to, component) in components.zip(self.gradient.iter()) {
-                let (x, rest) = to.split_at_mut(B::LANES);
-                let (y, z) = rest.split_at_mut(B::LANES);
-                if self.wanted.is_some() {
-                    (zero.load(x) + component.x).store(x);
-                    (zero.load(y) + component.y).store(y);
-                    (zero.load(z) + component.z).store(z);
-                } else {
-                    component.x.store(x);
-                    component.y.store(y);
-                    component.z.store(z);
-                }
+            if let Task::Jacobians(_) = self.task {
+                put(self.gradient, to);
             }
+        }
+        if let Task::Jacobians(visit) = &mut self.task {
+            let found = &*self.found;
+            visit(&Jacobians { station, found });
         }
     }
 }

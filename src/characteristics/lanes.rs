@@ -6,9 +6,10 @@
 use super::gains::{by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{
-    Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose, Posture, Seeds, Twist,
+    Batch, DesignedSpinAxis, Gradient, KnucklePoint, KnuckleVector, LaneDesign, LanePose, Posture,
+    Seeds, Twist,
 };
-use crate::model::{Body, Mechanism, RockerId, SpinAxis, Spring, SteeringAxis};
+use crate::model::{Body, Mechanism, RockerId, Spring, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
 use std::hint::black_box;
 
@@ -43,6 +44,7 @@ struct Installation {
 /// The designs whose characteristics are read.
 pub struct LaneWheels<B: Bundle> {
     spin_axis: KnuckleVector<B>,
+    designed_spin_axis: DesignedSpinAxis<B>,
     centre: KnucklePoint<B>,
     strut_upper: Option<KnucklePoint<B>>,
     design: Wheel<B>,
@@ -108,12 +110,11 @@ impl<'a> LaneReader<'a> {
     ) -> LaneWheels<B> {
         let mechanism = self.mechanism;
         let centre = design[mechanism.wheel_centre.0];
-        let spin_axis = match mechanism.spin_axis {
-            SpinAxis::From(inner) => (centre - design[inner.0]).normalised(),
-            SpinAxis::Along(direction) => centre.lit(direction),
-        };
+        let designed_spin_axis = DesignedSpinAxis::of(mechanism, design);
+        let spin_axis = designed_spin_axis.direction;
         LaneWheels {
             spin_axis: lanes.vector(spin_axis),
+            designed_spin_axis,
             centre: lanes.point(centre),
             strut_upper: match mechanism.strut_upper() {
                 Some(upper) if self.reads.strut_upper => Some(lanes.point(design[upper.0])),
@@ -228,16 +229,14 @@ impl<'a> LaneReader<'a> {
         self.is_of_angles() && !(self.reads.steering_axis && instantaneous)
     }
 
-    /// Adds, times `weight`, how the characteristic of this number depends on the posture that the inputs
-    /// have been read in.
+    /// Adds, times `weight`, how the angle of this number depends on what the angles read.
     #[inline(always)]
-    pub fn seed<B: Bundle>(
+    pub fn differentiate<B: Bundle>(
         &self,
         number: usize,
         weight: B,
         inputs: &Inputs<B>,
-        at: &Posture<'_, B>,
-        seeds: &mut Seeds<'_, '_, B>,
+        by: &mut ByDirections<B>,
     ) {
         let c = self.characteristics[number];
         let differentiating = Differentiating {
@@ -245,10 +244,12 @@ impl<'a> LaneReader<'a> {
             inputs,
         };
         if let Some(gradient) = weight.apart(differentiating) {
-            match c.info().reads {
-                [Slot::SpinAxis] => seeds.spin_axis(gradient * weight),
-                _ => seeds.steering_axis(at.pose.origin.zero(), gradient * weight),
-            }
+            let sum = match c.info().reads {
+                [Slot::SpinAxis] => &mut by.spin_axis,
+                _ => &mut by.steering_axis,
+            };
+            let before = sum.unwrap_or(gradient.zero());
+            *sum = Some(before.plus_scaled(gradient, weight));
         }
     }
 
@@ -321,6 +322,40 @@ impl<'a> LaneReader<'a> {
             turn: nothing.centre,
             design,
             constants: inputs.constants,
+        }
+    }
+}
+
+/// A derivative by the two directions that the angles read; none where it depends on neither.
+#[derive(Clone, Copy, Debug)]
+pub struct ByDirections<B> {
+    spin_axis: Option<Vector3<B>>,
+    steering_axis: Option<Vector3<B>>,
+}
+
+impl<B> Default for ByDirections<B> {
+    fn default() -> Self {
+        ByDirections {
+            spin_axis: None,
+            steering_axis: None,
+        }
+    }
+}
+
+impl<B: Bundle> ByDirections<B> {
+    /// What that makes of the posture that the inputs have been read in.
+    #[inline(always)]
+    pub fn seed<G: Gradient<B> + ?Sized>(
+        &self,
+        wheels: &LaneWheels<B>,
+        inputs: &Inputs<B>,
+        seeds: &mut Seeds<'_, '_, B, G>,
+    ) {
+        if let Some(gradient) = self.spin_axis {
+            seeds.moved_spin_axis(&wheels.designed_spin_axis, inputs.now.spin_axis, gradient);
+        }
+        if let Some(gradient) = self.steering_axis {
+            seeds.steering_axis(gradient.zero(), gradient);
         }
     }
 }

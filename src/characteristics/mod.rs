@@ -22,7 +22,7 @@ mod unit;
 mod view;
 mod wheel;
 
-pub use lanes::{LaneReader, LaneWheels};
+pub use lanes::{ByDirections, LaneReader, LaneWheels};
 pub use unit::Unit;
 pub use view::{Quantity, View};
 pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};

@@ -304,7 +304,7 @@ impl Curve<'_> {
             &at,
             motion.driver(),
             &self.fold_multipliers(fold).map(|m| -m),
-            &mut HardpointGradient(&mut gradient),
+            &mut HardpointGradient(gradient.as_mut_slice()),
         );
         gradient
     }

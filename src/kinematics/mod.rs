@@ -35,7 +35,8 @@ mod work;
 pub use accuracy::PoseError;
 pub use assemblies::{Assemblies, Assembly, Trait, Undecided};
 pub use batch::{
-    Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, Visit,
+    Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose, LaneRates,
+    Visit,
 };
 pub use certificate::{Certificate, Certifier, Unproven};
 pub use closure::{Closure, Driver};
@@ -48,7 +49,7 @@ pub use paper_theta::PaperTheta;
 pub use path::{DesignFault, Failure, March, Solver};
 pub use pose::{Pose, Posture, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
-pub use sensitivity::{Linearised, Seeds};
+pub use sensitivity::{DesignedSpinAxis, Gradient, Linearised, Seeds};
 pub(crate) use work::Tally;
 pub use work::Work;
 

@@ -18,35 +18,48 @@ use super::lu::{Lu6, Matrix6};
 use super::pose::{Posture, Sink, Twist, Wrench};
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
 use super::work::Tally;
-use crate::model::{PointId, RockerId, SpinAxis, SteeringAxis};
+use crate::model::{Mechanism, PointId, RockerId, SpinAxis, SteeringAxis};
 use crate::number::{Jet, Real, Vector3};
 
-/// Gradient of an output by the hardpoints, collected together with its wrench.
-pub struct Adjoint<'a, T> {
-    wrench: Wrench<T>,
-    gradient: &'a mut [Vector3<T>],
+/// Where the derivatives of an output by the hardpoints gather.
+pub trait Gradient<T> {
+    /// Adds a derivative by a hardpoint.
+    fn add(&mut self, id: PointId, by: Vector3<T>);
 }
 
-impl<T: Real> Sink<T> for Adjoint<'_, T> {
+impl<T: Real> Gradient<T> for [Vector3<T>] {
+    #[inline(always)]
+    fn add(&mut self, id: PointId, by: Vector3<T>) {
+        self[id.0] = self[id.0] + by;
+    }
+}
+
+/// Gradient of an output by the hardpoints, collected together with its wrench.
+struct Adjoint<'a, T, G: ?Sized> {
+    wrench: Wrench<T>,
+    gradient: &'a mut G,
+}
+
+impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
     #[inline(always)]
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         self.wrench.wrench(force, moment);
     }
     #[inline(always)]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
-        self.gradient[id.0] = self.gradient[id.0] + gradient;
+        self.gradient.add(id, gradient);
     }
 }
 
 /// A gradient by the hardpoints alone.
-pub(super) struct HardpointGradient<'a, T>(pub &'a mut [Vector3<T>]);
+pub(super) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
 
-impl<T: Real> Sink<T> for HardpointGradient<'_, T> {
+impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
     #[inline(always)]
     fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
     #[inline(always)]
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
-        self.0[id.0] = self.0[id.0] + gradient;
+        self.0.add(id, gradient);
     }
 }
 
@@ -139,17 +152,17 @@ impl<'a, const N: usize> Linearised<'a, N> {
 }
 
 /// How an output depends on the posture: each call adds the derivative by one thing it reads.
-pub struct Seeds<'s, 'a, T> {
+pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Posture<'a, T>,
-    adjoint: Adjoint<'s, T>,
+    adjoint: Adjoint<'s, T, G>,
     /// By the twist of the steering motion, where something depends on it.
     by_twist: Option<Twist<T>>,
 }
 
-impl<'s, 'a, T: Real> Seeds<'s, 'a, T> {
+impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
     /// For an output of a posture; what it depends on directly is added to `gradient`.
     #[inline(always)]
-    pub fn new(at: &'s Posture<'a, T>, gradient: &'s mut [Vector3<T>]) -> Self {
+    pub fn new(at: &'s Posture<'a, T>, gradient: &'s mut G) -> Self {
         Seeds {
             at,
             adjoint: Adjoint {
@@ -216,22 +229,69 @@ impl<'s, 'a, T: Real> Seeds<'s, 'a, T> {
     /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
     #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
-        let axis = self.at.spin_axis();
-        self.turn(axis.cross(gradient));
-        self.designed_spin_axis(self.at.pose.rotation.apply_transposed(gradient));
+        let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
+        let now = self.at.pose.rotation.apply(designed.direction);
+        self.moved_spin_axis(&designed, now, gradient);
+    }
+
+    /// The same, the axis being known in the design position and now.
+    #[inline(always)]
+    pub fn moved_spin_axis(
+        &mut self,
+        designed: &DesignedSpinAxis<T>,
+        now: Vector3<T>,
+        gradient: Vector3<T>,
+    ) {
+        self.turn(now.cross(gradient));
+        let in_knuckle = self.at.pose.rotation.apply_transposed(gradient);
+        self.by_designed_spin_axis(designed, in_knuckle);
     }
 
     /// By the unit spin axis in the design position.
     #[inline(always)]
     pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
+        let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
+        self.by_designed_spin_axis(&designed, gradient);
+    }
+
+    #[inline(always)]
+    fn by_designed_spin_axis(&mut self, designed: &DesignedSpinAxis<T>, gradient: Vector3<T>) {
         if let SpinAxis::From(inner) = self.at.mechanism.spin_axis {
-            let centre = self.at.mechanism.wheel_centre;
-            let base = self.at.designed(centre) - self.at.designed(inner);
-            let inverse = base.x.one() / base.norm();
-            let axis = base * inverse;
-            let by_base = (gradient - axis * axis.dot(gradient)) * inverse;
-            self.hardpoint(centre, by_base);
+            let axis = designed.direction;
+            let by_base = (gradient - axis * axis.dot(gradient)) * designed.inverse_length;
+            self.hardpoint(self.at.mechanism.wheel_centre, by_base);
             self.hardpoint(inner, -by_base);
+        }
+    }
+}
+
+/// The spin axis in the design position.
+#[derive(Clone, Copy, Debug)]
+pub struct DesignedSpinAxis<T> {
+    /// Unit vector, outboard.
+    pub direction: Vector3<T>,
+    /// One over the distance of the wheel centre from the point that gives the direction; 0 where none does.
+    pub inverse_length: T,
+}
+
+impl<T: Real> DesignedSpinAxis<T> {
+    /// Of a design.
+    #[inline(always)]
+    pub fn of(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        let centre = design[mechanism.wheel_centre.0];
+        match mechanism.spin_axis {
+            SpinAxis::From(inner) => {
+                let base = centre - design[inner.0];
+                let inverse_length = base.x.one() / base.norm();
+                DesignedSpinAxis {
+                    direction: base * inverse_length,
+                    inverse_length,
+                }
+            }
+            SpinAxis::Along(direction) => DesignedSpinAxis {
+                direction: centre.lit(direction),
+                inverse_length: centre.x.zero(),
+            },
         }
     }
 }
@@ -256,12 +316,7 @@ impl<T: Real> Posture<'_, T> {
     /// Unit vector along the spin axis, outboard, in the design position.
     #[inline(always)]
     pub fn designed_spin_axis(&self) -> Vector3<T> {
-        match self.mechanism.spin_axis {
-            SpinAxis::From(inner) => {
-                (self.designed(self.mechanism.wheel_centre) - self.designed(inner)).normalised()
-            }
-            SpinAxis::Along(direction) => self.pose.origin.lit(direction),
-        }
+        DesignedSpinAxis::of(self.mechanism, self.design).direction
     }
 
     /// Unit vector along the spin axis, outboard.

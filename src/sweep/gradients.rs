@@ -10,8 +10,10 @@
 use super::Stations;
 use super::aligned::Aligned;
 use super::lanes::gather;
-use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels};
-use crate::kinematics::{Batch, LaneAdjoint, LanePose, Seeds, Visit};
+use crate::characteristics::{
+    ByDirections, Characteristic, Constants, Inputs, LaneReader, LaneWheels,
+};
+use crate::kinematics::{Batch, Gradient, LaneAdjoint, LaneMembers, LanePose, Seeds, Visit};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
 
@@ -207,14 +209,16 @@ impl InLanes for Evaluation<'_, '_, '_> {
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
         let mut group = vec![nothing; *points];
-        let mut gradient = vec![nothing; *points];
         let mut history = batch.history(like);
         gather(self.designs, *points, 0, count, &mut group);
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
+        let members = batch.members(&design);
+        found.gradient.fill(0.0);
         let mut reading = Differentiating {
             reader,
             wheels: &wheels,
+            members: &members,
             inputs: reader.inputs(&wheels),
             rack: like,
             right: design.is_regular(),
@@ -222,7 +226,6 @@ impl InLanes for Evaluation<'_, '_, '_> {
             first: 0,
             task: self.task,
             sum: zero,
-            gradient: &mut gradient,
             found,
         };
         let mut rack = 0;
@@ -236,7 +239,6 @@ impl InLanes for Evaluation<'_, '_, '_> {
         let solved = reading.right;
         if let Task::Deviations(_) = reading.task {
             reading.sum.store(&mut reading.found.sum);
-            put(reading.gradient, &mut reading.found.gradient);
         }
         for (lane, right) in right.iter_mut().enumerate() {
             *right = lane < count && B::lane(solved, lane);
@@ -244,15 +246,18 @@ impl InLanes for Evaluation<'_, '_, '_> {
     }
 }
 
-/// Writes vectors, `[point][axis][lane]`.
-#[inline(always)]
-fn put<B: Bundle>(vectors: &[Vector3<B>], to: &mut [f64]) {
-    for (to, vector) in to.chunks_exact_mut(3 * B::LANES).zip(vectors) {
-        let (x, rest) = to.split_at_mut(B::LANES);
+/// Derivatives by the hardpoints, `[point][axis][lane]`.
+struct Row<'r>(&'r mut [f64]);
+
+impl<B: Bundle> Gradient<B> for Row<'_> {
+    #[inline(always)]
+    fn add(&mut self, id: PointId, by: Vector3<B>) {
+        let first = id.0 * 3 * B::LANES;
+        let (x, rest) = self.0[first..first + 3 * B::LANES].split_at_mut(B::LANES);
         let (y, z) = rest.split_at_mut(B::LANES);
-        vector.x.store(x);
-        vector.y.store(y);
-        vector.z.store(z);
+        (by.x.load(x) + by.x).store(x);
+        (by.y.load(y) + by.y).store(y);
+        (by.z.load(z) + by.z).store(z);
     }
 }
 
@@ -260,6 +265,7 @@ fn put<B: Bundle>(vectors: &[Vector3<B>], to: &mut [f64]) {
 struct Differentiating<'r, 't, B: Bundle> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
+    members: &'r LaneMembers<B>,
     inputs: Inputs<B>,
     rack: B,
     /// Lanes that are right so far.
@@ -270,8 +276,6 @@ struct Differentiating<'r, 't, B: Bundle> {
     task: Task<'t>,
     /// Of the deviations so far.
     sum: B,
-    /// Of that sum, or of one angle.
-    gradient: &'r mut [Vector3<B>],
     found: &'r mut Found,
 }
 
@@ -287,25 +291,28 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
         let zero = self.rack.zero();
         let rates = at.rates();
         let posture = at.posture(self.rack);
-        let adjoint = at.adjoint(&posture, &rates);
+        let adjoint = at.adjoint(self.members, &posture, &rates);
         let Found {
             angles: values,
             jacobian,
+            gradient,
+            points,
             ..
         } = &mut *self.found;
         self.reader.values(&self.inputs, values, B::LANES);
-        let row = self.gradient.len() * 3 * B::LANES;
         let mut angle = 0;
         while angle < angles {
-            let end = match self.task {
+            let (end, row) = match self.task {
                 Task::Jacobians(_) => {
-                    self.gradient.fill(Vector3::new(zero, zero, zero));
-                    angle + 1
+                    let length = *points * 3 * B::LANES;
+                    let row = &mut jacobian[angle * length..][..length];
+                    row.fill(0.0);
+                    (angle + 1, row)
                 }
-                Task::Deviations(_) => angles,
+                Task::Deviations(_) => (angles, &mut gradient[..]),
             };
-            let to = &mut jacobian[angle * row..];
-            let mut seeds = Seeds::new(&posture, self.gradient);
+            let row = &mut Row(row);
+            let mut by = ByDirections::default();
             while angle < end {
                 let weight = match self.task {
                     Task::Jacobians(_) => zero.one(),
@@ -317,16 +324,14 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
                         weighted + weighted
                     }
                 };
-                let inputs = &self.inputs;
                 self.reader
-                    .seed(angle, weight, inputs, &posture, &mut seeds);
+                    .differentiate(angle, weight, &self.inputs, &mut by);
                 angle += 1;
             }
+            let mut seeds = Seeds::new(&posture, row);
+            by.seed(self.wheels, &self.inputs, &mut seeds);
             let wrench = seeds.wrench();
-            adjoint.subtract(&wrench, self.gradient);
-            if let Task::Jacobians(_) = self.task {
-                put(self.gradient, to);
-            }
+            adjoint.subtract(&wrench, row);
         }
         if let Task::Jacobians(visit) = &mut self.task {
             let found = &*self.found;

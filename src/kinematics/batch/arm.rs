@@ -2,10 +2,12 @@
 
 use super::route::{Leg, Place};
 use super::{
-    InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates, Visit, weighted, within_half,
+    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
+    within_half,
 };
-use crate::kinematics::closed_form::{Adjoint, Carrier, ClosedForm, Roles, State};
+use crate::kinematics::closed_form::{Adjoint, Carrier, ClosedForm, Members, Roles, State};
 use crate::kinematics::pose::{Posture, Wrench};
+use crate::kinematics::sensitivity::Gradient;
 use crate::model::{Drive, Mechanism, SteeringAxis};
 use crate::number::{Bundle, Jet, Vector3};
 
@@ -90,17 +92,29 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     #[inline(always)]
     fn adjoint<'p>(
         &'p self,
+        members: &'p LaneMembers<B>,
         at: &'p Posture<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
-        let form = &self.design.form;
-        Adjoint::of(self.roles, form, &self.state, at, rates.origin, rates.turn)
+        let LaneMembers(Some(members)) = members else {
+            unreachable!("the members of a design with a closed form")
+        };
+        let (roles, form) = (self.roles, &self.design.form);
+        Adjoint::of(
+            roles,
+            members,
+            form,
+            &self.state,
+            at,
+            rates.origin,
+            rates.turn,
+        )
     }
 }
 
 impl<B: Bundle> LaneAdjoint<B> for Adjoint<'_, B> {
     #[inline(always)]
-    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]) {
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
         Adjoint::subtract(self, wrench, gradient);
     }
 }
@@ -152,6 +166,12 @@ impl ByArm {
             form,
             carrier,
         }
+    }
+
+    /// The members of a design that bear forces.
+    #[inline(always)]
+    pub(super) fn members<B: Bundle>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
+        Members::of(&self.roles, &design.form, design.design)
     }
 
     /// Visits every place; says which lanes are right throughout.

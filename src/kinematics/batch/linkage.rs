@@ -30,11 +30,12 @@
 
 use super::route::{Leg, Place};
 use super::{
-    InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates, Visit, weighted, within_half,
+    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
+    within_half,
 };
 use crate::kinematics::closure::{Closure, Driver, RowSet};
 use crate::kinematics::pose::{Pose, Posture, Twist, Wrench};
-use crate::kinematics::sensitivity::HardpointGradient;
+use crate::kinematics::sensitivity::{Gradient, HardpointGradient};
 use crate::kinematics::steering::screw_axis;
 use crate::model::{Drive, Mechanism};
 use crate::number::{Bundle, Jet, Matrix3, Piece, Real, Vector3};
@@ -449,7 +450,12 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
-    fn adjoint<'p>(&'p self, at: &'p Posture<'p, B>, _: &LaneRates<B>) -> impl LaneAdjoint<B> + 'p {
+    fn adjoint<'p>(
+        &'p self,
+        _: &'p LaneMembers<B>,
+        at: &'p Posture<'p, B>,
+        _: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p {
         LinkageAdjoint {
             closure: &self.linkage.closure,
             at,
@@ -469,7 +475,7 @@ struct LinkageAdjoint<'p, B> {
 
 impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
     #[inline(always)]
-    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]) {
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
         let mut multipliers = self.linear.blocks.solve_transposed(wrench);
         for multiplier in &mut multipliers {
             *multiplier = -*multiplier;

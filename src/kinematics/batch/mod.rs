@@ -21,9 +21,10 @@ mod arm;
 mod linkage;
 mod route;
 
-use super::closed_form::{Carried, Roles};
+use super::closed_form::{Carried, Members, Roles};
 use super::path::March;
 use super::pose::{Posture, Twist, Wrench};
+use super::sensitivity::Gradient;
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::{Bundle, Vector3};
 use arm::{ArmDesign, ByArm};
@@ -88,6 +89,9 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
+/// What the gradients in all poses of a design have in common, where there is something.
+pub struct LaneMembers<B>(Option<Members<B>>);
+
 impl<B: Bundle> LaneDesign<'_, B> {
     /// Whether all rods have a length.
     #[inline(always)]
@@ -129,6 +133,7 @@ pub trait LanePose<B: Bundle> {
     /// What gradients take, driven by the travel; from the posture and the rates of this pose.
     fn adjoint<'p>(
         &'p self,
+        members: &'p LaneMembers<B>,
         at: &'p Posture<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p;
@@ -144,7 +149,7 @@ pub trait LanePose<B: Bundle> {
 pub trait LaneAdjoint<B: Bundle> {
     /// Subtracts from the gradient of an output, taken at a fixed pose, what the closure equations make of
     /// its derivative by the pose.
-    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut [Vector3<B>]);
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
 }
 
 /// How the knuckle moves in a pose, by the drive.
@@ -267,6 +272,15 @@ impl<'a> Batch<'a> {
             origin,
             distinct,
         }
+    }
+
+    /// What the gradients in all poses of designs have in common. The design must be of this batch.
+    #[inline(always)]
+    pub fn members<B: Bundle>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
+        LaneMembers(match (&self.way, &design.form) {
+            (Way::Arm(way), Form::Arm(form)) => Some(way.members(form)),
+            _ => None,
+        })
     }
 
     /// Visits every station with the rack at its `rack`-th place; says which lanes are right throughout.

@@ -22,24 +22,33 @@
 //! mu1 + mu2 = b.rho/rho^2      mu2 = ((mu1 + mu2) s1 - b.a)/|p2 - p1|
 //! ```
 
+use super::circle::Circle;
 use super::upper::Upper;
 use super::{ClosedForm, Roles, State};
 use crate::kinematics::closed_form::roles::UpperRoles;
 use crate::kinematics::pose::{Posture, Sink, Wrench};
-use crate::kinematics::sensitivity::HardpointGradient;
+use crate::kinematics::sensitivity::{Gradient, HardpointGradient};
 use crate::model::{Arm, PointId};
 use crate::number::{Real, Vector3};
+
+/// The members that bear the forces, as they are in all poses of a design.
+pub(in crate::kinematics) struct Members<T> {
+    lower_arm: Legs<T>,
+    upper: UpperEnd<T>,
+    /// l in the design position
+    tie_rod: Vector3<T>,
+}
 
 /// What the gradients of all outputs in a pose have in common.
 pub(in crate::kinematics) struct Adjoint<'a, T> {
     roles: &'a Roles,
+    members: &'a Members<T>,
     at: &'a Posture<'a, T>,
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// l, and in the design position
+    /// l, and carried back to the design position
     tie_rod: Vector3<T>,
-    tie_rod_designed: Vector3<T>,
     tie_rod_in_knuckle: Vector3<T>,
     /// t x l
     tie_rod_moment: Vector3<T>,
@@ -49,8 +58,8 @@ pub(in crate::kinematics) struct Adjoint<'a, T> {
     up_in_knuckle: Vector3<T>,
     /// e/(d.e)
     free: Vector3<T>,
-    lower_arm: Legs<T>,
-    upper: UpperEnd<T>,
+    lower_arm: Joint<T>,
+    upper: UpperJoint<T>,
 }
 
 /// How the force at the upper end is borne.
@@ -60,66 +69,123 @@ enum UpperEnd<T> {
         /// The two points that give the line its direction.
         lower: PointId,
         upper: PointId,
-        /// Way slid along the line over their distance.
-        slid: T,
+        /// Their distance, inverted, and the place of the mount along the line, both in the design position.
+        inverse_base: T,
+        designed: T,
     },
     Arm(Legs<T>),
 }
 
-/// The legs of an arm, from its axis to its outer joint.
+/// The legs of an arm, from its axis to its outer joint, in the design position.
 struct Legs<T> {
     arm: Arm,
-    /// In the design position.
     front: Vector3<T>,
     rear: Vector3<T>,
-    /// Of the joint, from the design position.
-    moved: Vector3<T>,
-    /// rho/rho^2
-    radius: Vector3<T>,
+    outer: Vector3<T>,
+    /// Centre of the joint's circle, and 1/rho^2.
+    centre: Vector3<T>,
+    inverse_square: T,
     /// Unit vector along the axis, front to rear, over the length of the axis.
     axis: Vector3<T>,
     /// s1 over the length of the axis.
     along: T,
 }
 
+/// The outer joint of an arm in a pose.
+struct Joint<T> {
+    /// From the design position.
+    moved: Vector3<T>,
+    /// rho/rho^2
+    radius: Vector3<T>,
+}
+
+/// The upper end in a pose.
+enum UpperJoint<T> {
+    /// Way slid along the strut line over the distance of the points that give its direction.
+    Strut(T),
+    Arm(Joint<T>),
+}
+
 impl<T: Real> Legs<T> {
+    /// Of an arm, its joint on a circle.
     #[inline(always)]
-    fn of(arm: Arm, at: &Posture<'_, T>, joint: Vector3<T>) -> Self {
-        let [tip, front, rear] = [arm.outer, arm.front, arm.rear].map(|id| at.designed(id));
+    fn of(arm: Arm, design: &[Vector3<T>], circle: &Circle<T>) -> Self {
+        let [outer, front, rear] = [design[arm.outer.0], design[arm.front.0], design[arm.rear.0]];
         let base = rear - front;
         let axis = base * (base.x.one() / base.norm_squared());
-        let along = (tip - front).dot(axis);
-        let radius = joint - front - base * along;
+        let along = (outer - front).dot(axis);
         Legs {
             arm,
-            front: tip - front,
-            rear: tip - rear,
-            moved: joint - tip,
-            radius: radius * (along.one() / radius.norm_squared()),
+            front: outer - front,
+            rear: outer - rear,
+            outer,
+            centre: circle.centre,
+            inverse_square: along.one() / circle.radius.norm_squared(),
             axis,
             along,
         }
     }
 
+    /// With the joint here.
+    #[inline(always)]
+    fn at(&self, joint: Vector3<T>) -> Joint<T> {
+        Joint {
+            moved: joint - self.outer,
+            radius: (joint - self.centre) * self.inverse_square,
+        }
+    }
+
     /// The forces in the legs, over their lengths, that add up to a force.
     #[inline(always)]
-    fn split(&self, force: Vector3<T>) -> (T, T) {
-        let both = force.dot(self.radius);
+    fn split(&self, at: &Joint<T>, force: Vector3<T>) -> (T, T) {
+        let both = force.dot(at.radius);
         let rear = (both * self.along) - force.dot(self.axis);
         (both - rear, rear)
     }
 
-    /// Adds what they contribute to a gradient.
+    /// Adds what they contribute to a gradient; the rest of what the outer joint does, too.
     #[inline(always)]
-    fn add(&self, front: T, rear: T, sink: &mut impl Sink<T>) {
-        let Arm {
-            front: p,
-            rear: q,
-            outer,
-        } = self.arm;
-        sink.hardpoint(p, self.moved * front);
-        sink.hardpoint(q, self.moved * rear);
-        sink.hardpoint(outer, (self.front * front).plus_scaled(self.rear, rear));
+    fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
+        let (front, rear) = self.split(at, force);
+        sink.hardpoint(self.arm.front, at.moved * front);
+        sink.hardpoint(self.arm.rear, at.moved * rear);
+        let outer = rest
+            .plus_scaled(self.front, front)
+            .plus_scaled(self.rear, rear);
+        sink.hardpoint(self.arm.outer, outer);
+    }
+}
+
+impl<T: Real> Members<T> {
+    #[inline(always)]
+    pub(in crate::kinematics) fn of(
+        roles: &Roles,
+        form: &ClosedForm<T>,
+        design: &[Vector3<T>],
+    ) -> Self {
+        let designed = |id: PointId| design[id.0];
+        Members {
+            lower_arm: Legs::of(roles.lower_arm, design, &form.ball_joint),
+            upper: match (&form.upper, &roles.upper) {
+                (Upper::Strut { line, .. }, UpperRoles::Strut { top, lower, upper }) => {
+                    let upper = upper.unwrap_or(*top);
+                    let base = line.dot(designed(upper) - designed(*lower));
+                    let to_top = designed(*top) - designed(roles.lower_arm.outer);
+                    UpperEnd::Strut {
+                        top: *top,
+                        lower: *lower,
+                        upper,
+                        inverse_base: base.one() / base,
+                        designed: line.dot(to_top),
+                    }
+                }
+                (Upper::Arm { circle, .. }, UpperRoles::Arm(arm)) => {
+                    UpperEnd::Arm(Legs::of(*arm, design, circle))
+                }
+                _ => unreachable!("the closed form is that of these roles"),
+            },
+            tie_rod: designed(roles.tie_rod_outer) - designed(roles.tie_rod_inner),
+        }
     }
 }
 
@@ -129,6 +195,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
     #[inline(always)]
     pub(in crate::kinematics) fn of(
         roles: &'a Roles,
+        members: &'a Members<T>,
         form: &ClosedForm<T>,
         state: &State<T>,
         at: &'a Posture<'a, T>,
@@ -146,42 +213,37 @@ impl<'a, T: Real> Adjoint<'a, T> {
         let centre = state.carry(&form.wheel_centre);
         Adjoint {
             roles,
+            members,
             at,
             ball_joint_velocity,
             turn,
             d,
             tie_rod,
-            tie_rod_designed: at.designed(roles.tie_rod_outer) - at.designed(roles.tie_rod_inner),
             tie_rod_in_knuckle: at.pose.rotation.apply_transposed(tie_rod),
             tie_rod_moment: outer.cross(tie_rod),
             inverse_tie_rod_lever: inverse * lever,
             travel_moment: Vector3::new(centre.y, -centre.x, one.zero()),
             up_in_knuckle: Vector3::new(x.z, y.z, z.z),
             free: free * (inverse * tie_rod_lever),
-            lower_arm: Legs::of(roles.lower_arm, at, state.ball_joint),
-            upper: match (&form.upper, &roles.upper) {
-                (Upper::Strut { line, .. }, UpperRoles::Strut { top, lower, upper }) => {
-                    let upper = upper.unwrap_or(*top);
-                    let base = line.dot(at.designed(upper) - at.designed(*lower));
-                    let designed = line.dot(at.designed(*top) - at.designed(roles.lower_arm.outer));
-                    UpperEnd::Strut {
-                        top: *top,
-                        lower: *lower,
-                        upper,
-                        slid: (state.slide - designed) / base,
-                    }
-                }
-                (_, UpperRoles::Arm(arm)) => {
-                    UpperEnd::Arm(Legs::of(*arm, at, state.ball_joint + d))
-                }
-                _ => unreachable!("the closed form is that of these roles"),
+            lower_arm: members.lower_arm.at(state.ball_joint),
+            upper: match &members.upper {
+                UpperEnd::Strut {
+                    inverse_base,
+                    designed,
+                    ..
+                } => UpperJoint::Strut((state.slide - *designed) * *inverse_base),
+                UpperEnd::Arm(legs) => UpperJoint::Arm(legs.at(state.ball_joint + d)),
             },
         }
     }
 
     /// Subtracts mu . F_p from a gradient, for the wrench y_x.
     #[inline(always)]
-    pub(in crate::kinematics) fn subtract(&self, wrench: &Wrench<T>, gradient: &mut [Vector3<T>]) {
+    pub(in crate::kinematics) fn subtract(
+        &self,
+        wrench: &Wrench<T>,
+        gradient: &mut (impl Gradient<T> + ?Sized),
+    ) {
         let sink = &mut HardpointGradient(gradient);
         let Wrench { force, moment, .. } = *wrench;
         let travel = force.dot(self.ball_joint_velocity) + moment.dot(self.turn);
@@ -192,44 +254,43 @@ impl<'a, T: Real> Adjoint<'a, T> {
         let mut at_arm = (force - at_upper).plus_scaled(self.tie_rod, -tie_rod);
         at_arm.z = at_arm.z - travel;
 
-        let (front, rear) = self.lower_arm.split(at_arm);
-        self.lower_arm.add(front, rear, sink);
-
-        let roles = self.roles;
+        let (roles, members) = (self.roles, self.members);
         let in_knuckle = self.tie_rod_in_knuckle;
         let Vector3 { x, y, z } = self.up_in_knuckle;
         let up = Vector3::new(-x, -y, z.one() - z);
         sink.hardpoint(
             roles.tie_rod_inner,
-            (self.tie_rod - self.tie_rod_designed) * tie_rod,
+            (self.tie_rod - members.tie_rod) * tie_rod,
         );
         sink.hardpoint(
             roles.tie_rod_outer,
-            (self.tie_rod_designed - in_knuckle) * tie_rod,
+            (members.tie_rod - in_knuckle) * tie_rod,
         );
         sink.hardpoint(roles.wheel_centre, up * travel);
         let upper = self.at.pose.rotation.apply_transposed(at_upper);
         let origin = upper
             .plus_scaled(in_knuckle, tie_rod)
             .plus_scaled(self.up_in_knuckle, travel);
-        sink.hardpoint(roles.lower_arm.outer, origin);
-        match &self.upper {
-            UpperEnd::Strut {
-                top,
-                lower,
-                upper: second,
-                slid,
-            } => {
+        members.lower_arm.add(&self.lower_arm, at_arm, origin, sink);
+        match (&members.upper, &self.upper) {
+            (
+                UpperEnd::Strut {
+                    top,
+                    lower,
+                    upper: second,
+                    ..
+                },
+                UpperJoint::Strut(slid),
+            ) => {
                 let by_direction = upper * *slid;
                 sink.hardpoint(*top, at_upper - upper);
                 sink.hardpoint(*lower, by_direction);
                 sink.hardpoint(*second, -by_direction);
             }
-            UpperEnd::Arm(legs) => {
-                let (front, rear) = legs.split(at_upper);
-                legs.add(front, rear, sink);
-                sink.hardpoint(legs.arm.outer, -upper);
+            (UpperEnd::Arm(legs), UpperJoint::Arm(joint)) => {
+                legs.add(joint, at_upper, -upper, sink);
             }
+            _ => unreachable!("the joint is that of these members"),
         }
     }
 }

@@ -29,7 +29,7 @@ mod series;
 mod upper;
 mod velocity;
 
-pub(in crate::kinematics) use adjoint::Adjoint;
+pub(in crate::kinematics) use adjoint::{Adjoint, Members};
 pub(in crate::kinematics) use circle::Circle;
 pub(super) use roles::Roles;
 use upper::Upper;

@@ -50,9 +50,13 @@ pub struct LaneWheels<B: Bundle> {
     design: Wheel<B>,
 }
 
-/// The least squared leverage of a rocker. A toggle is far then, and the rocker turns no more than five
+/// The least squared leverage of a rocker. A toggle is far then, and the rocker turns no more than four
 /// times as fast as with all of it.
-const LEAST_LEVERAGE: f64 = 0.04;
+const LEAST_LEVERAGE: f64 = 0.0625;
+
+/// The most vertical a spin axis may be, as the sine of its inclination. Beyond, the wheel all but lies on its
+/// side, where neither camber nor toe can be told well.
+const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl<'a> LaneReader<'a> {
     /// A reader of these characteristics; `None` if one of them cannot be read in lanes.
@@ -163,12 +167,14 @@ impl<'a> LaneReader<'a> {
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
+            right = now.spin_axis.z.abs().less(rack.lit(STEEPEST_SPIN_AXIS));
         }
         if reads.centre {
             now.centre = at.point(&wheels.centre);
         }
         if reads.steering_axis {
             (now.steering_point, now.steering_direction) = at.steering_axis();
+            right = right & at.knows_steering_axis();
         }
         if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
             now.strut_upper = at.point(upper);
@@ -178,6 +184,7 @@ impl<'a> LaneReader<'a> {
             return right;
         }
         let rates = at.rates();
+        right = right & at.knows(&rates);
         inputs.turn = rates.turn();
         if is_installed {
             let installing = Installing {
@@ -186,7 +193,7 @@ impl<'a> LaneReader<'a> {
                 motion: &rates.twist(),
                 inputs,
             };
-            right = rack.apart(installing);
+            right = right & rack.apart(installing);
         }
         let (now, rate) = (&inputs.now, &mut inputs.rate);
         if reads.spin_axis {

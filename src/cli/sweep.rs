@@ -2,11 +2,11 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault, pool};
+use super::output::{Output, design_fault, pool, say_aside};
 use super::progress;
 use super::report::show_sweep;
 use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
-use crate::study::{FileFormat, Study};
+use crate::study::{FileFormat, Order, Outputs, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, Tally, in_order};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -56,6 +56,14 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         ));
     }
     let output = Output::at(&out, arguments.study.format.into(), "sweep")?;
+    let left_out = left_out(&study.outputs);
+    if !left_out.is_empty() {
+        say_aside(&format!(
+            "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
+             `hardpoint solve` (`--design N` prints the study of a design).\n",
+            left_out.join(", ")
+        ));
+    }
     let record = &plan.record;
     let text = SweepText::of(&plan, &study, output.directory().is_some());
     let (mut files, mut tally, next) = match output.directory() {
@@ -75,6 +83,20 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         .and_then(|()| files.finish())
         .map_err(unwritten)?;
     finish(&output, record, &tally, arguments.report)
+}
+
+/// What of the outputs a study asks for has no place in the results of a sweep.
+fn left_out(outputs: &Outputs) -> Vec<&'static str> {
+    let asked = [
+        ("order", outputs.order != Order::Position),
+        ("sensitivities", !outputs.sensitivities.is_empty()),
+        ("certify", outputs.certify),
+        ("loads", !outputs.loads.is_empty()),
+    ];
+    asked
+        .into_iter()
+        .filter_map(|(key, asked)| asked.then_some(key))
+        .collect()
 }
 
 /// Does the blocks from `next` on, until the end or Ctrl-C.

@@ -32,8 +32,10 @@ use std::ops::ControlFlow;
 pub enum LimitCause {
     /// The arm stands so steep that its outer joint no longer raises (or lowers) the wheel centre.
     ArmVertical,
-    /// The strut, or the upper arm, is in line with the steering axis and lets the knuckle swing.
-    StrutStraight,
+    /// The strut is square to the steering axis and lets the knuckle swing.
+    StrutSquare,
+    /// The upper arm is in line with the steering axis and lets the knuckle swing.
+    UpperArmStraight,
     /// The tie rod has come into the plane of the steering axis and its own inner joint: it no longer
     /// holds the wheel's heading.
     TieRodToggle,
@@ -48,7 +50,8 @@ impl fmt::Display for LimitCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             LimitCause::ArmVertical => "the arm is too steep to move the wheel centre any further",
-            LimitCause::StrutStraight => "the strut or upper arm is in line with the steering axis",
+            LimitCause::StrutSquare => "the strut is square to the steering axis",
+            LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::DeadCentre => "the links are at a dead centre",
             LimitCause::Unresolved => "the path meets another assembly there",
@@ -343,7 +346,10 @@ impl Curve<'_> {
         if steer.is_nan() || steer >= arm.max(swing) {
             LimitCause::TieRodToggle
         } else if swing > arm {
-            LimitCause::StrutStraight
+            match mechanism.strut_upper() {
+                Some(_) => LimitCause::StrutSquare,
+                None => LimitCause::UpperArmStraight,
+            }
         } else {
             LimitCause::ArmVertical
         }

@@ -63,12 +63,12 @@ fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Stud
         }
         let mut row = [0.0; 2];
         for ((place, text), column) in row.iter_mut().zip(&record).zip(columns) {
-            *place = match text.parse::<f64>() {
-                Ok(number) if number.abs() <= Number::MOST => number,
+            let number = text.parse::<f64>().ok();
+            *place = match number {
+                Some(number) if number.abs() <= Number::MOST => number,
                 _ => {
-                    return error(format!(
-                        "expected a finite number as {column}, found {text:?}"
-                    ));
+                    let wanted = Number::wanted(number);
+                    return error(format!("expected {wanted} as {column}, found {text:?}"));
                 }
             };
         }

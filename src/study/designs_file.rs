@@ -87,7 +87,8 @@ impl DesignTable {
                 let number = cell.parse::<f64>().ok();
                 let Some(value) = number.filter(|v| v.abs() <= Number::MOST) else {
                     let message = format!(
-                        "expected a finite number as {}, found {cell:?}",
+                        "expected {} as {}, found {cell:?}",
+                        Number::wanted(number),
                         &header[*place]
                     );
                     return Err(at(&record, message));

@@ -25,6 +25,14 @@ pub struct Number {
 impl Number {
     /// The largest magnitude: far beyond any dimension, far below where products overflow.
     pub const MOST: f64 = 1e12;
+
+    /// What a number that is not one, or beyond that, should have been.
+    pub fn wanted(found: Option<f64>) -> &'static str {
+        match found {
+            Some(value) if value.is_finite() => "a number between -1e12 and 1e12",
+            _ => "a finite number",
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for Number {
@@ -55,14 +63,12 @@ impl Visitor<'_> for FiniteVisitor {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-        let refused = |wanted: &str| Err(E::invalid_value(Unexpected::Float(value), &wanted));
-        if !value.is_finite() {
-            refused("a finite number")
-        } else if value.abs() > Number::MOST {
-            refused("a number between -1e12 and 1e12")
-        } else {
-            Ok(value)
+        // Written so that NaN is refused.
+        if value.abs() <= Number::MOST {
+            return Ok(value);
         }
+        let wanted = Number::wanted(Some(value));
+        Err(E::invalid_value(Unexpected::Float(value), &wanted))
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {

@@ -59,6 +59,11 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     }
 
     #[inline(always)]
+    fn knows_steering_axis(&self) -> B::Mask {
+        self.tangent.zero().less(self.tangent.one())
+    }
+
+    #[inline(always)]
     fn rates(&self) -> LaneRates<B> {
         let velocity = self.design.form.velocity(&self.state, self.tangent);
         let one = self.tangent.one();
@@ -71,6 +76,12 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
             turn: velocity.turn,
             steering_axis: velocity.steering_axis,
         }
+    }
+
+    /// The slope of the arm has been looked at.
+    #[inline(always)]
+    fn knows(&self, _: &LaneRates<B>) -> B::Mask {
+        self.tangent.zero().less(self.tangent.one())
     }
 
     #[inline(always)]
@@ -120,9 +131,8 @@ impl<B: Bundle> LaneAdjoint<B> for Adjoint<'_, B> {
 }
 
 /// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
-/// one. Beyond, a fold is near: what is left of the residual grows with the slope, and in rates with its
-/// cube.
-const STEEPEST: f64 = 4.0;
+/// one. Beyond, a fold is near: rounding grows with the slope, and in rates with its cube.
+const STEEPEST: f64 = 3.0;
 /// Pairs of corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 4;
 
@@ -195,9 +205,7 @@ impl ByArm {
         let mut last = [Watch {
             tangent: zero,
             rate: slope,
-            slope,
-            squares: [zero; 3],
-            upper_margin: zero,
+            margin: zero,
         }; 2];
         history[0] = zero;
         for (number, place) in places.iter().enumerate() {
@@ -210,9 +218,13 @@ impl ByArm {
                     (tangent, zero, like.lit(f64::INFINITY))
                 }
                 Drive::Travel => {
-                    let tangent = weighted::<1, B>(&place.prediction, history, 0, like);
+                    let tangent = weighted::<1, _, B>(&place.prediction, history, 0, like);
                     let tangent = tangent + like.lit(self.slope * place.along_slope);
-                    (tangent, last[place.leg.side()].slope, tolerance)
+                    let slope = match &place.slope {
+                        Some(stencil) => weighted::<1, _, B>(stencil, history, 0, like),
+                        None => slope,
+                    };
+                    (tangent, slope, tolerance)
                 }
             };
             let mut settled = zero.less(zero);
@@ -245,7 +257,8 @@ impl ByArm {
                 } else {
                     let before = last[place.leg.side()];
                     let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
-                    let is_flat = watch.slope.abs().less(like.lit(self.steepest));
+                    let ahead = watch.rate + (watch.rate - before.rate);
+                    let is_flat = ahead.abs().less(like.lit(self.steepest));
                     sound = sound & watch.continues(&before) & is_flat;
                     last[place.leg.side()] = watch;
                 }
@@ -272,42 +285,34 @@ struct Watch<B> {
     tangent: B,
     /// Slope of the tangent by the drive over the last step.
     rate: B,
-    /// The same, extrapolated to the next place.
-    slope: B,
-    /// Squares that the closed form divides by or takes the root of.
-    squares: [B; 3],
-    upper_margin: B,
+    /// The product of all that the closed form divides by or takes the root of.
+    margin: B,
 }
 
 impl<B: Bundle> Watch<B> {
     /// The least squared sine of an angle that the closed form divides by.
-    const LEAST: f64 = 0.04;
-    /// The least margin of the upper end.
-    const LEAST_UPPER: f64 = 0.05;
+    const LEAST: f64 = 0.0625;
+    /// The least margin of the upper end, a sine as well.
+    const LEAST_UPPER: f64 = 0.25;
     /// The farthest the arm may be turned, as a tangent of half the angle, and in one step.
     const FARTHEST: f64 = 0.7;
     const LONGEST: f64 = 0.1;
 
     /// At the first place.
     #[inline(always)]
-    fn start(state: &State<B>, tangent: B, slope: B) -> Self {
+    fn start(state: &State<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
         Watch {
             tangent,
-            rate: slope,
-            slope,
-            squares: [a.0, b.0, c.0],
-            upper_margin: state.upper_margin(),
+            rate,
+            margin: (a.0 * (b.0 * c.0)) * state.upper_margin(),
         }
     }
 
     /// At the place after this one, a step of the drive further on.
     #[inline(always)]
     fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
-        let rate = (tangent - self.tangent) * inverse_step;
-        let mut next = Watch::start(state, tangent, rate);
-        next.slope = rate + (rate - self.rate);
-        next
+        Watch::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
     /// Whether the closed form is well conditioned here. False for NaN.
@@ -327,10 +332,7 @@ impl<B: Bundle> Watch<B> {
     fn continues(&self, before: &Self) -> B::Mask {
         let step = (self.tangent - before.tangent).abs();
         within_half(self.rate, before.rate)
-            & within_half(self.squares[0], before.squares[0])
-            & within_half(self.squares[1], before.squares[1])
-            & within_half(self.squares[2], before.squares[2])
-            & within_half(self.upper_margin, before.upper_margin)
+            & within_half(self.margin, before.margin)
             & step.less(self.tangent.lit(Self::LONGEST))
     }
 }

@@ -54,6 +54,13 @@ const LARGEST_CORRECTION: f64 = 0.02;
 /// the determinants this keeps Newton's method on the branch it is on: see `tests/lanes.rs`, where every lane is
 /// compared with the careful path.
 const LONGEST: f64 = 0.1;
+/// The least turn of the knuckle by the rack displaced by one size, squared: the steering axis is that of the
+/// turn.
+const LEAST_STEERING: f64 = 0.25;
+/// The least squared sine of its inclination: neither angle of a steering axis that lies flat can be told well.
+const LEAST_UPRIGHT: f64 = 0.04;
+/// The fastest turn of the knuckle by a travel of one size, squared.
+const FASTEST_TURN: f64 = 100.0;
 /// Corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 5;
 
@@ -406,6 +413,15 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
+    fn knows_steering_axis(&self) -> B::Mask {
+        let linear = self.linear();
+        let turn = linear.steering().turn * (self.travel.one() / linear.blocks.inverse_size);
+        let square = turn.norm_squared();
+        turn.x.lit(LEAST_STEERING).less(square)
+            & (square * turn.x.lit(LEAST_UPRIGHT)).less(turn.z * turn.z)
+    }
+
+    #[inline(always)]
     fn rates(&self) -> LaneRates<B> {
         let mut by_travel = [self.travel.zero(); 6];
         by_travel[5] = self.travel.one();
@@ -415,6 +431,12 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
             turn: twist.turn,
             steering_axis: twist.turn.zero(),
         }
+    }
+
+    #[inline(always)]
+    fn knows(&self, rates: &LaneRates<B>) -> B::Mask {
+        let turn = rates.turn * (self.travel.one() / self.linear().blocks.inverse_size);
+        turn.norm_squared().less(turn.x.lit(FASTEST_TURN))
     }
 
     #[inline(always)]
@@ -542,8 +564,8 @@ impl ByLinkage {
             for k in 0..UNKNOWNS {
                 let slope =
                     self.by_travel[k] * place.along_slope + self.by_rack[k] * place.along_rack;
-                unknowns[k] =
-                    weighted::<UNKNOWNS, B>(&place.prediction, history, k, zero) + zero.lit(slope);
+                unknowns[k] = weighted::<UNKNOWNS, _, B>(&place.prediction, history, k, zero)
+                    + zero.lit(slope);
             }
             let mut settled = zero.less(zero);
             let mut close = sound;
@@ -558,10 +580,7 @@ impl ByLinkage {
                     linear: &mut linear,
                 });
                 let twist = -linear.blocks.solve(linear.residuals);
-                let mut next = moved(unknowns, &twist);
-                for k in 0..UNKNOWNS {
-                    next[k] = B::select(settled, unknowns[k], next[k]);
-                }
+                let next = moved(unknowns, &twist);
                 if round == 1 {
                     close =
                         is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
@@ -569,9 +588,16 @@ impl ByLinkage {
                 let at = linkage.posture(next, rack);
                 let missed = linkage.closure.residuals_inlined(&at, driver);
                 let [a, b, c, d, e, g] = missed;
-                settled = is_less(Vector3::new(a, b, c), tolerance)
+                let small = is_less(Vector3::new(a, b, c), tolerance)
                     & is_less(Vector3::new(d, e, g), tolerance);
-                unknowns = next;
+                // What is left goes by the Jacobian at hand, for the sake of rates. A lane that has settled
+                // stays where it is.
+                let rest = moved(next, &-linear.blocks.solve(missed));
+                for k in 0..UNKNOWNS {
+                    let next = B::select(small, rest[k], next[k]);
+                    unknowns[k] = B::select(settled, unknowns[k], next);
+                }
+                settled = settled | small;
                 if round < MOST_ROUNDS && !B::all(settled | !sound) {
                     round += 1;
                     continue;
@@ -596,7 +622,7 @@ impl ByLinkage {
                 if let Some(station) = place.station {
                     let pose = LinkagePose {
                         linkage,
-                        at,
+                        at: linkage.posture(unknowns, rack),
                         travel,
                         linear: &room,
                         is_linear: Cell::new(false),

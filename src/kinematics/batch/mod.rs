@@ -3,8 +3,8 @@
 //! What the careful path ([`Solver`](super::Solver)) does for one design, this does for as many as fit
 //! into SIMD registers, provided that nothing is close to changing. A mechanism with a closed form has one
 //! unknown ([`arm`]), any other one six ([`linkage`]). Along the travel the unknowns are predicted from the
-//! places visited; nearly always one correction is all it takes, elsewhere further steps follow. A lane is
-//! frozen once it has converged, so it does not matter what its neighbours still do.
+//! places visited; nearly always one correction is all it takes to get to rounding, elsewhere further steps
+//! follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
 //!
 //! A lane is *lost*, and its design left to the careful path, where
 //!
@@ -123,8 +123,13 @@ pub trait LanePose<B: Bundle> {
     fn origin(&self) -> Vector3<B>;
     /// A point of the steering axis, and the vector along it.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>);
+    /// Where the steering axis is well known: an instantaneous one takes a knuckle that the rack turns.
+    fn knows_steering_axis(&self) -> B::Mask;
     /// The derivatives by the drive.
     fn rates(&self) -> LaneRates<B>;
+    /// Where the knuckle does not spin about a point close by, as it does beside a fold: what is made of
+    /// velocities is well known.
+    fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
@@ -192,8 +197,9 @@ impl<B: Bundle> LaneRates<B> {
 
 /// Steps longer than this part of the size are broken up.
 const LONGEST_STEP: f64 = 0.02;
-/// How far anything may be from its length, in sizes.
-const TOLERANCE: f64 = 2e-14;
+/// How far anything may be from its length, in parts of the reach: a few roundings. Rates beside a fold feel
+/// whatever is left a thousandfold.
+const TOLERANCE: f64 = 1e-15;
 /// Rods shorter than this part of the reach are left to the careful path.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// How many sizes from the origin accuracy is kept.
@@ -310,8 +316,8 @@ impl<'a> Batch<'a> {
 /// A weighted sum of places visited, each with `UNKNOWNS` numbers of which it is the one asked for; the
 /// nearest place, which is known last, is added last.
 #[inline(always)]
-fn weighted<const UNKNOWNS: usize, B: Bundle>(
-    weights: &Stencil,
+fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: Bundle>(
+    weights: &Stencil<PLACES>,
     history: &[B],
     unknown: usize,
     like: B,

@@ -6,13 +6,16 @@
 //! for every design.
 
 use crate::kinematics::March;
+use crate::number::Jet;
 
-/// Places a prediction is made from.
+/// Places that values are predicted from,
 const NEIGHBOURS: usize = 8;
+/// and slopes: a slope corrects what a prediction misses, so it need not be as good.
+const NEIGHBOURS_OF_SLOPE: usize = 4;
 /// Nothing takes so many steps to get to: it is for the careful path to say so.
 const MOST_STEPS: f64 = 1e4;
 /// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
-pub(super) type Stencil = [(usize, f64); NEIGHBOURS];
+pub(super) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
 /// Where a place lies from the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +49,12 @@ pub(super) struct Place {
     /// From the place before on this leg.
     pub step: f64,
     /// Predicts the value here...
-    pub prediction: Stencil,
+    pub prediction: Stencil<NEIGHBOURS>,
     /// ... together with this much of the drive along the slope of the base design: the first step has
     /// nothing else to go by.
     pub along_slope: f64,
+    /// Predicts the slope by the drive here; none where there is but one place to go by.
+    pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
     /// ... and this much of the rack along the slope by the rack.
     pub along_rack: f64,
 }
@@ -101,6 +106,7 @@ impl Route {
             step,
             prediction: straight_on(number),
             along_slope: 0.0,
+            slope: None,
             along_rack: if number == 1 { rack } else { 0.0 },
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
@@ -115,10 +121,9 @@ impl Route {
         places[first].station = design_station;
         let mut visited = Visited::default();
         for (value, station, leg, step) in stations {
-            let mut prediction = visited.stencil(value);
-            for (place, _) in &mut prediction {
-                *place += first;
-            }
+            let prediction = visited.stencil(value, first, |weight| weight[0]);
+            let slope = visited.stencil(value, first, |weight| weight[1]);
+            let is_first = visited.values.len() == 1;
             places.push(Place {
                 value,
                 rack,
@@ -126,11 +131,8 @@ impl Route {
                 leg,
                 step,
                 prediction,
-                along_slope: if visited.values.len() == 1 {
-                    value
-                } else {
-                    0.0
-                },
+                along_slope: if is_first { value } else { 0.0 },
+                slope: (!is_first).then_some(slope),
                 along_rack: 0.0,
             });
             visited.add(value);
@@ -154,7 +156,7 @@ fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
 }
 
 /// The line through the two places before, equally far apart.
-fn straight_on(number: usize) -> Stencil {
+fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
     let mut stencil = [(0, 0.0); NEIGHBOURS];
     match number {
         0 => {}
@@ -191,30 +193,37 @@ impl Visited {
     }
 
     /// The places nearest to a value that is farther out than all of them.
-    fn nearest(&self, value: f64) -> Vec<usize> {
+    fn nearest(&self, value: f64, count: usize) -> Vec<usize> {
         let own = &self.sides[Self::side(value)];
         let across = &self.sides[1 - Self::side(value)];
-        let latest = own.iter().rev().take(NEIGHBOURS);
-        let innermost = across.iter().take(NEIGHBOURS);
+        let latest = own.iter().rev().take(count);
+        let innermost = across.iter().take(count);
         let mut numbers: Vec<usize> = latest.chain(innermost).copied().chain([0]).collect();
         numbers.sort_by(|a, b| {
             let distance = |i: &usize| (self.values[*i] - value).abs();
             distance(a).total_cmp(&distance(b)).then(a.cmp(b))
         });
-        numbers.truncate(NEIGHBOURS);
+        numbers.truncate(count);
         numbers
     }
 
-    /// prod (x - x_m)/(x_j - x_m)
-    fn stencil(&self, value: f64) -> Stencil {
-        let numbers = self.nearest(value);
-        let mut stencil = [(0, 0.0); NEIGHBOURS];
+    /// prod (x - x_m)/(x_j - x_m), or its derivative by x; the first of the places has a number.
+    fn stencil<const PLACES: usize>(
+        &self,
+        value: f64,
+        first: usize,
+        part: impl Fn(Jet<f64, 2>) -> f64,
+    ) -> Stencil<PLACES> {
+        let numbers = self.nearest(value, PLACES);
+        let mut stencil = [(0, 0.0); PLACES];
         for (entry, j) in stencil.iter_mut().zip(&numbers) {
             let others = numbers.iter().filter(|m| *m != j);
-            let weight = others.fold(1.0, |product, m| {
-                product * (value - self.values[*m]) / (self.values[*j] - self.values[*m])
+            let product = others.fold(Jet([1.0, 0.0]), |product, m| {
+                let from = self.values[*m];
+                let width = self.values[*j] - from;
+                product * Jet([(value - from) / width, 1.0 / width])
             });
-            *entry = (*j, weight);
+            *entry = (first + *j, part(product));
         }
         stencil
     }
@@ -225,7 +234,7 @@ mod tests {
     use super::*;
     use std::array::from_fn;
 
-    /// A stencil of n places is exact for polynomials of degree n - 1.
+    /// Stencils of n places are exact for polynomials of degree n - 1.
     #[test]
     fn stencils_reproduce_polynomials() {
         let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
@@ -233,9 +242,16 @@ mod tests {
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
-                let terms = place.prediction.iter();
-                let sum: f64 = terms.map(|(j, w)| w * visited[*j].powi(degree)).sum();
-                assert!((sum - place.value.powi(degree)).abs() < 1e-9);
+                let sum = |stencil: &[(usize, f64)]| -> f64 {
+                    let terms = stencil.iter();
+                    terms.map(|(j, w)| w * visited[*j].powi(degree)).sum()
+                };
+                let value = place.value.powi(degree);
+                assert!((sum(&place.prediction) - value).abs() < 1e-9);
+                if let (Some(slope), true) = (&place.slope, degree < NEIGHBOURS_OF_SLOPE as i32) {
+                    let wanted = f64::from(degree) * place.value.powi(degree - 1);
+                    assert!((sum(slope) - wanted).abs() < 1e-9, "{number} {degree}");
+                }
             }
         }
     }

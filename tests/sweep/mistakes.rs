@@ -204,3 +204,61 @@ fn mistakes_in_the_sweep_are_named() {
     // The same study is still to be solved.
     bench.run(&["solve", "study.toml"]).success();
 }
+
+#[test]
+fn mistakes_in_the_rows_of_designs_are_named() {
+    let (from, to) = ("method = \"latin_hypercube\"", "\n[optimise]");
+    let [from, to] = [from, to].map(|text| STUDY.find(text).unwrap());
+    let study = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
+    let bench = Bench::new(&study);
+    for (rows, phrases) in [
+        (
+            "tie_rod_inner_z\n1e13\n",
+            &[
+                "rows.csv:2",
+                "a number between -1e12 and 1e12 as tie_rod_inner_z",
+                "1e13",
+            ][..],
+        ),
+        (
+            "tie_rod_inner_z\n243\ninf\n",
+            &["rows.csv:3", "a finite number"],
+        ),
+        (
+            "tie_rod_inner_z\n243,1\n",
+            &["rows.csv:2", "expected 1 value"],
+        ),
+        ("tie_rod_inner_z\n", &["rows.csv", "found none"]),
+        ("tie_rod_iner_z\n1\n", &["rows.csv:1", "tie_rod_inner"]),
+        ("tie_rod_inner_z,tie_rod_inner_z\n1,1\n", &["there twice"]),
+    ] {
+        fs::write(bench.path("rows.csv"), rows).unwrap();
+        let (_, error) = said(&bench.sweep("run", &[]).code(2));
+        for phrase in phrases {
+            assert!(error.contains(phrase), "{rows:?}: {error}");
+        }
+        assert!(!bench.path("run").exists());
+    }
+}
+
+#[test]
+fn what_a_sweep_leaves_to_solve_is_said() {
+    let bench = Bench::new(STUDY);
+    let few = ["--set", "sweep.samples=10"];
+    let (_, error) = said(&bench.sweep("plain", &few).success());
+    assert!(!error.contains("hardpoint solve"), "{error}");
+    let asked = [
+        "--set",
+        "outputs.certify=true",
+        "--set",
+        "outputs.order=velocity",
+    ];
+    let (_, error) = said(
+        &bench
+            .sweep("more", &[few, asked[..2].try_into().unwrap()].concat())
+            .success(),
+    );
+    assert!(error.contains("certify of [outputs]"), "{error}");
+    let (_, error) = said(&bench.sweep("most", &[&few[..], &asked].concat()).success());
+    assert!(error.contains("order, certify of [outputs]"), "{error}");
+}

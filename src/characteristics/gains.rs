@@ -59,6 +59,17 @@ pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
 }
 
+/// The angle that this is the gain of.
+pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
+    match c {
+        Characteristic::CamberGain => Some(Characteristic::Camber),
+        Characteristic::BumpSteer => Some(Characteristic::Toe),
+        Characteristic::CasterGain => Some(Characteristic::Caster),
+        Characteristic::KingpinInclinationGain => Some(Characteristic::KingpinInclination),
+        _ => None,
+    }
+}
+
 /// The derivative of an angle by the drive, from the rates of what it reads; `None` for anything else.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {

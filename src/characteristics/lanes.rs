@@ -3,13 +3,13 @@
 //! Only what the formulas asked for read is formed; which that is has been decided when the reader is
 //! made, by their [`Slot`]s.
 
-use super::gains::{by_direction, by_drive, is_angle};
+use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::kinematics::{
     Batch, DesignedSpinAxis, Gradient, KnucklePoint, KnuckleVector, LaneDesign, LanePose, Posture,
     Seeds, Twist,
 };
-use crate::model::{Body, Mechanism, RockerId, Spring, SteeringAxis};
+use crate::model::{Body, Drive, Mechanism, RockerId, Spring, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
 use std::hint::black_box;
 
@@ -18,8 +18,19 @@ use std::hint::black_box;
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
     characteristics: Vec<Characteristic>,
+    /// The way to the value of each of them.
+    ways: Vec<Way>,
     constants: Constants,
     reads: Reads,
+}
+
+/// How a characteristic is evaluated.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    /// By its own formula.
+    Formula(Characteristic),
+    /// As the slope of this angle by the drive: driven by the travel, that is what its gain is.
+    Slope(Characteristic),
 }
 
 /// What is read.
@@ -66,9 +77,15 @@ impl<'a> LaneReader<'a> {
         constants: Constants,
         characteristics: Vec<Characteristic>,
     ) -> Option<Self> {
-        let slots = characteristics
-            .iter()
-            .fold(Slots::default(), |slots, c| slots.with(c.info().reads));
+        let way = |c: &Characteristic| match angle_of_gain(*c) {
+            Some(angle) if batch.drive() == Drive::Travel => Way::Slope(angle),
+            _ => Way::Formula(*c),
+        };
+        let ways: Vec<Way> = characteristics.iter().map(way).collect();
+        let slots = ways.iter().fold(Slots::default(), |slots, way| {
+            let (Way::Formula(c) | Way::Slope(c)) = way;
+            slots.with(c.info().reads)
+        });
         let reads = Reads {
             spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
             centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
@@ -95,6 +112,7 @@ impl<'a> LaneReader<'a> {
         possible.then_some(LaneReader {
             mechanism,
             characteristics,
+            ways,
             constants,
             reads,
         })
@@ -216,7 +234,7 @@ impl<'a> LaneReader<'a> {
     #[inline(always)]
     pub fn values<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
         inputs.turn.x.apart(Evaluating {
-            characteristics: &self.characteristics,
+            ways: &self.ways,
             inputs,
             to,
             stride,
@@ -408,7 +426,7 @@ impl<B: Bundle> Piece for Installing<'_, B> {
 
 /// Evaluates characteristics.
 struct Evaluating<'i, B> {
-    characteristics: &'i [Characteristic],
+    ways: &'i [Way],
     inputs: &'i Inputs<B>,
     to: &'i mut [f64],
     stride: usize,
@@ -419,10 +437,14 @@ impl<B: Bundle> Piece for Evaluating<'_, B> {
     #[inline(always)]
     fn work(self) {
         let mut first = 0;
-        for c in self.characteristics {
+        for way in self.ways {
             // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
             // and roots of every formula there is, for any one of them.
-            let value = c.evaluate(black_box(self.inputs));
+            let inputs = black_box(self.inputs);
+            let value = match way {
+                Way::Formula(c) => c.evaluate(inputs),
+                Way::Slope(angle) => by_drive(*angle, inputs).expect("it is an angle"),
+            };
             value.finite().store(&mut self.to[first..]);
             first += self.stride;
         }

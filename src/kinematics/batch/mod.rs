@@ -239,6 +239,11 @@ impl<'a> Batch<'a> {
         })
     }
 
+    /// What drives.
+    pub fn drive(&self) -> Drive {
+        self.drive
+    }
+
     /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
         match &self.way {

@@ -27,6 +27,16 @@ fn study(name: &str, travel: &str, rack: &str) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// One of them driven by the angle of the lower arm, where a gain is not the slope by the drive.
+fn by_arm_angle(name: &str) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    let motion = "motion={ drive = \"arm_angle\", arm_angle = { from = -14.0, to = 14.0, steps = 15 }, \
+                  rack = [-10.0, 0.0] }";
+    Study::read(&path, &[motion.to_owned()]).unwrap_or_else(|e| panic!("{e}"))
+}
+
 const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
@@ -226,6 +236,15 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
             ));
         }
     }
+    for name in ["macpherson_solve.toml", "double_wishbone_solve.toml"] {
+        let study = by_arm_angle(name);
+        for by in [10.0, 40.0] {
+            found.push((
+                by,
+                compare(&study, &quantities(&study), by, 31, designs / 2),
+            ));
+        }
+    }
     found
 }
 
@@ -238,6 +257,7 @@ const BOUND: f64 = 1e-12;
 fn check(all: Vec<(f64, Found)>) {
     for (by, found) in all {
         assert!(found.worst < BOUND, "{by}: {found:?}");
+        assert!(found.worst_slope < BOUND, "{by}: {found:?}");
         assert!(found.ill * 10_000 < found.designs, "{by}: {found:?}");
     }
 }
@@ -328,6 +348,32 @@ fn every_width_gives_the_same_bits() {
     }
 }
 
+/// A design without a rod is left to the careful path, and takes nothing along that comes after it.
+#[test]
+fn a_degenerate_design_leaves_its_lane_as_it_was() {
+    for (name, [one, other]) in [
+        ("macpherson_solve.toml", ["tie_rod_inner", "tie_rod_outer"]),
+        ("five_link_solve.toml", ["toe_link_inner", "toe_link_outer"]),
+    ] {
+        let study = study(name, FINE, "[0.0]");
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let quantities = quantities(&study);
+        let place = |name| suspension.mechanism.point(name).expect("a point").0;
+        let mut without = suspension.design.clone();
+        without[place(one)] = without[place(other)];
+        let sound = suspension.design.repeat(BLOCK - 1);
+        for width in Width::ALL {
+            let mut evaluator =
+                Evaluator::with_width(suspension, &stations, &quantities, Some(width))
+                    .unwrap_or_else(|_| panic!("the sample cannot be solved"));
+            let mut block = Block::new(quantities.len(), stations.count());
+            let left = evaluator.evaluate(&[&without[..], &sound].concat(), &mut block);
+            assert_eq!(left, 1, "{name}, {}", width.name());
+        }
+    }
+}
+
 /// In lanes gradients come from the adjoint of the closed form, by the careful path from that of the closure
 /// equations.
 #[test]
@@ -363,15 +409,26 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
         let designs = scatter.block();
         let designs = &designs[..lanes.at_once() * points];
         let jacobians = collected(&mut lanes, designs, angles.len(), stations.count(), points);
-        lanes.deviations(designs, &wanted);
+        let sums = |lanes: &mut Gradients<'_>, designs: &[Vector3<f64>]| -> Vec<(f64, Vec<_>)> {
+            let count = designs.len() / points;
+            let deviations = lanes.deviations(designs, &wanted);
+            let of = |design| {
+                let gradient = (0..points).map(|p| deviations.gradient(design, PointId(p)));
+                (deviations.sum(design), gradient.collect())
+            };
+            (0..count).map(of).collect()
+        };
+        let deviations = sums(&mut lanes, designs);
 
         // The same bits by one lane at a time.
         let mut narrow = in_lanes(Width::Scalar);
         for (number, design) in designs.chunks_exact(points).enumerate() {
             let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);
             assert_eq!(narrow.is_right(0), lanes.is_right(number));
+            let sum = sums(&mut narrow, design);
             if narrow.is_right(0) {
                 assert_eq!(alone[0], jacobians[number]);
+                assert_eq!(sum[0], deviations[number]);
             }
         }
 
@@ -398,11 +455,11 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
                     by_points[point] = by_points[point] + *wanted * (2.0 * weight * (value - v));
                 }
             }
-            let missed = (lanes.sum(number) - sum).abs();
+            let missed = (deviations[number].0 - sum).abs();
             assert!(missed < 1e-12 * sum, "{name}: {missed}");
             let scale = norm(&by_points).max(sum / size);
             for (point, wanted) in by_points.iter().enumerate() {
-                let found = lanes.gradient(number, PointId(point));
+                let found = deviations[number].1[point];
                 assert!((found - *wanted).norm() < 1e-11 * scale, "{name}");
             }
         }

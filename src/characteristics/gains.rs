@@ -59,17 +59,6 @@ pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
 }
 
-/// The angle that this is the gain of.
-pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
-    match c {
-        Characteristic::CamberGain => Some(Characteristic::Camber),
-        Characteristic::BumpSteer => Some(Characteristic::Toe),
-        Characteristic::CasterGain => Some(Characteristic::Caster),
-        Characteristic::KingpinInclinationGain => Some(Characteristic::KingpinInclination),
-        _ => None,
-    }
-}
-
 /// The derivative of an angle by the drive, from the rates of what it reads; `None` for anything else.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
@@ -88,61 +77,42 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     ))
 }
 
-macro_rules! gain {
-    ($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident) => {
-        #[doc = concat!("Derivative of ", stringify!($angle), " by wheel travel.")]
-        pub(super) struct $gain;
-        impl Formula for $gain {
-            const INFO: Info = Info {
-                name: $name,
-                unit: Unit::AnglePerLength,
-                positive: $positive,
-                formula: $formula,
-                source: "derivative of the angle by wheel travel, from the velocity analysis",
-                reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
-                needs: <angles::$angle as Formula>::INFO.needs,
-            };
-            #[inline(always)]
-            fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-                by_travel::<angles::$angle, T>(inputs)
+/// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.
+macro_rules! gains {
+    ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
+        $(
+            #[doc = concat!("Derivative of ", stringify!($angle), " by wheel travel.")]
+            pub(super) struct $gain;
+            impl Formula for $gain {
+                const INFO: Info = Info {
+                    name: $name,
+                    unit: Unit::AnglePerLength,
+                    positive: $positive,
+                    formula: $formula,
+                    source: "derivative of the angle by wheel travel, from the velocity analysis",
+                    reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
+                    needs: <angles::$angle as Formula>::INFO.needs,
+                };
+                #[inline(always)]
+                fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+                    by_travel::<angles::$angle, T>(inputs)
+                }
+            }
+        )*
+
+        /// The angle that this is the gain of.
+        pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
+            match c {
+                $(Characteristic::$gain => Some(Characteristic::$angle),)*
+                _ => None,
             }
         }
     };
 }
 
-gain!(
-    CamberGain,
-    Camber,
-    "camber_gain",
-    "camber grows in jounce",
-    "d camber / d travel",
-    SpinAxis,
-    SpinAxisRate
-);
-gain!(
-    BumpSteer,
-    Toe,
-    "bump_steer",
-    "toe-in in jounce",
-    "d toe / d travel",
-    SpinAxis,
-    SpinAxisRate
-);
-gain!(
-    CasterGain,
-    Caster,
-    "caster_gain",
-    "caster grows in jounce",
-    "d caster / d travel",
-    SteeringDirection,
-    SteeringDirectionRate
-);
-gain!(
-    KingpinInclinationGain,
-    KingpinInclination,
-    "kingpin_inclination_gain",
-    "kingpin inclination grows in jounce",
-    "d kingpin_inclination / d travel",
-    SteeringDirection,
-    SteeringDirectionRate
-);
+gains! {
+    CamberGain, Camber, "camber_gain", "camber grows in jounce", "d camber / d travel", SpinAxis, SpinAxisRate;
+    BumpSteer, Toe, "bump_steer", "toe-in in jounce", "d toe / d travel", SpinAxis, SpinAxisRate;
+    CasterGain, Caster, "caster_gain", "caster grows in jounce", "d caster / d travel", SteeringDirection, SteeringDirectionRate;
+    KingpinInclinationGain, KingpinInclination, "kingpin_inclination_gain", "kingpin inclination grows in jounce", "d kingpin_inclination / d travel", SteeringDirection, SteeringDirectionRate;
+}

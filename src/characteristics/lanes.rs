@@ -170,7 +170,7 @@ impl<'a> LaneReader<'a> {
     }
 
     /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
-    /// Says which lanes are right: those where no rocker that is read is close to a toggle.
+    /// Says which lanes are right: those where all of it is well known (the module of [`Batch`] has the list).
     #[inline(always)]
     pub fn read<B: Bundle>(
         &self,
@@ -191,8 +191,9 @@ impl<'a> LaneReader<'a> {
             now.centre = at.point(&wheels.centre);
         }
         if reads.steering_axis {
-            (now.steering_point, now.steering_direction) = at.steering_axis();
-            right = right & at.knows_steering_axis();
+            let (point, direction, is_known) = at.steering_axis();
+            (now.steering_point, now.steering_direction) = (point, direction);
+            right = right & is_known;
         }
         if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
             now.strut_upper = at.point(upper);

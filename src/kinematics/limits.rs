@@ -22,7 +22,7 @@ use super::path::{DesignFault, March, ROUNDING, Solver};
 use super::pose::{Pose, Posture};
 use super::rates::angular_velocity;
 use super::sensitivity::HardpointGradient;
-use crate::model::{Drive, RockerId, Rod, SteeringAxis};
+use crate::model::{ClosedForm, Drive, RockerId, Rod, SteeringAxis};
 use crate::number::{Jet, Vector3};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -346,9 +346,9 @@ impl Curve<'_> {
         if steer.is_nan() || steer >= arm.max(swing) {
             LimitCause::TieRodToggle
         } else if swing > arm {
-            match mechanism.strut_upper() {
-                Some(_) => LimitCause::StrutSquare,
-                None => LimitCause::UpperArmStraight,
+            match mechanism.closed_form {
+                Some(ClosedForm::Strut) => LimitCause::StrutSquare,
+                _ => LimitCause::UpperArmStraight,
             }
         } else {
             LimitCause::ArmVertical

@@ -27,10 +27,11 @@ impl Number {
     pub const MOST: f64 = 1e12;
 
     /// What a number that is not one, or beyond that, should have been.
-    pub fn wanted(found: Option<f64>) -> &'static str {
+    pub fn wanted(found: Option<f64>) -> String {
+        let most = Number::MOST;
         match found {
-            Some(value) if value.is_finite() => "a number between -1e12 and 1e12",
-            _ => "a finite number",
+            Some(value) if value.is_finite() => format!("a number between -{most:e} and {most:e}"),
+            _ => "a finite number".to_owned(),
         }
     }
 }
@@ -68,7 +69,7 @@ impl Visitor<'_> for FiniteVisitor {
             return Ok(value);
         }
         let wanted = Number::wanted(Some(value));
-        Err(E::invalid_value(Unexpected::Float(value), &wanted))
+        Err(E::invalid_value(Unexpected::Float(value), &&*wanted))
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {

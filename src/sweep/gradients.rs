@@ -32,7 +32,6 @@ pub struct Gradients<'a> {
     batch: Batch<'a>,
     reader: LaneReader<'a>,
     stations: &'a Stations,
-    points: usize,
     right: [bool; MOST_LANES],
     found: Found,
 }
@@ -55,31 +54,54 @@ struct Found {
 impl Found {
     #[inline(always)]
     fn vector(&self, of: &[f64], first: usize, point: PointId, design: usize) -> Vector3<f64> {
+        assert!(design < self.lanes, "no such design");
         let first = (first * self.points + point.0) * 3;
         let component = |axis: usize| of[(first + axis) * self.lanes + design];
         Vector3::new(component(0), component(1), component(2))
     }
 }
 
-/// The angles of several designs at a station, and their derivatives.
+/// The angles of several designs at a station, and their derivatives. Designs are numbered as they were given,
+/// angles as those that gradients were asked of.
 pub struct Jacobians<'f> {
     station: usize,
     found: &'f Found,
 }
 
+/// Sums of weighted squared deviations, by the number of the design.
+pub struct Deviations<'f> {
+    found: &'f Found,
+}
+
+impl Deviations<'_> {
+    /// The sum, in squared radians times weights.
+    #[inline(always)]
+    pub fn sum(&self, design: usize) -> f64 {
+        assert!(design < self.found.lanes, "no such design");
+        self.found.sum[design]
+    }
+
+    /// Its gradient by a hardpoint, per length unit.
+    #[inline(always)]
+    pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
+        self.found.vector(&self.found.gradient, 0, point, design)
+    }
+}
+
 impl Jacobians<'_> {
-    /// The station.
+    /// The station, as [`Stations::number`] has it.
     pub fn station(&self) -> usize {
         self.station
     }
 
-    /// The value of an angle.
+    /// The value of an angle, in radians.
     #[inline(always)]
     pub fn value(&self, design: usize, angle: usize) -> f64 {
+        assert!(design < self.found.lanes, "no such design");
         self.found.angles[angle * self.found.lanes + design]
     }
 
-    /// Its gradient by a hardpoint.
+    /// Its gradient by a hardpoint, in radians per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found
@@ -109,7 +131,6 @@ impl<'a> Gradients<'a> {
             batch,
             reader,
             stations,
-            points,
             right: [false; MOST_LANES],
             found: Found {
                 lanes: 1,
@@ -143,11 +164,12 @@ impl<'a> Gradients<'a> {
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
-    /// `wanted` angle by angle and station by station.
-    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) {
+    /// `wanted` angle by angle and station by station. Which designs were right is known from then on.
+    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) -> Deviations<'_> {
         let all = self.reader.characteristics().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.evaluate(designs, Task::Deviations(wanted));
+        Deviations { found: &self.found }
     }
 
     fn evaluate(&mut self, designs: &[Vector3<f64>], task: Task<'_>) {
@@ -162,16 +184,6 @@ impl<'a> Gradients<'a> {
     /// Whether a design of the last evaluation is right; if not, it is one for the careful path.
     pub fn is_right(&self, design: usize) -> bool {
         self.right[design]
-    }
-
-    /// The sum of deviations of a design.
-    pub fn sum(&self, design: usize) -> f64 {
-        self.found.sum[design]
-    }
-
-    /// Its gradient by a hardpoint.
-    pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
-        self.found.vector(&self.found.gradient, 0, point, design)
     }
 }
 
@@ -198,19 +210,19 @@ impl InLanes for Evaluation<'_, '_, '_> {
             batch,
             reader,
             stations,
-            points,
             right,
             found,
             ..
         } = self.gradients;
-        let count = self.designs.len() / *points;
+        let points = found.points;
+        let count = self.designs.len() / points;
         assert!(count <= B::LANES, "more designs than lanes");
         found.lanes = B::LANES;
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
-        let mut group = vec![nothing; *points];
+        let mut group = vec![nothing; points];
         let mut history = batch.history(like);
-        gather(self.designs, *points, 0, count, &mut group);
+        gather(self.designs, points, 0, count, &mut group);
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
@@ -286,10 +298,10 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
         let right = self
             .reader
             .read(self.wheels, at, self.rack, false, &mut self.inputs);
-        self.right = self.right & right;
         let angles = self.reader.characteristics().len();
         let zero = self.rack.zero();
         let rates = at.rates();
+        self.right = self.right & right & at.knows(&rates);
         let posture = at.posture(self.rack);
         let adjoint = at.adjoint(self.members, &posture, &rates);
         let Found {

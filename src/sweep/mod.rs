@@ -25,7 +25,7 @@ mod tally;
 pub use effects::{Effect, Effects};
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};
-pub use gradients::{Gradients, Jacobians, Wanted};
+pub use gradients::{Deviations, Gradients, Jacobians, Wanted};
 pub use in_order::in_order;
 pub use moments::{Exchanges, LevelSums, Levels, Moments};
 pub use plan::{NotBegun, SweepPlan, Worker};

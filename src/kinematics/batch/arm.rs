@@ -54,13 +54,13 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     }
 
     #[inline(always)]
-    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>) {
-        (self.state.ball_joint(), self.state.steering_axis())
-    }
-
-    #[inline(always)]
-    fn knows_steering_axis(&self) -> B::Mask {
-        self.tangent.zero().less(self.tangent.one())
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
+        let anywhere = self.tangent.zero().less(self.tangent.one());
+        (
+            self.state.ball_joint(),
+            self.state.steering_axis(),
+            anywhere,
+        )
     }
 
     #[inline(always)]
@@ -78,7 +78,7 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// The slope of the arm has been looked at.
+    /// By the travel, the slope of the arm has been looked at; by its angle, nothing turns fast.
     #[inline(always)]
     fn knows(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.zero().less(self.tangent.one())

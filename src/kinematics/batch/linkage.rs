@@ -7,7 +7,8 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order; the residuals at what it yields say whether that is enough.
+//! leaves an error of second order; the residuals at what it yields say whether that is enough. If so, J takes
+//! away what is left of them, too: rates beside a fold would feel it.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!
@@ -18,7 +19,8 @@
 //!
 //! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Two
 //! determinants are then all that may not vanish. A lane where one of them is less than a fourth of the base
-//! design's, or changes by more than half (or doubles) from one place to the next, is lost.
+//! design's, or changes by more than half (or doubles) from one place to the next, is lost. Each lane's are those
+//! of the step with which it settled.
 //!
 //! The steering axis, where it is the instantaneous one, is that of the screw J t = -F_r (module `steering`).
 //! Along the motion t' follows from J t' = -(F_r' + J' t).
@@ -57,7 +59,8 @@ const LONGEST: f64 = 0.1;
 /// The least turn of the knuckle by the rack displaced by one size, squared: the steering axis is that of the
 /// turn.
 const LEAST_STEERING: f64 = 0.25;
-/// The least squared sine of its inclination: neither angle of a steering axis that lies flat can be told well.
+/// The least squared sine of its angle to the level: neither inclination of a steering axis that lies flat can
+/// be told well.
 const LEAST_UPRIGHT: f64 = 0.04;
 /// The fastest turn of the knuckle by a travel of one size, squared.
 const FASTEST_TURN: f64 = 100.0;
@@ -192,6 +195,12 @@ impl<B: Real> Blocks<B> {
             w: [null; 3],
             inverse_s: unformed,
         }
+    }
+
+    /// The square of a turn by a length, given as that by a size.
+    #[inline(always)]
+    fn per_size(&self, square: f64) -> B {
+        self.inverse_size * self.inverse_size * self.inverse_size.lit(square)
     }
 
     /// Takes down a row of the Jacobian.
@@ -408,17 +417,14 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
-    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>) {
-        screw_axis(self.at.pose.origin, &self.linear().steering())
-    }
-
-    #[inline(always)]
-    fn knows_steering_axis(&self) -> B::Mask {
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
         let linear = self.linear();
-        let turn = linear.steering().turn * (self.travel.one() / linear.blocks.inverse_size);
-        let square = turn.norm_squared();
-        turn.x.lit(LEAST_STEERING).less(square)
-            & (square * turn.x.lit(LEAST_UPRIGHT)).less(turn.z * turn.z)
+        let steering = linear.steering();
+        let (point, direction) = screw_axis(self.at.pose.origin, &steering);
+        let (turn, square) = (steering.turn, steering.turn.norm_squared());
+        let is_known = linear.blocks.per_size(LEAST_STEERING).less(square)
+            & (square * turn.z.lit(LEAST_UPRIGHT)).less(turn.z * turn.z);
+        (point, direction, is_known)
     }
 
     #[inline(always)]
@@ -435,8 +441,8 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
 
     #[inline(always)]
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask {
-        let turn = rates.turn * (self.travel.one() / self.linear().blocks.inverse_size);
-        turn.norm_squared().less(turn.x.lit(FASTEST_TURN))
+        let fastest = self.linear().blocks.per_size(FASTEST_TURN);
+        rates.turn.norm_squared().less(fastest)
     }
 
     #[inline(always)]
@@ -552,6 +558,8 @@ impl ByLinkage {
         let inverse_size = zero.lit(1.0 / self.size);
         let room = RefCell::new(Linear::unformed(self, zero));
         let mut sound = zero.less(zero.one());
+        // Stencils that look at nothing look here, times zero: what another group has left may be NaN.
+        history[..UNKNOWNS].fill(zero);
         let mut last = [Watch {
             turned: Vector3::new(zero, zero, zero),
             determinants: [zero; 2],
@@ -569,6 +577,7 @@ impl ByLinkage {
             }
             let mut settled = zero.less(zero);
             let mut close = sound;
+            let mut determinants = [zero; 2];
             let mut round = 1;
             loop {
                 let at = linkage.posture(unknowns, rack);
@@ -597,6 +606,11 @@ impl ByLinkage {
                     let next = B::select(small, rest[k], next[k]);
                     unknowns[k] = B::select(settled, unknowns[k], next);
                 }
+                let [a, s] = linear.blocks.determinants();
+                determinants = [
+                    B::select(settled, determinants[0], a),
+                    B::select(settled, determinants[1], s),
+                ];
                 settled = settled | small;
                 if round < MOST_ROUNDS && !B::all(settled | !sound) {
                     round += 1;
@@ -607,7 +621,7 @@ impl ByLinkage {
                 let [_, _, _, x, y, z] = unknowns;
                 let watch = Watch {
                     turned: Vector3::new(x, y, z),
-                    determinants: linear.blocks.determinants(),
+                    determinants,
                 };
                 sound = sound & settled & close & watch.is_sound(&self.determinants);
                 let side = place.leg.side();

@@ -8,12 +8,14 @@
 //!
 //! A lane is *lost*, and its design left to the careful path, where
 //!
-//! - the iteration does not settle,
+//! - a rod has no length, or the iteration does not settle,
 //! - the mechanism is less than well conditioned,
-//! - a quantity that may not vanish, or the slope of the path, changes by more than half (or doubles) from
-//!   one place to the next: it could vanish in between,
+//! - what may not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
+//!   the next: it could vanish in between. Of several factors that is their product, which vanishes with any,
 //! - the mechanism turns far, in one step or from the design position,
-//! - a fold is near.
+//! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel,
+//! - what is read is not well known: the axis of a knuckle that the rack hardly turns, or about an axis that
+//!   lies flat, the angles of a wheel on its side, a rocker close to its toggle.
 //!
 //! So a lane is either right or lost; which of the two depends on its own design alone.
 
@@ -121,14 +123,12 @@ pub trait LanePose<B: Bundle> {
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B>;
     /// Where the knuckle's origin is now.
     fn origin(&self) -> Vector3<B>;
-    /// A point of the steering axis, and the vector along it.
-    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>);
-    /// Where the steering axis is well known: an instantaneous one takes a knuckle that the rack turns.
-    fn knows_steering_axis(&self) -> B::Mask;
+    /// A point of the steering axis, the vector along it, and where both are well known: an instantaneous axis
+    /// takes a knuckle that the rack turns, and about anything but a level.
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// The derivatives by the drive.
     fn rates(&self) -> LaneRates<B>;
-    /// Where the knuckle does not spin about a point close by, as it does beside a fold: what is made of
-    /// velocities is well known.
+    /// Where velocities are well known: the knuckle does not turn fast, as it does beside a fold.
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);

@@ -2,8 +2,8 @@
 //!
 //! Places are visited outward from the design position, up and down in turn, so that a prediction has
 //! neighbours on both sides of the origin. It is the value at the new place of the polynomial through
-//! the nearest places visited (Lagrange's form); the weights depend on the travels alone and are the same
-//! for every design.
+//! the nearest places visited (Lagrange's form), and so is the slope there the slope of one through fewer of
+//! them; the weights depend on the travels alone and are the same for every design.
 
 use crate::kinematics::March;
 use crate::number::Jet;
@@ -53,10 +53,10 @@ pub(super) struct Place {
     /// ... together with this much of the drive along the slope of the base design: the first step has
     /// nothing else to go by.
     pub along_slope: f64,
-    /// Predicts the slope by the drive here; none where there is but one place to go by.
-    pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
     /// ... and this much of the rack along the slope by the rack.
     pub along_rack: f64,
+    /// Predicts the slope by the drive here; none where there is but one place to go by.
+    pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
 /// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
@@ -207,7 +207,8 @@ impl Visited {
         numbers
     }
 
-    /// prod (x - x_m)/(x_j - x_m), or its derivative by x; the first of the places has a number.
+    /// Of the weights prod (x - x_m)/(x_j - x_m) and their derivatives by x one `part`; `first` is the number
+    /// of the place at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,

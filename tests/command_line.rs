@@ -279,6 +279,12 @@ fn limits_are_sharp_and_have_a_cause() {
         "{from} {to}"
     );
     assert!(table[0]["because"].as_str().unwrap().contains("arm"));
+    // What gives way is called what it is in this topology.
+    let wishbones = studies().join("double_wishbone_solve.toml");
+    let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
+    let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    let cause = "the upper arm is in line with the steering axis";
+    assert_eq!(other[0]["because"].as_str().unwrap(), cause);
     // At the ends it stops, just before them it does not.
     for (travel, code) in [
         (to - 1e-6, 0),

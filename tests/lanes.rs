@@ -288,6 +288,11 @@ fn ordinary_designs_stay_in_the_lanes() {
         let found = compare(&study, &quantities(&study), 10.0, 3, 1000);
         assert_eq!(found.left, 0, "{found:?}");
     }
+    for name in ["macpherson_solve.toml", "double_wishbone_solve.toml"] {
+        let study = by_arm_angle(name);
+        let found = compare(&study, &quantities(&study), 10.0, 3, 1000);
+        assert_eq!(found.left, 0, "{found:?}");
+    }
     for name in [
         "double_wishbone_pushrod.toml",
         "double_wishbone_rocker.toml",

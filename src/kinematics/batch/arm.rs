@@ -15,7 +15,7 @@ use crate::number::{Bundle, Jet, Vector3};
 #[derive(Clone, Debug)]
 pub(super) struct ByArm {
     roles: Roles,
-    /// Slope of the half tangent by the travel, in the base design.
+    /// Slope of the half tangent by the drive, in the base design.
     slope: f64,
     /// The steepest it may get.
     steepest: f64,
@@ -146,7 +146,10 @@ impl ByArm {
     ) -> Option<ByArm> {
         let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
         let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
-        let slope = 1.0 / form.travel(&state)[1];
+        let slope = match drive {
+            Drive::Travel => 1.0 / form.travel(&state)[1],
+            Drive::ArmAngle => 0.5,
+        };
         slope.is_finite().then_some(ByArm {
             roles,
             slope,

@@ -7,7 +7,7 @@ mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, View};
 use hardpoint::kinematics::{Lifted, MotionPoint, Solver};
-use hardpoint::model::PointId;
+use hardpoint::model::{Drive, PointId};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::study::Study;
 use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted};
@@ -106,6 +106,10 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         Evaluator::with_width(suspension, &stations, quantities, width)
             .unwrap_or_else(|_| panic!("the sample cannot be solved"))
     };
+    let unit_of_drive = match stations.drive {
+        Drive::Travel => suspension.size(),
+        Drive::ArmAngle => 1.0,
+    };
     let mut careful = evaluator(None);
     let mut lanes = evaluator(Some(Width::widest()));
     let mut scatter = Scatter {
@@ -158,7 +162,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 let (a, b) = (block.slope(design, k), wanted.slope(design, k));
                 assert_eq!(a.is_nan(), b.is_nan(), "slope of {quantity:?}");
                 if !a.is_nan() {
-                    let scale = (scale / suspension.size()).max(b.abs());
+                    let scale = (scale / unit_of_drive).max(b.abs());
                     found.worst_slope = found.worst_slope.max((a - b).abs() / scale);
                 }
             }

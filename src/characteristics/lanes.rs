@@ -181,7 +181,7 @@ impl<'a> LaneReader<'a> {
         inputs: &mut Inputs<B>,
     ) -> B::Mask {
         let reads = self.reads;
-        let mut right = rack.zero().less(rack.one());
+        let mut right = rack.everywhere();
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
@@ -401,7 +401,7 @@ impl<B: Bundle> Piece for Installing<'_, B> {
         let (at, motion) = (self.at, self.motion);
         let (now, rate) = (&mut self.inputs.now, &mut self.inputs.rate);
         let least = at.rack.lit(LEAST_LEVERAGE);
-        let mut right = at.rack.zero().less(least);
+        let mut right = at.rack.everywhere();
         if let Some(spring) = self.installation.spring {
             let upper = at.moving_point(spring.upper, motion);
             let lower = at.moving_point(spring.lower, motion);

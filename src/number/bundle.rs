@@ -29,6 +29,11 @@ pub trait Bundle: Real {
     fn copysign(self, other: Self) -> Self;
     /// Where `self` is less than `other`; false for NaN.
     fn less(self, other: Self) -> Self::Mask;
+    /// The mask that is set in every lane.
+    #[inline(always)]
+    fn everywhere(self) -> Self::Mask {
+        self.zero().less(self.one())
+    }
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Whether the mask is set in every lane.

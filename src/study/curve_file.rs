@@ -63,11 +63,9 @@ fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, Stud
         }
         let mut row = [0.0; 2];
         for ((place, text), column) in row.iter_mut().zip(&record).zip(columns) {
-            let number = text.parse::<f64>().ok();
-            *place = match number {
-                Some(number) if number.abs() <= Number::MOST => number,
-                _ => {
-                    let wanted = Number::wanted(number);
+            *place = match Number::parsed(text) {
+                Ok(number) => number,
+                Err(wanted) => {
                     return error(format!("expected {wanted} as {column}, found {text:?}"));
                 }
             };

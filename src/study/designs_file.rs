@@ -84,15 +84,13 @@ impl DesignTable {
             }
             for (variable, place) in variables.iter_mut().zip(&places) {
                 let cell = &record[*place];
-                let number = cell.parse::<f64>().ok();
-                let Some(value) = number.filter(|v| v.abs() <= Number::MOST) else {
-                    let message = format!(
-                        "expected {} as {}, found {cell:?}",
-                        Number::wanted(number),
-                        &header[*place]
-                    );
-                    return Err(at(&record, message));
-                };
+                let value = Number::parsed(cell).map_err(|wanted| {
+                    let column = &header[*place];
+                    at(
+                        &record,
+                        format!("expected {wanted} as {column}, found {cell:?}"),
+                    )
+                })?;
                 let [low, high] = &mut variable.range;
                 (*low, *high) = (low.min(value), high.max(value));
                 values.push(value);

@@ -26,13 +26,21 @@ impl Number {
     /// The largest magnitude: far beyond any dimension, far below where products overflow.
     pub const MOST: f64 = 1e12;
 
-    /// What a number that is not one, or beyond that, should have been.
-    pub fn wanted(found: Option<f64>) -> String {
+    /// The value, or what it should have been.
+    pub fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
-        match found {
-            Some(value) if value.is_finite() => format!("a number between -{most:e} and {most:e}"),
-            _ => "a finite number".to_owned(),
+        if value.abs() <= most {
+            Ok(value)
+        } else if value.is_finite() {
+            Err(format!("a number between -{most:e} and {most:e}"))
+        } else {
+            Err("a finite number".to_owned())
         }
+    }
+
+    /// The value of a text, or what it should have been.
+    pub fn parsed(text: &str) -> Result<f64, String> {
+        Number::checked(text.parse().unwrap_or(f64::NAN))
     }
 }
 
@@ -64,12 +72,8 @@ impl Visitor<'_> for FiniteVisitor {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-        // Written so that NaN is refused.
-        if value.abs() <= Number::MOST {
-            return Ok(value);
-        }
-        let wanted = Number::wanted(Some(value));
-        Err(E::invalid_value(Unexpected::Float(value), &&*wanted))
+        Number::checked(value)
+            .map_err(|wanted| E::invalid_value(Unexpected::Float(value), &&*wanted))
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {

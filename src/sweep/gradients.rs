@@ -53,10 +53,15 @@ struct Found {
 
 impl Found {
     #[inline(always)]
-    fn vector(&self, of: &[f64], first: usize, point: PointId, design: usize) -> Vector3<f64> {
+    fn number(&self, of: &[f64], row: usize, design: usize) -> f64 {
         assert!(design < self.lanes, "no such design");
+        of[row * self.lanes + design]
+    }
+
+    #[inline(always)]
+    fn vector(&self, of: &[f64], first: usize, point: PointId, design: usize) -> Vector3<f64> {
         let first = (first * self.points + point.0) * 3;
-        let component = |axis: usize| of[(first + axis) * self.lanes + design];
+        let component = |axis: usize| self.number(of, first + axis, design);
         Vector3::new(component(0), component(1), component(2))
     }
 }
@@ -77,8 +82,7 @@ impl Deviations<'_> {
     /// The sum, in squared radians times weights.
     #[inline(always)]
     pub fn sum(&self, design: usize) -> f64 {
-        assert!(design < self.found.lanes, "no such design");
-        self.found.sum[design]
+        self.found.number(&self.found.sum, 0, design)
     }
 
     /// Its gradient by a hardpoint, per length unit.
@@ -97,8 +101,7 @@ impl Jacobians<'_> {
     /// The value of an angle, in radians.
     #[inline(always)]
     pub fn value(&self, design: usize, angle: usize) -> f64 {
-        assert!(design < self.found.lanes, "no such design");
-        self.found.angles[angle * self.found.lanes + design]
+        self.found.number(&self.found.angles, angle, design)
     }
 
     /// Its gradient by a hardpoint, in radians per length unit.
@@ -168,6 +171,7 @@ impl<'a> Gradients<'a> {
     pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) -> Deviations<'_> {
         let all = self.reader.characteristics().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
+        self.found.gradient.fill(0.0);
         self.evaluate(designs, Task::Deviations(wanted));
         Deviations { found: &self.found }
     }
@@ -226,7 +230,6 @@ impl InLanes for Evaluation<'_, '_, '_> {
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
-        found.gradient.fill(0.0);
         let mut reading = Differentiating {
             reader,
             wheels: &wheels,

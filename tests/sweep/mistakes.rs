@@ -253,11 +253,8 @@ fn what_a_sweep_leaves_to_solve_is_said() {
         "--set",
         "outputs.order=velocity",
     ];
-    let (_, error) = said(
-        &bench
-            .sweep("more", &[few, asked[..2].try_into().unwrap()].concat())
-            .success(),
-    );
+    let certified = [&few[..], &asked[..2]].concat();
+    let (_, error) = said(&bench.sweep("more", &certified).success());
     assert!(error.contains("certify of [outputs]"), "{error}");
     let (_, error) = said(&bench.sweep("most", &[&few[..], &asked].concat()).success());
     assert!(error.contains("order, certify of [outputs]"), "{error}");

@@ -55,12 +55,9 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
 
     #[inline(always)]
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
-        let anywhere = self.tangent.zero().less(self.tangent.one());
-        (
-            self.state.ball_joint(),
-            self.state.steering_axis(),
-            anywhere,
-        )
+        let state = &self.state;
+        let everywhere = self.tangent.everywhere();
+        (state.ball_joint(), state.steering_axis(), everywhere)
     }
 
     #[inline(always)]
@@ -81,7 +78,7 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     /// By the travel, the slope of the arm has been looked at; by its angle, nothing turns fast.
     #[inline(always)]
     fn knows(&self, _: &LaneRates<B>) -> B::Mask {
-        self.tangent.zero().less(self.tangent.one())
+        self.tangent.everywhere()
     }
 
     #[inline(always)]
@@ -144,19 +141,18 @@ impl ByArm {
         drive: Drive,
         size: f64,
     ) -> Option<ByArm> {
-        let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
-        let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
-        let slope = match drive {
-            Drive::Travel => 1.0 / form.travel(&state)[1],
-            Drive::ArmAngle => 0.5,
+        let (slope, steepest) = match drive {
+            Drive::Travel => {
+                let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
+                let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
+                (1.0 / form.travel(&state)[1], STEEPEST / size)
+            }
+            Drive::ArmAngle => (0.5, f64::INFINITY),
         };
         slope.is_finite().then_some(ByArm {
             roles,
             slope,
-            steepest: match drive {
-                Drive::Travel => STEEPEST / size,
-                Drive::ArmAngle => f64::INFINITY,
-            },
+            steepest,
         })
     }
 
@@ -203,7 +199,7 @@ impl ByArm {
         let zero = like.zero();
         let tolerance = like.lit(tolerance);
 
-        let mut sound = zero.less(like.one());
+        let mut sound = like.everywhere();
         let slope = like.lit(self.slope);
         let mut last = [Watch {
             tangent: zero,

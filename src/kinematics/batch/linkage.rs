@@ -557,7 +557,7 @@ impl ByLinkage {
         let largest = zero.lit(LARGEST_CORRECTION);
         let inverse_size = zero.lit(1.0 / self.size);
         let room = RefCell::new(Linear::unformed(self, zero));
-        let mut sound = zero.less(zero.one());
+        let mut sound = zero.everywhere();
         // Stencils that look at nothing look here, times zero: what another group has left may be NaN.
         history[..UNKNOWNS].fill(zero);
         let mut last = [Watch {

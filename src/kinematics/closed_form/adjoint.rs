@@ -135,18 +135,13 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// The forces in the legs, over their lengths, that add up to a force.
-    #[inline(always)]
-    fn split(&self, at: &Joint<T>, force: Vector3<T>) -> (T, T) {
-        let both = force.dot(at.radius);
-        let rear = (both * self.along) - force.dot(self.axis);
-        (both - rear, rear)
-    }
-
-    /// Adds what they contribute to a gradient; the rest of what the outer joint does, too.
+    /// Adds what they contribute to a gradient by bearing a force; the rest of what the outer joint does, too.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
-        let (front, rear) = self.split(at, force);
+        // Of the forces in the legs, which add up to it, each over the length of its leg.
+        let both = force.dot(at.radius);
+        let rear = (both * self.along) - force.dot(self.axis);
+        let front = both - rear;
         sink.hardpoint(self.arm.front, at.moved * front);
         sink.hardpoint(self.arm.rear, at.moved * rear);
         let outer = rest

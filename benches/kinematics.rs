@@ -4,10 +4,11 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{Lifted, March, MotionPoint, Solver};
+use hardpoint::derive::{Lifted, MotionPoint};
 use hardpoint::model::Drive;
 use hardpoint::number::{Jet, Vector3};
 use hardpoint::optimise::{Control, tune};
+use hardpoint::solve::{March, Solver};
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;

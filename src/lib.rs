@@ -52,15 +52,20 @@
 //! # Ok::<(), hardpoint::study::StudyErrors>(())
 //! ```
 
+pub mod analyse;
+pub mod attia;
 pub mod bench;
 pub mod characteristics;
 pub mod cli;
 pub mod curves;
-pub mod kinematics;
+pub mod derive;
+mod linear;
+pub mod mechanism;
 pub mod model;
 pub mod number;
 pub mod optimise;
 pub mod plan;
 pub mod report;
+pub mod solve;
 pub mod study;
 pub mod sweep;

@@ -8,8 +8,8 @@ mod effects;
 pub use effects::Effect;
 
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
-use crate::kinematics::{March, PoseError};
 use crate::model::{Axis, PointId};
+use crate::solve::{March, PoseError};
 use crate::study::{Drive, Formulation, Load, Order, Study, TimeLaw};
 
 /// One quantity with the derivatives asked for.

@@ -2,9 +2,12 @@
 
 mod support;
 
-use hardpoint::kinematics::{Assemblies, MotionPoint, Pose, Solver};
+use hardpoint::analyse::Assemblies;
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::Pose;
 use hardpoint::model::{Drive, Mechanism, Suspension, Topology};
 use hardpoint::number::{Matrix3, Vector3};
+use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -2,9 +2,12 @@
 
 mod support;
 
-use hardpoint::kinematics::{Certifier, Failure, March, MotionPoint, Posture, Solver};
+use hardpoint::analyse::Certifier;
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::{Failure, Posture};
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
+use hardpoint::solve::{March, Solver};
 use std::ops::ControlFlow;
 use support::{Case, march_to, motion, vector};
 

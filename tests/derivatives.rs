@@ -9,11 +9,12 @@
 mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{Lifted, March, MotionPoint, Solver};
+use hardpoint::derive::{Lifted, MotionPoint};
 use hardpoint::model::{
     ArmId, Axis, Body, Drive, Mechanism, Point, PointId, Rocker, RockerId, Rod,
 };
 use hardpoint::number::{Jet, Vector3};
+use hardpoint::solve::{March, Solver};
 use std::ops::ControlFlow;
 use support::Case;
 

@@ -2,9 +2,11 @@
 
 use hardpoint::characteristics::{Characteristic, Constants, Slots, View};
 use hardpoint::curves::{Curves, curves};
-use hardpoint::kinematics::{Lifted, MotionPoint, Solver, Work};
+use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::mechanism::Work;
 use hardpoint::model::Drive;
 use hardpoint::plan::Plan;
+use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use std::path::Path;
 

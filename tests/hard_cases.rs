@@ -3,10 +3,14 @@
 
 mod support;
 
+use hardpoint::analyse::RangeEnd;
+use hardpoint::mechanism::LimitCause;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{Failure, Lifted, LimitCause, March, MotionPoint, RangeEnd, Solver};
+use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::mechanism::Failure;
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
+use hardpoint::solve::{March, Solver};
 use hardpoint::study::Study;
 use serde_json::Value;
 use std::ops::ControlFlow;

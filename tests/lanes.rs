@@ -6,9 +6,10 @@
 mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, View};
-use hardpoint::kinematics::{Lifted, MotionPoint, Solver};
+use hardpoint::derive::{Lifted, MotionPoint};
 use hardpoint::model::{Drive, PointId};
 use hardpoint::number::{Jet, Vector3, Width};
+use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted};
 use std::ops::ControlFlow;

@@ -3,7 +3,7 @@
 mod support;
 
 use hardpoint::characteristics::{Constants, Quantity, View};
-use hardpoint::kinematics::{Lifted, MotionPoint};
+use hardpoint::derive::{Lifted, MotionPoint};
 use hardpoint::model::Axis;
 use hardpoint::number::Jet;
 use serde_json::Value;
@@ -122,7 +122,7 @@ fn turning(
     state: &Value,
     sign: f64,
     view: &View<3>,
-    at: &hardpoint::kinematics::Posture<Jet<f64, 3>>,
+    at: &hardpoint::mechanism::Posture<Jet<f64, 3>>,
     errors: &mut Errors,
 ) {
     for (order, key) in ["omega_per_drive", "alpha_per_drive"]
@@ -144,8 +144,8 @@ fn turning(
 fn by_rack(
     case: &Case,
     state: &Value,
-    solver: &hardpoint::kinematics::Solver,
-    pose: &hardpoint::kinematics::Pose<f64>,
+    solver: &hardpoint::solve::Solver,
+    pose: &hardpoint::mechanism::Pose<f64>,
     point: &MotionPoint<f64>,
     errors: &mut Errors,
 ) {

@@ -10,15 +10,18 @@
 
 mod support;
 
+use hardpoint::mechanism::LimitCause;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::curves::{Curves, Proof, Status, curves};
-use hardpoint::kinematics::{DesignFault, Failure, LimitCause, March, MotionPoint, Pose, Solver};
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::{DesignFault, Failure, Pose};
 use hardpoint::model::{
     Constraint, Drive, Frame, FrameConvention, LengthUnit, Mechanism, Side, Suspension, Topology,
     Vehicle,
 };
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
+use hardpoint::solve::{March, Solver};
 use hardpoint::study::{self, Formulation, Motion, Order, Outputs, Study};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};

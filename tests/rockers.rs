@@ -2,11 +2,11 @@
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
-use hardpoint::kinematics::Solver;
 use hardpoint::model::Rod;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::report::{CurveTable, curves_csv, remarks, sensitivities_csv};
+use hardpoint::solve::Solver;
 use hardpoint::study::{Study, StudyErrors};
 use std::fs;
 use std::path::Path;

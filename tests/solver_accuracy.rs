@@ -1,10 +1,12 @@
 //! `[solver] accuracy`: less work, and an error that is never larger than the one claimed.
 
 use hardpoint::curves::curves;
-use hardpoint::kinematics::{March, MotionPoint, Pose, PoseError, Posture, Solver};
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::{Pose, Posture};
 use hardpoint::model::{Body, Drive, Suspension};
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
+use hardpoint::solve::{March, PoseError, Solver};
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -9,9 +9,9 @@
 mod random;
 
 use hardpoint::curves::curves;
-use hardpoint::kinematics::March;
 use hardpoint::plan::Plan;
 use hardpoint::report::{SolveSummary, curves_csv, sensitivities_csv};
+use hardpoint::solve::March;
 use hardpoint::study::{Study, StudyErrors};
 use random::Random;
 use std::collections::BTreeSet;

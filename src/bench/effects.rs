@@ -2,13 +2,16 @@
 
 use super::accuracy::{Subject, unchecked_and_checked};
 use super::{Clock, Job, Timing, Unmeasurable};
+use crate::analyse::Certifier;
 use crate::characteristics::Characteristic;
 use crate::curves::curves;
-use crate::kinematics::{Certifier, MotionPoint, Pose, Solver, Work};
+use crate::derive::MotionPoint;
+use crate::mechanism::{Pose, Work};
 use crate::model::{Drive, PointId, Suspension, Vehicle};
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::Table;
+use crate::solve::Solver;
 use crate::study::{Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw};
 use std::hint::black_box;
 use std::ops::ControlFlow;

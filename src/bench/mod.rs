@@ -13,7 +13,7 @@ mod timing;
 pub use machine::Machine;
 pub use timing::{Clock, Job, Timing};
 
-use crate::kinematics::DesignFault;
+use crate::mechanism::DesignFault;
 use std::fmt;
 
 /// Why there is nothing to measure.

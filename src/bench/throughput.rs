@@ -6,12 +6,15 @@
 //! same rounds, and reads off nothing. What several threads do is measured after the rounds.
 
 use super::{Clock, Job, Timing, Unmeasurable};
+use crate::attia;
+use crate::attia::PointCoordinates;
+use crate::attia::{Strut, StrutPoints};
 use crate::characteristics::{Characteristic, Constants, Need, Quantity, View};
-use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
-use crate::kinematics::{Lifted, MotionPoint, Solver};
+use crate::derive::{Lifted, MotionPoint};
 use crate::model::Suspension;
 use crate::number::{Jet, Vector3, Width};
 use crate::report::Table;
+use crate::solve::Solver;
 use crate::study::{Drive, Motion, Study};
 use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted, uniform};
 use rayon::ThreadPoolBuilder;
@@ -446,7 +449,7 @@ impl<'a> Sweep<'a> {
         mut visit: impl FnMut(
             &Solver<'a>,
             &Lifted<N>,
-            &crate::kinematics::Pose<f64>,
+            &crate::mechanism::Pose<f64>,
             &MotionPoint<Jet<f64, N>>,
         ),
     ) {
@@ -481,7 +484,7 @@ impl<'a> Sweep<'a> {
             work: Box::new(move || {
                 for design in sweep.few() {
                     let strut = Strut::of(mechanism, design).expect("it is a strut");
-                    let travel = point_coordinates::Drive::Travel;
+                    let travel = attia::Drive::Travel;
                     let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
                     let Ok(equations) = equations else { continue };
                     let Ok(start) = equations.placed(0.0) else {

@@ -6,7 +6,7 @@
 //! `kingpin_inclination` and `camber`.
 
 use super::{Formula, Info, Inputs, Need, Slot, Unit};
-use crate::kinematics::point_coordinates;
+use crate::attia;
 use crate::number::Real;
 
 /// Front-view inclination of the line 5-7.
@@ -24,7 +24,7 @@ impl Formula for AttiaKingpin {
     #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         let now = &inputs.now;
-        point_coordinates::attia_kingpin(now.steering_point, now.strut_upper)
+        attia::attia_kingpin(now.steering_point, now.strut_upper)
     }
 }
 
@@ -42,6 +42,6 @@ impl Formula for AttiaCamber {
     };
     #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        point_coordinates::attia_camber(inputs.now.strut_upper, inputs.now.centre)
+        attia::attia_camber(inputs.now.strut_upper, inputs.now.centre)
     }
 }

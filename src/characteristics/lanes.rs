@@ -5,12 +5,11 @@
 
 use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
-use crate::kinematics::{
-    Batch, DesignedSpinAxis, Gradient, KnucklePoint, KnuckleVector, LaneDesign, LanePose, Posture,
-    Seeds, Twist,
-};
+use crate::derive::{DesignedSpinAxis, Gradient, Seeds};
+use crate::mechanism::{Posture, Twist};
 use crate::model::{Body, Drive, Mechanism, RockerId, Spring, SteeringAxis};
 use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
+use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose};
 use std::hint::black_box;
 
 /// Reads characteristics off poses in lanes.

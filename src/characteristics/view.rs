@@ -1,7 +1,8 @@
 //! What can be read off a pose: values along the motion and gradients by the hardpoints.
 
 use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
-use crate::kinematics::{Linearised, Posture, Seeds};
+use crate::derive::{Linearised, Seeds};
+use crate::mechanism::Posture;
 use crate::model::{Axis, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Real, Vector3};
 

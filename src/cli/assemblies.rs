@@ -3,11 +3,14 @@
 use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
 use super::output::{design_fault, say_aside};
+use crate::analyse::{Assembly, Trait, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, View};
-use crate::kinematics::{Assembly, Lifted, March, MotionPoint, Pose, Solver, Trait, Undecided};
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::Pose;
 use crate::model::Drive;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
+use crate::solve::{March, Solver};
 use crate::study::Study;
 use std::io::Write;
 use std::ops::ControlFlow;

@@ -3,11 +3,13 @@
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
+use crate::attia::PaperTheta;
 use crate::curves::curves;
-use crate::kinematics::{DesignFault, March, PaperTheta};
+use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table, doubts};
+use crate::solve::March;
 use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
 

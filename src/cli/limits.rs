@@ -3,10 +3,13 @@
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
-use crate::kinematics::{Limits, MotionPoint, Range, RangeEnd, Solver, Toggle};
+use crate::analyse::{Limits, Range, RangeEnd};
+use crate::derive::MotionPoint;
+use crate::mechanism::Toggle;
 use crate::model::Axis;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
+use crate::solve::Solver;
 use crate::study::{Drive, Study};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -84,7 +87,7 @@ fn margin(
     study: &Study,
     solver: &mut Solver,
     limits: &Limits,
-) -> Result<String, crate::kinematics::DesignFault> {
+) -> Result<String, crate::mechanism::DesignFault> {
     let plan = Plan::of(study);
     let unit = study.suspension.length_unit.symbol();
     let drive = plan.drive.in_kernel();

@@ -112,7 +112,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
 fn tune_with_progress(
     study: &Study,
     optimise: &Optimise,
-) -> Result<Tuning, crate::kinematics::DesignFault> {
+) -> Result<Tuning, crate::mechanism::DesignFault> {
     let line = progress::line(optimise.starts as u64, "starts");
     let watch = |start: usize, iteration: &crate::optimise::Iteration| {
         if iteration.iteration == 0 {

@@ -3,7 +3,7 @@
 
 use super::RunArguments;
 use super::exit::Stop;
-use crate::kinematics::DesignFault;
+use crate::mechanism::DesignFault;
 use crate::report::{Format, RunDirectory, Table};
 use crate::study::Study;
 use std::io::{self, Write};

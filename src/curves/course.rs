@@ -1,9 +1,12 @@
 //! The motion of a study as one of the kernel's drives.
 
-use crate::kinematics::{DesignFault, March, MotionPoint, PaperTheta};
+use crate::attia::PaperTheta;
+use crate::derive::MotionPoint;
+use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Jet;
 use crate::plan::Plan;
+use crate::solve::March;
 use crate::study::Drive;
 
 /// The stations a motion has on the kernel's drive, and the order in which they are visited.

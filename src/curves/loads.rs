@@ -1,8 +1,10 @@
 //! Loads along a motion: what each link, joint and the spring carries in every pose.
 
 use super::Column;
+use crate::analyse;
+use crate::analyse::{Balance, Reaction, Reactions, Support};
 use crate::characteristics::{Constants, Slot, Slots, View};
-use crate::kinematics::{self, Balance, Posture, Reaction, Reactions, Support};
+use crate::mechanism::Posture;
 use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
@@ -103,7 +105,7 @@ impl<'a> Loads<'a> {
         let view = View::reading(at, self.constants, slots);
         let place = |id: PointId| at.point(id).map(|c| c[0]);
         self.loads.iter().flat_map(move |load| {
-            let carried = balance.under(&kinematics::Load {
+            let carried = balance.under(&analyse::Load {
                 point: match load.at {
                     LoadPoint::ContactPoint => view.contact_point(),
                     LoadPoint::WheelCentre => place(at.mechanism.wheel_centre),

@@ -11,9 +11,10 @@ pub use column::Column;
 pub use course::Course;
 pub use run::curves;
 
-use crate::kinematics::point_coordinates::Refusal;
-use crate::kinematics::{Failure, PoseError, Work};
+use crate::attia::Refusal;
+use crate::mechanism::{Failure, Work};
 use crate::model::{Axis, PointId, Rod};
+use crate::solve::PoseError;
 
 /// What came of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,17 +1,19 @@
 //! Running a plan with the formulation in point coordinates.
 
 use super::run::{Findings, Run};
-use crate::kinematics::point_coordinates::{
-    self, PointCoordinates, Pose, Rates, Refusal, Strut, StrutPoints,
-};
-use crate::kinematics::{DesignFault, Failure, Posture};
+use crate::attia;
+use crate::attia::Rates;
+use crate::attia::Refusal;
+use crate::attia::{PointCoordinates, Pose};
+use crate::attia::{Strut, StrutPoints};
+use crate::mechanism::{DesignFault, Failure, Posture};
 use crate::number::Jet;
 use crate::study::Drive;
 
 /// The paper's equations with the study's drive.
 struct Driven {
     equations: PointCoordinates,
-    drive: point_coordinates::Drive,
+    drive: attia::Drive,
     /// What a drive value of the study is multiplied by to be one of the equations'.
     sense: f64,
 }
@@ -19,9 +21,9 @@ struct Driven {
 impl Driven {
     fn new(strut: &Strut, drive: Drive) -> Result<Self, DesignFault> {
         let (drive, sense) = match drive {
-            Drive::Travel => (point_coordinates::Drive::Travel, 1.0),
-            Drive::ArmAngle => (point_coordinates::Drive::ArmAngle, strut.raising_turn()),
-            Drive::PaperTheta => (point_coordinates::Drive::PaperTheta, 1.0),
+            Drive::Travel => (attia::Drive::Travel, 1.0),
+            Drive::ArmAngle => (attia::Drive::ArmAngle, strut.raising_turn()),
+            Drive::PaperTheta => (attia::Drive::PaperTheta, 1.0),
         };
         let equations = PointCoordinates::new(strut, StrutPoints::Spread, drive)
             .map_err(DesignFault::PointCoordinates)?;

@@ -1,7 +1,7 @@
 //! Proofs of poses as lengths a user can read.
 
 use super::Proof;
-use crate::kinematics::{Certificate, Certifier};
+use crate::analyse::{Certificate, Certifier};
 use crate::model::{Body, Suspension};
 
 /// Proves the poses of one suspension.

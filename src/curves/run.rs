@@ -5,13 +5,12 @@ use super::loads::Loads;
 use super::prover::Prover;
 use super::{Column, Curves, Proof, Sensitivity, Station, Status};
 use crate::characteristics::{Quantity, View};
-use crate::kinematics::{
-    DesignFault, Failure, LEAST_DIGITS, Lifted, Linearised, MotionPoint, Pose, PoseError, Posture,
-    Solver, Tally, Toggles, Work, rate_digits,
-};
+use crate::derive::{Lifted, Linearised, MotionPoint};
+use crate::mechanism::{DesignFault, Failure, Pose, Posture, Tally, Toggles, Work};
 use crate::model::{Axis, RockerId, Rod, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
+use crate::solve::{LEAST_DIGITS, PoseError, Solver, rate_digits};
 use crate::study::{Drive, Formulation};
 use std::ops::ControlFlow;
 

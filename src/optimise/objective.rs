@@ -12,9 +12,11 @@
 
 use super::{Evaluation, Infeasible, LeastSquares};
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots, View};
-use crate::kinematics::{DesignFault, Failure, Lifted, March, MotionPoint, Solver, Toggles};
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::{DesignFault, Failure, Toggles};
 use crate::model::{Axis, Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
+use crate::solve::{March, Solver};
 use crate::study::{Motion, Optimise, Variable};
 use nalgebra::DVector;
 use std::ops::ControlFlow;

@@ -5,7 +5,7 @@ use super::{
     Bounds, Control, Evaluation, Identifiability, Infeasible, LeastSquares, Multistart, Options,
     multistart,
 };
-use crate::kinematics::DesignFault;
+use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::study::{Motion, Optimise};

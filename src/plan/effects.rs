@@ -2,8 +2,8 @@
 
 use super::Plan;
 use crate::characteristics::{Quantity, Slot};
-use crate::kinematics::has_closed_form;
 use crate::model::{RockerId, Spring, SteeringAxis};
+use crate::solve::has_closed_form;
 use crate::study::{Order, Study};
 
 /// Something that can be computed with a pose.

@@ -3,7 +3,7 @@
 use super::place::Place;
 use super::solve_summary::brief;
 use crate::curves::{Curves, Station, Status};
-use crate::kinematics::Failure;
+use crate::mechanism::Failure;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,11 @@
 //! it is a mistake, so it is only said.
 
 use crate::characteristics::{Characteristic, Constants, View};
-use crate::kinematics::{DesignFault, Lifted, MotionPoint, Solver};
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::DesignFault;
 use crate::model::{Constraint, Drive, PointId, Rod, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
+use crate::solve::Solver;
 
 /// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
 const WHEEL_ANGLE: f64 = 15.0;

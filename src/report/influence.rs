@@ -2,7 +2,7 @@
 
 use crate::characteristics::Quantity;
 use crate::curves::curves;
-use crate::kinematics::DesignFault;
+use crate::mechanism::DesignFault;
 use crate::model::{PointId, Suspension};
 use crate::plan::{Output, Plan};
 use serde::{Deserialize, Serialize};

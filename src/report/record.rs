@@ -5,9 +5,10 @@ use super::failures::Stretch;
 use super::influence::{Influence, influences};
 use super::scene::{Frame, Scene, frames};
 use crate::curves::{Column, Curves};
-use crate::kinematics::{DesignFault, March};
+use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
+use crate::solve::March;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 

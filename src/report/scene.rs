@@ -1,12 +1,14 @@
 //! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
 
 use crate::curves::Course;
-use crate::kinematics::{DesignFault, Failure, Lifted, Posture, Solver, Toggles};
+use crate::derive::Lifted;
+use crate::mechanism::{DesignFault, Failure, Posture, Toggles};
 use crate::model::{
     Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension,
 };
 use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
+use crate::solve::Solver;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 

@@ -4,7 +4,7 @@ use super::Table;
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::place::Place;
 use crate::curves::{Curves, Station, Status};
-use crate::kinematics::Work;
+use crate::mechanism::Work;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 

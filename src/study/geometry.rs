@@ -3,7 +3,7 @@
 use super::error::Problems;
 use super::file;
 use super::value::Text;
-use crate::kinematics::has_leverage;
+use crate::mechanism::has_leverage;
 use crate::model::{Body, PointId, Suspension};
 use std::ops::Range as Span;
 

@@ -34,9 +34,9 @@ pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 
 use crate::characteristics::Characteristic;
-use crate::kinematics::PoseError;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Vector3;
+use crate::solve::PoseError;
 
 /// A study, resolved and validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub enum Drive {
     Travel,
     /// The angle of the first control arm from its design position, positive upwards.
     ArmAngle,
-    /// The seed paper's angle theta (see [`crate::kinematics::PaperTheta`]).
+    /// The seed paper's angle theta (see [`crate::attia::PaperTheta`]).
     PaperTheta,
 }
 
@@ -81,7 +81,7 @@ pub enum Formulation {
     /// every output.
     KnucklePose,
     /// The seed paper's fifteen equations in the coordinates of five points
-    /// ([`crate::kinematics::point_coordinates`]): of the MacPherson strut, up to second derivatives.
+    /// ([`crate::attia`]): of the MacPherson strut, up to second derivatives.
     PointCoordinates,
 }
 

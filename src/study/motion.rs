@@ -5,7 +5,7 @@ use super::file;
 use super::names::choose;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
-use crate::kinematics::raises_its_joint;
+use crate::mechanism::raises_its_joint;
 use crate::model::{self, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;

@@ -5,11 +5,11 @@ use super::file::File;
 use super::names::choose;
 use super::value::{Accuracy, Number, Selection, Text};
 use super::{Drive, Formulation, Motion, Order, Outputs};
+use crate::attia::Strut;
 use crate::characteristics::Quantity;
-use crate::kinematics::PoseError;
-use crate::kinematics::point_coordinates::Strut;
 use crate::model::Suspension;
 use crate::number::Vector3;
+use crate::solve::PoseError;
 use std::ops::Range as Span;
 
 impl Formulation {

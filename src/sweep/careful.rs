@@ -3,9 +3,11 @@
 use super::Stations;
 use super::evaluate::{Block, FailedStation};
 use crate::characteristics::{Constants, Quantity, Slots, View};
-use crate::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver, Toggles};
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
 use crate::model::{RockerId, Suspension};
 use crate::number::Vector3;
+use crate::solve::Solver;
 use std::ops::ControlFlow;
 
 /// One design at a time. `N` coefficients of a pose's series at every station.

@@ -9,7 +9,7 @@ use super::aligned::Aligned;
 use super::careful::Careful;
 use super::lanes::LaneSolver;
 use crate::characteristics::Quantity;
-use crate::kinematics::{DesignFault, Failure};
+use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{Bundle, MOST_LANES, Vector3, Width};
 

@@ -13,9 +13,10 @@ use super::lanes::gather;
 use crate::characteristics::{
     ByDirections, Characteristic, Constants, Inputs, LaneReader, LaneWheels,
 };
-use crate::kinematics::{Batch, Gradient, LaneAdjoint, LaneMembers, LanePose, Seeds, Visit};
+use crate::derive::{Gradient, Seeds};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
+use crate::solve::{Batch, LaneAdjoint, LaneMembers, LanePose, Visit};
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

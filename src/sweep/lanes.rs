@@ -3,9 +3,9 @@
 use super::Stations;
 use super::evaluate::{Block, SIDE_BY_SIDE};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels, Quantity};
-use crate::kinematics::{Batch, LanePose, Visit};
 use crate::model::Suspension;
 use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
+use crate::solve::{Batch, LanePose, Visit};
 
 /// Solves as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {

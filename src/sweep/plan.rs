@@ -5,7 +5,7 @@ use super::rows::{Failing, Rows};
 use super::{Block, Evaluator, FORM, Samples, Stations, SweepRecord};
 use crate::characteristics::Quantity;
 use crate::curves::Column;
-use crate::kinematics::DesignFault;
+use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::{Output, Plan};

@@ -1,7 +1,7 @@
 //! What is kept of the designs of a block: a row for each.
 
 use crate::curves::Status;
-use crate::kinematics::{DesignFault, Failure};
+use crate::mechanism::{DesignFault, Failure};
 use crate::model::{Drive, Mechanism};
 
 /// Rows of consecutive designs, in the units they are printed in.

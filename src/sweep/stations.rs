@@ -1,7 +1,7 @@
 //! Where every design of a sweep is solved.
 
-use crate::kinematics::March;
 use crate::model::{Axis, Drive, Frame};
+use crate::solve::March;
 use crate::study::Motion;
 
 /// Drive values times rack displacements: those of the motion first, then those needed besides, for

@@ -2,12 +2,15 @@
 
 use super::scatter::Scatter;
 use super::unsuitable;
-use hardpoint::kinematics::point_coordinates::{
-    Drive, PointCoordinates, Rates, Singular, Strut, StrutPoints,
-};
-use hardpoint::kinematics::{March, Pose, Solver};
+use hardpoint::attia::Drive;
+use hardpoint::attia::Rates;
+use hardpoint::attia::Singular;
+use hardpoint::attia::{Strut, StrutPoints};
+use hardpoint::attia::PointCoordinates;
+use hardpoint::mechanism::Pose;
 use hardpoint::model::{self, Mechanism, Topology};
 use hardpoint::number::{Jet, Vector3};
+use hardpoint::solve::{March, Solver};
 use std::ops::ControlFlow;
 
 const TRAVELS: [f64; 4] = [-0.08, -0.04, 0.04, 0.08];

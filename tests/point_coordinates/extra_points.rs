@@ -1,8 +1,11 @@
 //! Points of interest on every body, in both formulations, against answers of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector};
+use hardpoint::attia::Moving;
+use hardpoint::attia::Drive;
+use hardpoint::attia::StrutPoints;
+use hardpoint::attia::PointCoordinates;
 use hardpoint::curves::{Curves, curves};
-use hardpoint::kinematics::point_coordinates::{Drive, Moving, PointCoordinates, StrutPoints};
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;

@@ -1,9 +1,10 @@
 //! Singular designs, dead centres and the ends of the travel.
 
 use super::{at, bound, nominal, reference, size, strut, unsuitable, with_points};
-use hardpoint::kinematics::point_coordinates::{
-    Drive, PointCoordinates, Pose, Refusal, Singular, Station, Strut, StrutPoints, solve_travel,
-};
+use hardpoint::attia::Drive;
+use hardpoint::attia::{Refusal, Singular};
+use hardpoint::attia::{Strut, StrutPoints};
+use hardpoint::attia::{PointCoordinates, Pose, Station, solve_travel};
 use hardpoint::number::Vector3;
 use std::f64::consts::PI;
 

@@ -8,9 +8,10 @@ mod scatter;
 mod study;
 mod table;
 
-use hardpoint::kinematics::point_coordinates::{
-    Moving, PointCoordinates, Pose, Singular, Station, Strut,
-};
+use hardpoint::attia::Moving;
+use hardpoint::attia::Singular;
+use hardpoint::attia::Strut;
+use hardpoint::attia::{PointCoordinates, Pose, Station};
 use hardpoint::number::Vector3;
 use serde_json::Value;
 

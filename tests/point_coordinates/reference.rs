@@ -1,10 +1,12 @@
 //! Answers of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector, with_points};
-use hardpoint::kinematics::point_coordinates::{
-    Drive, Motion, Moving, PointCoordinates, Pose, Rates, Station, StrutPoints, attia_camber,
-    attia_kingpin,
-};
+use hardpoint::attia::Moving;
+use hardpoint::attia::{attia_camber, attia_kingpin};
+use hardpoint::attia::Drive;
+use hardpoint::attia::{Motion, Rates};
+use hardpoint::attia::StrutPoints;
+use hardpoint::attia::{PointCoordinates, Pose, Station};
 use hardpoint::number::{Jet, Vector3};
 use serde_json::Value;
 

@@ -1,9 +1,9 @@
 //! Many struts, and one in another unit.
 
 use super::{at, bound, nominal, size, with_points};
-use hardpoint::kinematics::point_coordinates::{
-    Drive, PointCoordinates, Pose, Strut, StrutPoints, solve_travel,
-};
+use hardpoint::attia::Drive;
+use hardpoint::attia::{Strut, StrutPoints};
+use hardpoint::attia::{PointCoordinates, Pose, solve_travel};
 use hardpoint::number::Vector3;
 
 /// A generator good enough to scatter hardpoints (Numerical Recipes' quick 64-bit one).

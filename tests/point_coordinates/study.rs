@@ -3,7 +3,10 @@
 use super::table::check_table;
 use super::{at, bound, number, reference, size, strut, vector};
 use assert_cmd::Command;
-use hardpoint::kinematics::point_coordinates::{Drive, PointCoordinates, Rates, StrutPoints};
+use hardpoint::attia::Drive;
+use hardpoint::attia::Rates;
+use hardpoint::attia::StrutPoints;
+use hardpoint::attia::PointCoordinates;
 use hardpoint::number::Vector3;
 use std::collections::HashMap;
 use std::path::Path;

@@ -1,7 +1,10 @@
 //! Table 2 of the paper.
 
 use super::{DATA, at, reference, strut};
-use hardpoint::kinematics::point_coordinates::{Drive, PointCoordinates, Rates, StrutPoints};
+use hardpoint::attia::Drive;
+use hardpoint::attia::Rates;
+use hardpoint::attia::StrutPoints;
+use hardpoint::attia::PointCoordinates;
 use hardpoint::number::Vector3;
 
 /// The paper's example with its drive, at a time of Table 2: eleven vectors in the table's order.

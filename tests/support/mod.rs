@@ -6,11 +6,11 @@ pub mod random;
 pub mod small_steps;
 
 use hardpoint::characteristics::{Characteristic, Quantity, View};
-use hardpoint::kinematics::{March, Solver};
 use hardpoint::model::{
     Axis, Body, Drive, Frame, FrameConvention, Mechanism, Point, PointId, Side, Topology,
 };
 use hardpoint::number::{Jet, Vector3};
+use hardpoint::solve::{March, Solver};
 use serde_json::Value;
 
 /// A number that is stored as a decimal string.
@@ -180,7 +180,7 @@ pub fn sensitivity_errors(
     state: &Value,
     sign: f64,
     view: &View<3>,
-    linearised: &hardpoint::kinematics::Linearised<'_, 3>,
+    linearised: &hardpoint::derive::Linearised<'_, 3>,
 ) -> [Worst; 3] {
     let mut errors = [Worst::default(); 3];
     let sens = &state["sens"];

@@ -14,7 +14,8 @@
 //! A step is taken along the tangent, and kept if Newton's method from there moves little (the path is
 //! nearly straight), settles, and finds the determinant nearly the same; else it is halved.
 
-use hardpoint::kinematics::{MotionPoint, Pose};
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::Pose;
 use hardpoint::model::{Body, Constraint, Drive, Mechanism};
 use hardpoint::number::{Matrix3, Vector3};
 use nalgebra::{SMatrix, SVector};

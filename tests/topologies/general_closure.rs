@@ -4,7 +4,8 @@ use super::support::Worst;
 use super::support::random::Random;
 use super::{at, template, travel};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{Lifted, MotionPoint, Pose};
+use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::mechanism::Pose;
 use hardpoint::model::{Drive, Mechanism};
 use hardpoint::number::{Jet, Vector3};
 

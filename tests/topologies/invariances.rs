@@ -4,7 +4,7 @@
 use super::support::random::Random;
 use super::{characteristics, template, travel};
 use hardpoint::characteristics::Characteristic as C;
-use hardpoint::kinematics::MotionPoint;
+use hardpoint::derive::MotionPoint;
 use hardpoint::model::{Drive, Suspension};
 use hardpoint::number::{Jet, Vector3};
 

@@ -3,8 +3,9 @@
 use super::support::Worst;
 use super::support::random::Random;
 use super::{at, template, travel};
+use hardpoint::analyse::{Load, Reaction, Support};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{Lifted, Load, Reaction, Support};
+use hardpoint::derive::Lifted;
 use hardpoint::model::{Axis, Body};
 use hardpoint::number::Vector3;
 

@@ -13,9 +13,11 @@ mod semi_trailing_arm;
 mod truth;
 
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::kinematics::{DesignFault, Failure, Lifted, MotionPoint, Pose, Solver};
+use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::mechanism::{DesignFault, Failure, Pose};
 use hardpoint::model::{Drive, Mechanism, Suspension, Topology};
 use hardpoint::number::{Jet, Vector3};
+use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;

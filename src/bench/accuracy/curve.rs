@@ -3,9 +3,10 @@
 use super::poses::lagrange;
 use super::subject::{Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::kinematics::{March, Posture, Solver};
+use crate::mechanism::Posture;
 use crate::model::Drive;
 use crate::number::{DoubleDouble, Scalar};
+use crate::solve::{March, Solver};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 

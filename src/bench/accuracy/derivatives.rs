@@ -4,10 +4,12 @@
 use super::subject::{Measured, Subject};
 use super::{Clock, Family, Measurement, Unmeasurable};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Slots, View};
-use crate::kinematics::trial::Forward;
-use crate::kinematics::{Lifted, March, MotionPoint, Pose, Posture, Solver};
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::{Pose, Posture};
 use crate::model::{Drive, PointId};
 use crate::number::{DoubleDouble, Dual, Jet, Scalar, Vector3};
+use crate::solve::trial::Forward;
+use crate::solve::{March, Solver};
 use std::ops::ControlFlow;
 
 /// Gradients by station, output and point, in this order.

@@ -2,12 +2,15 @@
 
 use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
+use crate::attia;
+use crate::attia::PointCoordinates;
+use crate::attia::{Strut, StrutPoints};
 use crate::bench::Job;
-use crate::kinematics::point_coordinates::{self, PointCoordinates, Strut, StrutPoints};
-use crate::kinematics::trial::{Equations, OneEquation, SixEquations, solve};
-use crate::kinematics::{March, Pose, PoseError, Posture, Solver, Work};
+use crate::mechanism::{Pose, Posture, Work};
 use crate::model::{Drive, LengthUnit};
 use crate::number::{DoubleDouble, Vector3};
+use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
+use crate::solve::{March, PoseError, Solver};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -401,11 +404,11 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;
-    let drive = point_coordinates::Drive::Travel;
+    let drive = attia::Drive::Travel;
     let equations = PointCoordinates::new(&strut, StrutPoints::Spread, drive).ok()?;
     let start = equations.placed(subject.rack).ok()?;
-    let read = |pose: &point_coordinates::Pose| {
-        let rates = point_coordinates::Rates::default();
+    let read = |pose: &attia::Pose| {
+        let rates = attia::Rates::default();
         let pose = equations.knuckle_pose::<1>(pose, rates).ok()?;
         Some(camber(&Posture {
             mechanism: &suspension.mechanism,

@@ -2,11 +2,12 @@
 
 use crate::bench::Unmeasurable;
 use crate::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
-use crate::kinematics::trial::{Equations, SixEquations, solve};
-use crate::kinematics::{March, Pose, Posture, Solver};
+use crate::mechanism::{Pose, Posture};
 use crate::model::{Drive, SteeringAxis, Suspension};
 use crate::number::{DoubleDouble, Real, Scalar, Vector3};
 use crate::plan::Plan;
+use crate::solve::trial::{Equations, SixEquations, solve};
+use crate::solve::{March, Solver};
 use crate::study::Study;
 use std::ops::ControlFlow;
 

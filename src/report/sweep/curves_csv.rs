@@ -2,7 +2,7 @@
 
 use super::rows_csv::{append_number, append_whole};
 use crate::curves::Status;
-use crate::kinematics::Failure;
+use crate::mechanism::Failure;
 use crate::model::Axis;
 use crate::study::Study;
 use crate::sweep::{Block, SweepPlan};

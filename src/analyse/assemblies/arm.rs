@@ -1,0 +1,269 @@
+//! All assemblies of a strut or a double wishbone: one turn of the lower arm.
+//!
+//! At an arm angle th there are at most four (module `closed_form`): a strut upright or inverted, or the
+//! upper arm on either side; the outer end of the tie rod on either side of its plane. On each of the four
+//! the travel is an explicit function f(th), so the assemblies are the roots of f(th) = travel over one
+//! turn of the arm. (The four of a strut together are one trigonometric polynomial of degree ten, so there
+//! are at most twenty.)
+//!
+//! They are isolated on intervals, f and f' enclosed by their mean-value forms about the middle m of a
+//! piece X, f(X) in f(m) + f'(X) (X - m), which shrink with the square of its width. A piece of the turn is
+//! dropped if f encloses no root there, or if upper end or tie-rod distance have no real value anywhere on
+//! it; if f' does not vanish on it there is at most one root, decided by the signs at its ends; if all its
+//! poses are closer to an assembly than any other can be, that is the only one; else it is halved. So none
+//! is missed, whatever the distance between two of them. What is narrower than [`NARROWEST`] and still
+//! undecided (a double root) goes to Newton's method on the closure equations.
+
+use super::{Assembly, Search, Undecided};
+use crate::mechanism::Pose;
+use crate::number::Interval;
+use crate::number::Jet;
+use crate::number::{Real, Scalar};
+use crate::solve::closed_form::Roles;
+use crate::solve::closed_form::{ClosedForm, State};
+use std::f64::consts::PI;
+
+/// Pieces this narrow (rad) are not halved any further.
+const NARROWEST: f64 = 1e-10;
+/// Pieces looked at before giving up, for each of the four.
+const MOST_PIECES: usize = 200_000;
+/// The width (rad) from which on Newton's method is tried where the closed form leaves a piece open, and
+/// how much narrower the piece must be for the next try.
+const FIRST_TRY: f64 = 0.02;
+const NEXT_TRY: f64 = 0.1;
+/// How far from a toggle (rad) poses are tried where there is none.
+const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
+/// How far (rad) an assembly may be from the piece that it was looked for on.
+const NEAR: f64 = 1e-4;
+
+type Value = Jet<Interval, 3>;
+
+/// A range of arm angles that is still to be looked at.
+#[derive(Clone, Copy)]
+struct Piece {
+    low: f64,
+    high: f64,
+    /// Newton's method is not tried before it is as narrow as this.
+    next_try: f64,
+}
+
+/// One of the four.
+struct Branch {
+    form: ClosedForm<Interval>,
+    plain: ClosedForm<f64>,
+    travel: Interval,
+    rack: f64,
+}
+
+/// What is known of a piece.
+enum Verdict {
+    /// No root.
+    None,
+    /// One root.
+    One,
+    Open,
+}
+
+impl Search<'_> {
+    /// Finds the assemblies of a mechanism with a closed form.
+    pub(crate) fn by_arm(&mut self, roles: &Roles) {
+        let form = ClosedForm::new(roles, &self.exact);
+        let plain = ClosedForm::new(roles, self.solver.design());
+        for (upper_across, tie_rod_across) in
+            [(false, false), (false, true), (true, false), (true, true)]
+        {
+            self.on_branch(&Branch {
+                form: form.assembled(upper_across, tie_rod_across),
+                plain: plain.assembled(upper_across, tie_rod_across),
+                travel: Interval::point(self.point.value),
+                rack: self.point.rack,
+            });
+        }
+    }
+
+    fn on_branch(&mut self, branch: &Branch) {
+        let mut undecided: Vec<(f64, f64)> = Vec::new();
+        // Not halved at zero, where the design lies.
+        let cut = -PI + 0.1234;
+        let half = |low: f64| Piece {
+            low,
+            high: low + PI,
+            next_try: FIRST_TRY,
+        };
+        let mut pieces = vec![half(cut), half(cut + PI)];
+        let mut looked_at = 0;
+        while let Some(piece) = pieces.pop() {
+            looked_at += 1;
+            let Piece { low, high, .. } = piece;
+            match branch.verdict(low, high) {
+                Verdict::None => continue,
+                Verdict::One => {
+                    let angle = branch.refined(low, high);
+                    match self.beside(branch, angle) {
+                        Some(assembly) => self.add(assembly),
+                        None => join(&mut undecided, (low, high)),
+                    }
+                    continue;
+                }
+                Verdict::Open => (),
+            }
+            let mut next_try = piece.next_try;
+            if high - low < next_try {
+                next_try = NEXT_TRY * (high - low);
+                if self.settles(branch, low, high) {
+                    continue;
+                }
+            }
+            if high - low < NARROWEST || looked_at > MOST_PIECES {
+                join(&mut undecided, (low, high));
+                continue;
+            }
+            let middle = low + 0.4871 * (high - low);
+            let part = |low, high| Piece {
+                low,
+                high,
+                next_try,
+            };
+            pieces.push(part(low, middle));
+            pieces.push(part(middle, high));
+        }
+        for (low, high) in undecided {
+            // A root of even order, or one at a toggle: as seen from the middle, or there is none.
+            match self.beside(branch, 0.5 * (low + high)) {
+                Some(assembly) => self.add(assembly),
+                None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
+            }
+        }
+    }
+
+    /// Whether all poses of a piece are next to one assembly: one that is known, or one that Newton's
+    /// method finds from here.
+    fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
+        let poses = branch.poses(Interval::bounds(low, high));
+        if self.is_settled(&poses) {
+            return true;
+        }
+        let start = branch.pose(0.5 * (low + high));
+        let found = start.and_then(|start| self.assembly(&start));
+        let Some(assembly) = found else {
+            return false;
+        };
+        self.add(assembly);
+        self.is_settled(&poses)
+    }
+
+    /// The assembly at an arm angle, or so near that it cannot be told from one there.
+    fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
+        let found = self.assembly(&branch.pose(angle)?)?;
+        let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
+        (apart < 0.5 * NEAR).then_some(found)
+    }
+}
+
+impl Branch {
+    /// Whether there is a root on a piece.
+    fn verdict(&self, low: f64, high: f64) -> Verdict {
+        let piece = Interval::bounds(low, high);
+        let (state, miss) = self.miss(piece);
+        let squares = self.form.map(Jet::constant).squares(&state).map(|s| s[0]);
+        let excludes_zero = |i: Interval| i.low > 0.0 || i.high < 0.0;
+        if squares.iter().any(|s| s.high < 0.0) || excludes_zero(miss[0]) {
+            return Verdict::None;
+        }
+        if !squares.iter().all(|s| s.low > 0.0) {
+            return Verdict::Open;
+        }
+        let centre = piece.middle();
+        let (_, there) = self.miss(Interval::point(centre));
+        let around = piece - Interval::point(centre);
+        let slope = miss[1].meet(there[1] + (miss[2] + miss[2]) * around);
+        if excludes_zero(there[0] + slope * around) {
+            return Verdict::None;
+        }
+        if !excludes_zero(slope) {
+            return Verdict::Open;
+        }
+        let at = |angle: f64| self.miss(Interval::point(angle)).1[0];
+        let ends = match slope.low > 0.0 {
+            true => [at(low), at(high)],
+            false => [at(high), at(low)],
+        };
+        match ends {
+            [first, last] if first.low > 0.0 || last.high < 0.0 => Verdict::None,
+            [first, last] if first.high < 0.0 && last.low > 0.0 => Verdict::One,
+            _ => Verdict::Open,
+        }
+    }
+
+    /// State and f - travel, as series in the angle.
+    fn miss(&self, angle: Interval) -> (State<Value>, Value) {
+        let form = self.form.map(Jet::constant);
+        let state = self.state(&form, angle);
+        let miss = form.travel(&state) - Jet::constant(self.travel);
+        (state, miss)
+    }
+
+    /// The mechanism on a piece. The square of the tie-rod end's distance from its plane is a small
+    /// difference of large terms near a toggle: its mean-value form is far narrower than these.
+    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> State<Value> {
+        let at = |angle: Interval| {
+            let (sine, cosine) = angle.sin_cos();
+            form.at(
+                Jet([cosine, -sine, cosine.scaled(-0.5)]),
+                Jet([sine, cosine, sine.scaled(-0.5)]),
+                Jet::constant(Interval::point(self.rack)),
+            )
+        };
+        let over = at(angle);
+        let middle = Interval::point(angle.middle());
+        let (square, there) = (over.toggle_square(), at(middle).toggle_square());
+        let around = angle - middle;
+        let slope = square[1].meet(there[1] + (square[2] + square[2]) * around);
+        let value = square[0].meet(there[0] + slope * around);
+        form.with_toggle_square(over, Jet([value, slope, square[2]]))
+    }
+
+    /// All poses of a piece.
+    fn poses(&self, angle: Interval) -> Pose<Interval> {
+        let form = self.form.map(Jet::constant);
+        form.pose(&self.state(&form, angle)).map(|series| series[0])
+    }
+
+    /// The pose at an arm angle, or the next that can be computed, if there is one.
+    fn pose(&self, angle: f64) -> Option<Pose<f64>> {
+        BESIDE.iter().find_map(|by| {
+            let (sine, cosine) = (angle + by).sin_cos();
+            let mut state = self.plain.at(cosine, sine, self.rack);
+            state.at_toggle_if_beyond();
+            let pose = self.plain.pose(&state);
+            let [x, y, z] = pose.rotation.columns;
+            let sum = pose.origin.norm() + x.norm() + y.norm() + z.norm();
+            sum.is_finite().then_some(pose)
+        })
+    }
+
+    /// The root on a piece with one, by bisection until Newton's method has nothing to fear.
+    fn refined(&self, mut low: f64, mut high: f64) -> f64 {
+        let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
+        let rising = at(high) > at(low);
+        while high - low > 1e-12 {
+            let middle = 0.5 * (low + high);
+            if (at(middle) > 0.0) == rising {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// Adds a range, joined with the last one if they touch.
+fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
+    match ranges.last_mut() {
+        // Pieces come from the top of the stack, that is upward.
+        Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
+        Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
+        _ => ranges.push((low, high)),
+    }
+}

@@ -1,0 +1,296 @@
+//! All assemblies of a design: every pose its lengths allow at a given travel, on whatever branch.
+//!
+//! A complete method for each kind of mechanism, none of which can miss an assembly:
+//!
+//! - [`arm`]: strut and double wishbone, by their closed form. One turn of the lower arm is searched on
+//!   intervals, for each side that upper end and tie rod can be on;
+//! - [`hinge`]: a semi-trailing arm, two points of a circle;
+//! - [`rods`]: a knuckle on rods, as of a five-link. All rotations are searched on intervals.
+//!
+//! What they isolate goes to Newton's method on the closure equations and is proved by its certificate.
+
+mod arm;
+mod hinge;
+mod rods;
+
+use super::certificate::{Certificate, Certifier};
+use crate::derive::MotionPoint;
+use crate::mechanism::{Pose, Posture};
+use crate::model::{Arm, Constraint, Drive, Mechanism};
+use crate::number::Interval;
+use crate::number::Vector3;
+use crate::solve::Solver;
+use crate::solve::closed_form::Circle;
+use crate::solve::closed_form::Roles;
+
+/// One way to assemble a design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assembly {
+    /// Pose of the knuckle.
+    pub pose: Pose<f64>,
+    /// Angle of the first arm from the design position (radians, positive raises its outer joint), where
+    /// there is an arm.
+    pub arm_angle: Option<f64>,
+    /// Whether each of the [`Assemblies::traits`] is as in the design; `None` where it is neither way.
+    pub branch: Vec<Option<bool>>,
+    /// Position of the wheel centre.
+    pub wheel_centre: Vector3<f64>,
+    /// Proof of the pose; `None` where it is as good as singular.
+    pub certificate: Option<Certificate>,
+}
+
+/// Something that is one way or the other in an assembly, and neither way only where it changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trait {
+    /// A strut's mount above or below the foot of the ball joint on its axis.
+    Strut,
+    /// The side of the upper arm on which the steering axis is, seen along the arm's axis.
+    UpperArm,
+    /// The side of the plane through steering axis and rack joint on which the tie rod's end is.
+    TieRod,
+    /// Whether an arm on a hinge rises or falls as it turns.
+    Arm,
+    /// The sign of the determinant of the closure equations.
+    Determinant,
+}
+
+impl Trait {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Trait::Strut => "strut",
+            Trait::UpperArm => "upper_arm",
+            Trait::TieRod => "tie_rod",
+            Trait::Arm => "arm",
+            Trait::Determinant => "determinant",
+        }
+    }
+
+    /// The word for either.
+    pub fn word(self, as_designed: bool) -> &'static str {
+        match (self, as_designed) {
+            (Trait::Strut, true) => "upright",
+            (Trait::Strut, false) => "inverted",
+            (Trait::Determinant, false) => "reversed",
+            (_, true) => "as designed",
+            (_, false) => "across",
+        }
+    }
+}
+
+/// What was found at one travel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Assemblies {
+    /// What tells assemblies of this mechanism apart.
+    pub traits: Vec<Trait>,
+    /// By arm angle; without an arm, by the rotation from the design position.
+    pub found: Vec<Assembly>,
+    /// Where it could not be decided whether there is one more; nothing for all but degenerate designs.
+    pub undecided: Vec<Undecided>,
+}
+
+/// Where something is left open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Undecided {
+    /// Between two angles of the first arm (radians).
+    ArmAngle(f64, f64),
+    /// Next to a pose.
+    Pose(Pose<f64>),
+    /// This share of all rotations of the knuckle was not searched: it would have taken too long.
+    Rotations(f64),
+}
+
+/// An assembly that cannot be proved and is as near as this (in sizes) to another is taken for the same
+/// double one, whose place rounding leaves open to the square root of its relative size.
+const DOUBLE: f64 = 1e-5;
+/// Undecided places kept apart in the answer.
+const MOST_UNDECIDED: usize = 64;
+
+impl Assembly {
+    /// How far the knuckle is turned from the design position (radians, 0 to pi).
+    pub fn turn(&self) -> f64 {
+        turn(&self.pose)
+    }
+}
+
+/// How far a knuckle is turned.
+fn turn(pose: &Pose<f64>) -> f64 {
+    let [a, b, c] = pose.rotation.columns;
+    let twice_sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x).norm();
+    twice_sine.atan2(a.x + b.y + c.z - 1.0)
+}
+
+impl Solver<'_> {
+    /// Every assembly of the design's lengths at a wheel travel, the rack displaced by `rack` (towards the
+    /// kernel's +y). `None` for a mechanism that there is no complete method for.
+    pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
+        let mut search = Search::new(self, travel, rack);
+        let mechanism = self.mechanism();
+        match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
+            (Some(roles), _) => search.by_arm(&roles),
+            (None, [Constraint::Revolute { .. }]) => search.by_hinge(),
+            _ => search.by_rods()?,
+        }
+        let mut all = search.all;
+        all.undecided.truncate(MOST_UNDECIDED);
+        let place = |a: &Assembly| a.arm_angle.unwrap_or_else(|| a.turn());
+        all.found.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        Some(all)
+    }
+}
+
+/// What tells assemblies of a mechanism apart.
+fn traits(mechanism: &Mechanism) -> Vec<Trait> {
+    match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
+        (Some(roles), _) if roles.is_strut() => vec![Trait::Strut, Trait::TieRod],
+        (Some(_), _) => vec![Trait::UpperArm, Trait::TieRod],
+        (None, [Constraint::Revolute { .. }]) => vec![Trait::Arm],
+        _ => vec![Trait::Determinant],
+    }
+}
+
+/// The assemblies of one design at one travel, as they are found.
+struct Search<'a> {
+    solver: &'a Solver<'a>,
+    certifier: Certifier<'a>,
+    point: MotionPoint<f64>,
+    /// The design with nothing rounded.
+    exact: Vec<Vector3<Interval>>,
+    all: Assemblies,
+}
+
+impl<'a> Search<'a> {
+    fn new(solver: &'a Solver<'a>, travel: f64, rack: f64) -> Self {
+        let design = solver.design();
+        Search {
+            solver,
+            certifier: Certifier::new(solver.mechanism(), design),
+            point: MotionPoint {
+                drive: Drive::Travel,
+                value: travel,
+                rack,
+            },
+            exact: design.iter().map(|p| p.map(Interval::point)).collect(),
+            all: Assemblies {
+                traits: traits(solver.mechanism()),
+                ..Assemblies::default()
+            },
+        }
+    }
+
+    /// The assembly that Newton's method comes to from a pose. It may settle where there is none but
+    /// almost: what is not proved must at least obey the equations.
+    fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
+        let pose = self.solver.polished(near, &self.point)?;
+        let certificate = self.certifier.pose(&pose, &self.point).ok();
+        if certificate.is_none() && !self.solver.closes(&pose, &self.point) {
+            return None;
+        }
+        let at = self.solver.posture(&pose, self.point.rack);
+        let mechanism = self.solver.mechanism();
+        let angle = mechanism.arms.first().map(|arm| {
+            let circle = Circle::of(*arm, self.solver.design());
+            circle.angle(at.point(arm.outer))
+        });
+        Some(Assembly {
+            pose,
+            arm_angle: angle,
+            branch: self.branch(&at),
+            wheel_centre: at.point(mechanism.wheel_centre),
+            certificate,
+        })
+    }
+
+    /// Whether a pose is as the design in each of the mechanism's traits.
+    fn branch(&self, now: &Posture<f64>) -> Vec<Option<bool>> {
+        let start = self.solver.design_pose();
+        let design = self.solver.posture(&start, 0.0);
+        let alike = |what: &Trait| {
+            let (sign, designed) = (self.sign(*what, now)?, self.sign(*what, &design)?);
+            Some((sign < 0.0) == (designed < 0.0))
+        };
+        self.all.traits.iter().map(alike).collect()
+    }
+
+    /// Something that has a trait's sign.
+    fn sign(&self, of: Trait, at: &Posture<f64>) -> Option<f64> {
+        let mechanism = self.solver.mechanism();
+        let roles = Roles::of(mechanism);
+        let steering_axis =
+            |roles: &Roles| at.point(roles.upper_end()) - at.point(roles.ball_joint());
+        match of {
+            Trait::Strut => {
+                let line = roles?.strut_line(self.solver.design())?;
+                Some(at.pose.rotation.apply(line).dot(steering_axis(&roles?)))
+            }
+            Trait::UpperArm => {
+                Some(velocity(at, mechanism.arms.get(1)?).dot(steering_axis(&roles?)))
+            }
+            Trait::TieRod => {
+                let from = at.point(roles?.ball_joint());
+                let [inner, outer] = roles?.tie_rod().map(|id| at.point(id) - from);
+                Some(outer.dot(steering_axis(&roles?).cross(inner)))
+            }
+            Trait::Arm => Some(velocity(at, mechanism.arms.first()?).z),
+            Trait::Determinant => {
+                let lu = self.solver.factorise(&at.pose, &self.point)?;
+                Some(lu.determinant())
+            }
+        }
+    }
+
+    /// Adds an assembly, unless it was found already, as from the other side of a toggle.
+    fn add(&mut self, assembly: Assembly) {
+        if self.is_settled(&assembly.pose.map(Interval::point)) {
+            return;
+        }
+        let size = self.solver.size();
+        let known = self.all.found.iter_mut().find(|a| {
+            let unproved = a.certificate.is_none() || assembly.certificate.is_none();
+            unproved && apart(&a.pose, &assembly.pose, size) < DOUBLE * size
+        });
+        match known {
+            Some(known) if known.certificate.is_none() => *known = assembly,
+            Some(_) => (),
+            None => self.all.found.push(assembly),
+        }
+    }
+
+    /// Whether all of these poses are so close to one proved assembly that no other is among them.
+    fn is_settled(&self, poses: &Pose<Interval>) -> bool {
+        self.all.found.iter().any(|assembly| {
+            let Some(proof) = assembly.certificate else {
+                return false;
+            };
+            let far = |a: Vector3<Interval>, b: Vector3<f64>| {
+                let parts = (a - b.map(Interval::point)).to_array();
+                parts
+                    .map(Interval::magnitude)
+                    .into_iter()
+                    .fold(0.0, f64::max)
+            };
+            let turned = poses
+                .rotation
+                .columns
+                .into_iter()
+                .zip(assembly.pose.rotation.columns);
+            let turned = turned.map(|(a, b)| far(a, b)).fold(0.0, f64::max);
+            // Coordinates of the origin count as they are, the rotation in scales.
+            far(poses.origin, assembly.pose.origin) < proof.uniqueness
+                && turned * proof.scale < proof.uniqueness
+        })
+    }
+}
+
+/// Velocity of an arm's outer joint for a turn about its axis, up to a positive factor.
+fn velocity(at: &Posture<f64>, arm: &Arm) -> Vector3<f64> {
+    let from = at.point(arm.rear);
+    (at.point(arm.front) - from).cross(at.point(arm.outer) - from)
+}
+
+/// How far two poses are from each other, as a length.
+fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
+    let columns = a.rotation.columns.iter().zip(b.rotation.columns);
+    let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
+    (a.origin - b.origin).norm() + turned * size
+}

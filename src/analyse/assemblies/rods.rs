@@ -1,0 +1,443 @@
+//! All assemblies of a knuckle on rods: branch and prune over every rotation.
+//!
+//! With p the position of the knuckle's origin, R its rotation, b the lever of a rod's outer end, a its
+//! inner end and L its length, e the lever of the wheel centre and h the height it is to have,
+//!
+//! ```text
+//! F = (|p + R b - a|^2 - L^2)/(2 L)   for each rod,      F = p_z + (R e)_z - h
+//! R = C(v) D,   C(v) c = c + 2 (v x c + v x (v x c))/(1 + v.v),   D one of 1 and the half turns about x, y, z
+//! ```
+//!
+//! Every rotation has a quaternion whose largest component is 1, so v in [-1, 1]^3 with the four D is all
+//! of them; and p is no further from a rod's inner end than the rod and its lever are long. With
+//! g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//!
+//! In a box of (p, v), in this order:
+//!
+//! 1. height and lengths are solved for each coordinate of p in turn, which narrows the box or empties it;
+//! 2. the mean-value form of each equation must contain 0;
+//! 3. Krawczyk's operator K = x - A F(x) + (1 - A J(X)) (X - x), A an inverse of J in the middle x: all
+//!    solutions in X are in K; if K lies inside X there is one and only one (R. Krawczyk, *Computing* 4,
+//!    1969; R. E. Moore, *SIAM J. Numer. Anal.* 14, 1977). It is repeated while it narrows the box much.
+//!
+//! What is left is halved across the variable that moves the equations most. Everything is rounded
+//! outward, so no assembly is missed.
+
+use super::{Search, Undecided, apart};
+use crate::linear::lu::Lu6;
+use crate::mechanism::Pose;
+use crate::model::{Body, Constraint, Mechanism};
+use crate::number::Interval;
+use crate::number::{Matrix3, Vector3};
+use crate::number::{Real, Scalar};
+use std::array::from_fn;
+
+/// p and v.
+type Cell = [Interval; 6];
+
+/// Boxes looked at before giving up: a good ten seconds. A design takes fifty to two hundred thousand.
+const MOST_CELLS: usize = 1_000_000;
+/// Boxes that move no equation by more than this share of the size are not halved any further.
+const NARROWEST: f64 = 1e-9;
+/// Newton's method is tried in boxes that move no equation by more than this share of the size, and so
+/// often at the most: it takes ten times as long as a box, and only singular assemblies need it.
+const FIRST_TRY: f64 = 1e-3;
+const MOST_TRIES: usize = 4000;
+/// Krawczyk's operator is repeated while it leaves no more than this part of a box's volume.
+const WORTHWHILE: f64 = 0.5;
+/// An assembly is that of its box if it is as near as this, in sizes.
+const NEAR: f64 = 1e-6;
+
+/// A rod, for one D.
+#[derive(Clone, Copy)]
+struct Rod {
+    /// a
+    inner: Vector3<Interval>,
+    /// D b
+    lever: Vector3<Interval>,
+    /// L^2
+    squared: Interval,
+    /// 1/L: it only scales the equation, and may be rounded.
+    scale: f64,
+}
+
+/// The equations for one D.
+struct Chart {
+    rods: [Rod; 5],
+    /// D e
+    wheel_lever: Vector3<Interval>,
+    /// h
+    height: Interval,
+    /// The signs on D's diagonal.
+    half_turn: [f64; 3],
+}
+
+/// What is known of a box.
+enum Verdict {
+    /// There is no assembly.
+    None,
+    /// There is one, in this box.
+    One(Cell),
+    /// This is left, with what each variable moves the equations by.
+    Open(Cell, [f64; 6]),
+}
+
+impl Search<'_> {
+    /// Finds the assemblies of a mechanism whose constraints are five rods; `None` for another.
+    pub(crate) fn by_rods(&mut self) -> Option<()> {
+        let mechanism = self.solver.mechanism();
+        let (rods, origin) = (
+            rods(mechanism, &self.exact, self.point.rack)?,
+            mechanism.origin,
+        );
+        let design = |id: usize| self.exact[id];
+        let wheel = design(mechanism.wheel_centre.0);
+        let wheel_lever = wheel - design(origin.0);
+        let height = wheel.z + Interval::point(self.point.value);
+        let within = place(&rods);
+        let (mut looked_at, mut tries, mut unsearched) = (0, 0, 0.0);
+        for half_turn in [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]] {
+            let flipped = |v: Vector3<Interval>| {
+                let [x, y, z] = half_turn;
+                Vector3::new(v.x.scaled(x), v.y.scaled(y), v.z.scaled(z))
+            };
+            let chart = Chart {
+                rods: rods.map(|rod| Rod {
+                    lever: flipped(rod.lever),
+                    ..rod
+                }),
+                wheel_lever: flipped(wheel_lever),
+                height,
+                half_turn,
+            };
+            let turn = Interval::bounds(-1.0, 1.0);
+            let [x, y, z] = within.to_array();
+            let mut cells = vec![[x, y, z, turn, turn, turn]];
+            while let Some(cell) = cells.pop() {
+                looked_at += 1;
+                if looked_at > MOST_CELLS {
+                    let part = |cell: &Cell| (3..6).map(|k| 0.5 * width(cell[k])).product::<f64>();
+                    unsearched += (part(&cell) + cells.iter().map(part).sum::<f64>()) / 4.0;
+                    break;
+                }
+                let (cell, moves) = match chart.verdict(cell) {
+                    Verdict::None => continue,
+                    Verdict::One(cell) => {
+                        self.take(&chart.pose(&cell));
+                        continue;
+                    }
+                    Verdict::Open(cell, moves) => (cell, moves),
+                };
+                let (widest, most) = (0..6)
+                    .map(|k| (k, moves[k]))
+                    .fold((0, -1.0), |a, b| if b.1 > a.1 { b } else { a });
+                if most < FIRST_TRY * self.solver.size() {
+                    let poses = chart.pose(&cell);
+                    if self.is_settled(&poses) {
+                        continue;
+                    }
+                    if tries < MOST_TRIES {
+                        tries += 1;
+                        if let Some(assembly) = self.assembly(&middle(&poses)) {
+                            self.add(assembly);
+                        }
+                        if self.is_settled(&poses) {
+                            continue;
+                        }
+                    }
+                }
+                if most < NARROWEST * self.solver.size() {
+                    self.leave_open(middle(&chart.pose(&cell)));
+                    continue;
+                }
+                let Interval { low, high } = cell[widest];
+                // Not in the middle, where the design may lie.
+                let cut = low + 0.4871 * (high - low);
+                let (mut below, mut above) = (cell, cell);
+                below[widest] = Interval::bounds(low, cut);
+                above[widest] = Interval::bounds(cut, high);
+                cells.extend([below, above]);
+            }
+        }
+        if unsearched > 0.0 {
+            self.all
+                .undecided
+                .push(Undecided::Rotations(unsearched.min(1.0)));
+        }
+        Some(())
+    }
+
+    /// Adds the one assembly among these poses.
+    fn take(&mut self, poses: &Pose<Interval>) {
+        let (near, size) = (middle(poses), self.solver.size());
+        let found = self.assembly(&near);
+        match found.filter(|a| apart(&a.pose, &near, size) < NEAR * size) {
+            Some(assembly) => self.add(assembly),
+            None => self.leave_open(near),
+        }
+    }
+
+    /// Notes that nothing could be decided next to a pose, once for each place.
+    fn leave_open(&mut self, pose: Pose<f64>) {
+        let size = self.solver.size();
+        let known = |u: &Undecided| match u {
+            Undecided::Pose(other) => apart(other, &pose, size) < NEAR * size,
+            _ => false,
+        };
+        if self.all.undecided.len() < crate::analyse::assemblies::MOST_UNDECIDED
+            && !self.all.undecided.iter().any(known)
+        {
+            self.all.undecided.push(Undecided::Pose(pose));
+        }
+    }
+}
+
+/// The five rods of a mechanism that has them and nothing else.
+fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Option<[Rod; 5]> {
+    let origin = design[mechanism.origin.0];
+    let rod = |constraint: &Constraint| {
+        let Constraint::Link { inner, outer } = *constraint else {
+            return None;
+        };
+        let [from, to] = [inner, outer].map(|id| design[id.0]);
+        let mut there = from;
+        match (
+            mechanism.points[inner.0].body,
+            mechanism.points[outer.0].body,
+        ) {
+            (Body::Rack, Body::Knuckle) => there.y = there.y + Interval::point(rack),
+            (Body::Chassis, Body::Knuckle) => (),
+            _ => return None,
+        }
+        let squared = (to - from).norm_squared();
+        Some(Rod {
+            inner: there,
+            lever: to - origin,
+            squared,
+            scale: 1.0 / squared.middle().sqrt(),
+        })
+    };
+    let rods: Option<Vec<Rod>> = mechanism.constraints.iter().map(rod).collect();
+    rods?.try_into().ok()
+}
+
+/// Where the knuckle's origin can be: within reach of every rod.
+fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
+    let within = |rod: &Rod| {
+        let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
+        let around = Interval::bounds(-reach.high, reach.high);
+        rod.inner.map(|c| c + around)
+    };
+    let narrowest = rods.iter().map(within);
+    narrowest.fold(Vector3::default().map(|_: f64| Interval::WHOLE), |a, b| {
+        if width(b.x) < width(a.x) { b } else { a }
+    })
+}
+
+/// F and J of a box.
+struct Linearised {
+    f: [Interval; 6],
+    jacobian: [[Interval; 6]; 6],
+}
+
+impl Chart {
+    fn verdict(&self, mut cell: Cell) -> Verdict {
+        if self.narrowed(&mut cell).is_none() {
+            return Verdict::None;
+        }
+        let mut one = false;
+        let moves = loop {
+            let middle = cell.map(Interval::middle);
+            let over = self.linearised(&cell);
+            let there = self.linearised(&middle.map(Interval::point)).f;
+            let around: Cell = from_fn(|k| cell[k] - Interval::point(middle[k]));
+            let moves: [f64; 6] = from_fn(|k| {
+                let steepest = over.jacobian.iter().map(|row| row[k].magnitude());
+                steepest.fold(0.0, f64::max) * width(cell[k])
+            });
+            for (f, row) in there.iter().zip(&over.jacobian) {
+                let form = row
+                    .iter()
+                    .zip(&around)
+                    .fold(*f, |sum, (j, d)| sum + *j * *d);
+                if form.low > 0.0 || form.high < 0.0 {
+                    return Verdict::None;
+                }
+            }
+            let Some(inverse) = inverse(&over.jacobian) else {
+                break moves;
+            };
+            let mut inside = true;
+            let mut left = 1.0;
+            let mut next = cell;
+            for (k, row) in inverse.iter().enumerate() {
+                let mut image = Interval::point(middle[k]);
+                for (factor, f) in row.iter().zip(&there) {
+                    image = image - Interval::point(*factor) * *f;
+                }
+                for (j, by) in around.iter().enumerate() {
+                    let mut defect = Interval::point(if j == k { 1.0 } else { 0.0 });
+                    for (factor, gradient) in row.iter().zip(&over.jacobian) {
+                        defect = defect - Interval::point(*factor) * gradient[j];
+                    }
+                    image = image + defect * *by;
+                }
+                inside &= image.low > cell[k].low && image.high < cell[k].high;
+                let Some(common) = common(cell[k], image) else {
+                    return Verdict::None;
+                };
+                left *= width(common) / width(cell[k]);
+                next[k] = common;
+            }
+            cell = next;
+            one |= inside;
+            // NaN where the box is a point.
+            if left.is_nan() || left > WORTHWHILE {
+                break moves;
+            }
+        };
+        match one {
+            true => Verdict::One(cell),
+            false => Verdict::Open(cell, moves),
+        }
+    }
+
+    /// Narrows p by the height and by each rod's length; `None` if nothing is left.
+    fn narrowed(&self, cell: &mut Cell) -> Option<()> {
+        let rotation = rotation(cell);
+        let rise = apply(&rotation, self.wheel_lever).z;
+        cell[2] = common(cell[2], self.height - rise)?;
+        for rod in &self.rods {
+            let from = (apply(&rotation, rod.lever) - rod.inner).to_array();
+            let mut along: [Interval; 3] = from_fn(|k| cell[k] + from[k]);
+            for k in 0..3 {
+                let others = square(along[(k + 1) % 3]) + square(along[(k + 2) % 3]);
+                let rest = rod.squared - others;
+                if rest.high < 0.0 {
+                    return None;
+                }
+                let Interval { low, high } = rest.sqrt();
+                let sides = [Interval::bounds(low, high), Interval::bounds(-high, -low)];
+                along[k] = match sides.map(|side| common(along[k], side)) {
+                    [Some(a), Some(b)] => a.hull(b),
+                    [a, b] => a.or(b)?,
+                };
+                cell[k] = common(cell[k], along[k] - from[k])?;
+            }
+        }
+        Some(())
+    }
+
+    fn linearised(&self, cell: &Cell) -> Linearised {
+        let [x, y, z, a, b, c] = *cell;
+        let (position, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        let rotation = rotation(cell);
+        let one = Interval::point(1.0);
+        let twice = one.lit(2.0) / (one + square(a) + square(b) + square(c));
+        let row = |lever: Vector3<Interval>, gradient: Vector3<Interval>| {
+            let moment = lever.cross(gradient);
+            let by_turn = (moment + moment.cross(turn)) * twice;
+            let [[x, y, z], [a, b, c]] = [gradient.to_array(), by_turn.to_array()];
+            [x, y, z, a, b, c]
+        };
+        let mut f = [one; 6];
+        let mut jacobian = [[one; 6]; 6];
+        for (k, rod) in self.rods.iter().enumerate() {
+            let lever = apply(&rotation, rod.lever);
+            let along = position + lever - rod.inner;
+            let squared = square(along.x) + square(along.y) + square(along.z);
+            f[k] = (squared - rod.squared).scaled(0.5 * rod.scale);
+            jacobian[k] = row(lever, along * one.lit(rod.scale));
+        }
+        let lever = apply(&rotation, self.wheel_lever);
+        f[5] = position.z + lever.z - self.height;
+        jacobian[5] = row(lever, Vector3::new(one.zero(), one.zero(), one));
+        Linearised { f, jacobian }
+    }
+
+    /// The poses of a box.
+    fn pose(&self, cell: &Cell) -> Pose<Interval> {
+        let rows = rotation(cell);
+        let [x, y, z] = rows.map(Vector3::to_array);
+        Pose {
+            origin: Vector3::new(cell[0], cell[1], cell[2]),
+            rotation: Matrix3 {
+                columns: from_fn(|k| {
+                    let column = Vector3::new(x[k], y[k], z[k]);
+                    column.map(|c| c.scaled(self.half_turn[k]))
+                }),
+            },
+        }
+    }
+}
+
+/// The rows of C(v).
+fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
+    let v = [cell[3], cell[4], cell[5]];
+    let squares = v.map(square);
+    let one = Interval::point(1.0);
+    let twice = one.lit(2.0) / (one + squares[0] + squares[1] + squares[2]);
+    let unit = Interval::bounds(-1.0, 1.0);
+    let within = |entry: Interval| common(entry, unit).unwrap_or(unit);
+    // 1 - 2 t/(1 + x^2 + t) with t the other two squares: t/(s + t) grows with t and falls with s.
+    let diagonal = |i: usize| {
+        let (t, s) = (
+            squares[(i + 1) % 3] + squares[(i + 2) % 3],
+            one + squares[i],
+        );
+        let ratio = |t: f64, s: f64| {
+            let t = Interval::point(t);
+            t / (Interval::point(s) + t)
+        };
+        let ratio = ratio(t.low, s.high).hull(ratio(t.high, s.low));
+        within(one - (ratio + ratio))
+    };
+    let aside = |i: usize, j: usize, k: Interval| within((v[i] * v[j] + k) * twice);
+    [
+        Vector3::new(diagonal(0), aside(0, 1, -v[2]), aside(0, 2, v[1])),
+        Vector3::new(aside(0, 1, v[2]), diagonal(1), aside(1, 2, -v[0])),
+        Vector3::new(aside(0, 2, -v[1]), aside(1, 2, v[0]), diagonal(2)),
+    ]
+}
+
+fn apply(rows: &[Vector3<Interval>; 3], v: Vector3<Interval>) -> Vector3<Interval> {
+    Vector3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v))
+}
+
+/// An inverse of the middle of a matrix, rounded.
+fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
+    let lu = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?;
+    let columns: [[f64; 6]; 6] = from_fn(|k| lu.solve(from_fn(|i| if i == k { 1.0 } else { 0.0 })));
+    let rows = from_fn(|i| from_fn(|k| columns[k][i]));
+    let finite = columns.iter().flatten().all(|entry| entry.is_finite());
+    finite.then_some(rows)
+}
+
+/// What two intervals have in common.
+fn common(a: Interval, b: Interval) -> Option<Interval> {
+    let (low, high) = (a.low.max(b.low), a.high.min(b.high));
+    (low <= high).then(|| Interval::bounds(low, high))
+}
+
+/// The square of an interval, exactly as wide as it must be.
+fn square(a: Interval) -> Interval {
+    let (low, high) = (a.low.abs(), a.high.abs());
+    let most = Interval::point(low.max(high)).squared();
+    match a.low <= 0.0 && a.high >= 0.0 {
+        true => Interval::bounds(0.0, most.high),
+        false => Interval::point(low.min(high)).squared().hull(most),
+    }
+}
+
+fn width(a: Interval) -> f64 {
+    a.high - a.low
+}
+
+/// The middle of some poses, a rotation but for their width.
+fn middle(poses: &Pose<Interval>) -> Pose<f64> {
+    let middle = poses.map(Interval::middle);
+    Pose {
+        rotation: middle.rotation.orthonormalised(),
+        ..middle
+    }
+}

@@ -1,0 +1,142 @@
+//! Proof that poses lie on the branch of the design position: a chain of proved steps.
+
+use super::{Certificate, Certifier};
+use crate::derive::MotionPoint;
+use crate::mechanism::Pose;
+use crate::mechanism::Unproven;
+use crate::mechanism::{DesignFault, Failure};
+use crate::model::Drive;
+use crate::solve::Station;
+use crate::solve::{March, Solver};
+use std::ops::ControlFlow;
+
+/// The most steps a path from one station to the next may be proved in.
+const MOST_STEPS: usize = 4096;
+/// Halvings of such a step.
+const MOST_HALVINGS: usize = 40;
+
+impl Solver<'_> {
+    /// As [`Solver::march`], with a proof of every pose: that it is right, and that it lies on the branch
+    /// of the design position. What cannot be proved is refused.
+    ///
+    /// # Errors
+    /// If the design position itself is singular.
+    pub fn march_certified(
+        &mut self,
+        certifier: &Certifier,
+        drive: Drive,
+        march: &March,
+        rack: f64,
+        mut visit: impl FnMut(
+            &Self,
+            usize,
+            Result<(&Pose<f64>, Certificate), Failure>,
+        ) -> ControlFlow<()>,
+    ) -> Result<(), DesignFault> {
+        let mut found: Vec<Result<Pose<f64>, Failure>> =
+            vec![Err(Failure::Singular); march.values().len()];
+        self.march(drive, march, rack, |_, station, pose| {
+            found[station] = pose.copied();
+            ControlFlow::Continue(())
+        })?;
+        let start = match self.placed(drive, rack)? {
+            Ok(placed) => {
+                let design = self.design_place(drive);
+                Proved::new(certifier, design)
+                    .and_then(|from| self.prove_path(certifier, from, placed))
+                    .map_err(Failure::Uncertified)
+            }
+            Err(failure) => Err(failure),
+        };
+        for side in march.sides() {
+            let mut from = start;
+            for station in side {
+                let point = MotionPoint {
+                    drive,
+                    value: march.values()[*station],
+                    rack,
+                };
+                let certified = found[*station].and_then(|pose| {
+                    self.prove_path(certifier, from?, (pose, point))
+                        .map_err(Failure::Uncertified)
+                });
+                // Beyond a gap in the proof there is none; what is unreachable ends the side anyway.
+                from = certified;
+                let shown = match &certified {
+                    Ok(proved) => Ok((&proved.place.0, proved.certificate)),
+                    Err(failure) => Err(*failure),
+                };
+                if visit(self, *station, shown).is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Proves that a pose lies on one branch with another, in as many steps as it takes.
+    fn prove_path(
+        &mut self,
+        certifier: &Certifier,
+        mut from: Proved,
+        to: Station,
+    ) -> Result<Proved, Unproven> {
+        if from.place == to {
+            return Ok(from);
+        }
+        // What is still to be proved to be on the branch, nearest last.
+        let mut goals = vec![(Proved::new(certifier, to)?, 0)];
+        for _ in 0..MOST_STEPS {
+            let Some(&(goal, depth)) = goals.last() else {
+                return Ok(from);
+            };
+            let failed = match from.reaches(certifier, &goal) {
+                Ok(()) => {
+                    from = goal;
+                    goals.pop();
+                    continue;
+                }
+                Err(failed) => failed,
+            };
+            if depth == MOST_HALVINGS {
+                return Err(failed);
+            }
+            let ((pose, start), (_, end)) = (from.place, goal.place);
+            let between = MotionPoint {
+                drive: end.drive,
+                value: 0.5 * (start.value + end.value),
+                rack: 0.5 * (start.rack + end.rack),
+            };
+            let middle = self
+                .pose_towards(&pose, &start, &between)
+                .map_err(|_| Unproven::Branch)?;
+            let top = goals.last_mut().expect("looked at above");
+            top.1 += 1;
+            let depth = top.1;
+            // An end that is itself unproved will not become so by a shorter way to it.
+            goals.push((Proved::new(certifier, (middle, between))?, depth));
+        }
+        Err(Unproven::Branch)
+    }
+}
+
+/// A pose that is proved to be right.
+#[derive(Clone, Copy)]
+struct Proved {
+    place: Station,
+    certificate: Certificate,
+}
+
+impl Proved {
+    fn new(certifier: &Certifier, place: Station) -> Result<Self, Unproven> {
+        let certificate = certifier.pose(&place.0, &place.1)?;
+        Ok(Proved { place, certificate })
+    }
+
+    /// Whether the straight line to another one is proved to run beside one branch.
+    fn reaches(&self, certifier: &Certifier, other: &Self) -> Result<(), Unproven> {
+        let ((from, start), (to, end)) = (&self.place, &other.place);
+        let errors = [self.certificate.error, other.certificate.error];
+        certifier.line((from, start), (to, end), errors)
+    }
+}

@@ -1,0 +1,158 @@
+//! Proof that a pose is right: the theorem of Newton and Kantorovich on the quadratic closure equations.
+//!
+//! In the twelve numbers x of a pose (position of the origin, nine entries of the rotation) the five
+//! constraints, the drive and the six conditions R^T R = 1 are quadratic ([`quadratic`]). With A an approximate inverse
+//! of the Jacobian J at x, in the maximum norm,
+//!
+//! ```text
+//! Y = |A F(x)|,   Z0 = |1 - A J(x)|,   Z2 = |A H|,   H the constant second derivative
+//!
+//! Z0 < 1 and 2 Z2 Y <= (1 - Z0)^2   =>   one and only one solution within r+, and it is within r-,
+//! r- = 2 Y / (1 - Z0 + sqrt d),  r+ = (1 - Z0 + sqrt d) / Z2,  d = (1 - Z0)^2 - 2 Z2 Y
+//! ```
+//!
+//! (radii polynomial: |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 <= r maps the ball into
+//! itself). F, J and H are evaluated on [`Interval`]s from the hardpoints on, so that link lengths, strut
+//! normals and everything else are enclosed as well: the proof is about the exact mechanism whose
+//! hardpoints are the given doubles, whatever is rounded on the way. Lengths are divided by a power of
+//! two near the size.
+//!
+//! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are
+//! F = a + b t + c t^2 (with c enclosed over the line where the drive is an angle), so
+//!
+//! ```text
+//! |A F(x(t))| <= |A a| + |A (b + c)| + |A c|/4          as t (1 - t) <= 1/4
+//! ```
+//!
+//! and with J enclosed over the line the same inequality proves, for every t, one and only one solution
+//! within r+ of the line: both poses lie on one branch. A chain of such steps from the design position
+//! proves a whole curve.
+
+mod branch;
+mod quadratic;
+mod theorem;
+
+use crate::derive::MotionPoint;
+use crate::mechanism::Pose;
+use crate::mechanism::Unproven;
+use crate::model::{Drive, Mechanism};
+use crate::number::Interval;
+use crate::number::Real;
+use crate::number::Vector3;
+use quadratic::{Quadratic, middles};
+use std::array::from_fn;
+use std::cell::OnceCell;
+use theorem::{image, inverse, radii};
+
+const N: usize = 12;
+type Square = [[f64; N]; N];
+
+/// What is proved of a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Certificate {
+    /// The exact pose is no further than this from the computed one: coordinates of the knuckle's
+    /// origin differ by no more than this length, entries of the rotation by no more than this over the
+    /// scale.
+    pub error: f64,
+    /// No other solution is closer than this, measured alike.
+    pub uniqueness: f64,
+    /// The length the rotation is counted at: the power of two next to the size.
+    pub scale: f64,
+}
+
+impl Certificate {
+    /// Bound on the distance between the exact and the computed position of a knuckle point at
+    /// `distance` from the knuckle's origin, not counting the rounding in forming it.
+    pub fn point_error(&self, distance: f64) -> f64 {
+        // |dr| <= sqrt 3 e, |dR b| <= |dR|_F |b| <= 3 (e/scale) |b|.
+        1.7321 * self.error + 3.0 * self.error / self.scale * distance
+    }
+}
+
+/// Proves the poses of one design.
+pub struct Certifier<'m> {
+    mechanism: &'m Mechanism,
+    design: Vec<Vector3<f64>>,
+    scale: f64,
+    /// By kind of drive, made when first needed.
+    equations: [OnceCell<Quadratic>; 2],
+}
+
+impl<'m> Certifier<'m> {
+    /// For this design.
+    pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Self {
+        Certifier {
+            mechanism,
+            design: design.to_vec(),
+            scale: mechanism.size(design).log2().round().exp2(),
+            equations: [OnceCell::new(), OnceCell::new()],
+        }
+    }
+
+    fn equations(&self, drive: Drive) -> &Quadratic {
+        self.equations[drive as usize]
+            .get_or_init(|| Quadratic::new(self.mechanism, &self.design, self.scale, drive))
+    }
+
+    /// Proves a pose, the drive and the rack being exactly at `point`.
+    ///
+    /// # Errors
+    /// Why nothing could be proved.
+    pub fn pose(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Result<Certificate, Unproven> {
+        let equations = self.equations(point.drive);
+        let (f, jacobian) = equations.linearised(&equations.displacement(pose, point));
+        let inverse = inverse(&middles(&jacobian))?;
+        let bends = &equations.pose_bends;
+        let radii = radii(&inverse, &jacobian, bends, image(&inverse, &f))?;
+        Ok(Certificate {
+            error: (radii.error * self.scale).next_up(),
+            uniqueness: (radii.uniqueness * self.scale).next_down(),
+            scale: self.scale,
+        })
+    }
+
+    /// Proves that two poses lie on one branch, with one and only one solution beside every point of
+    /// the straight line between them.
+    ///
+    /// # Errors
+    /// Why nothing could be proved; a shorter step may do.
+    pub fn step(
+        &self,
+        (from, start): (&Pose<f64>, &MotionPoint<f64>),
+        (to, end): (&Pose<f64>, &MotionPoint<f64>),
+    ) -> Result<(), Unproven> {
+        let ends = [self.pose(from, start)?, self.pose(to, end)?];
+        self.line((from, start), (to, end), ends.map(|proof| proof.error))
+    }
+
+    /// As [`Certifier::step`] with both ends proved already, to within `errors`.
+    fn line(
+        &self,
+        (from, start): (&Pose<f64>, &MotionPoint<f64>),
+        (to, end): (&Pose<f64>, &MotionPoint<f64>),
+        errors: [f64; 2],
+    ) -> Result<(), Unproven> {
+        let equations = self.equations(start.drive);
+        let [a, b] = [(from, start), (to, end)].map(|(p, at)| equations.displacement(p, at));
+        let ([constant, slope, bend], jacobian) = equations.on_line([&a, &b], [start, end]);
+        let inverse = inverse(&middles(&jacobian))?;
+        let ends = from_fn(|i| slope[i] + bend[i]);
+        let bound = [
+            Interval::point(image(&inverse, &constant)),
+            Interval::point(image(&inverse, &ends)),
+            Interval::point(image(&inverse, &bend)).scaled(0.25),
+        ];
+        let bound = bound[0] + bound[1] + bound[2];
+        let radii = radii(&inverse, &jacobian, &equations.pose_bends, bound.high)?;
+        // The proved solutions at both ends are the ones beside the line.
+        let within = (radii.uniqueness * self.scale).next_down();
+        match errors.into_iter().all(|error| error <= within) {
+            true => Ok(()),
+            false => Err(Unproven::TooClose),
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! The twelve equations as a quadratic polynomial with interval coefficients.
+//!
+//! In the displacement z from the design position, of the pose's twelve numbers, the rack and the drive
+//! (its value, or sine and cosine - 1 of an angle), the equations are quadratic, with no remainder:
+//!
+//! ```text
+//! F(z) = F0 + J0 z + H(z, z)/2,   J(z) = J0 + H z,   F(z) = F0 + (J0 + J(z)) z/2
+//! ```
+//!
+//! F0, J0 and H are enclosed once, by differentiating the closure's own equations twice. Evaluating the
+//! polynomial then takes some hundred products. Lengths are counted in the scale.
+
+use super::theorem::ROUNDING;
+use super::{N, Square};
+use crate::derive::MotionPoint;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Pose, Posture};
+use crate::model::{Drive, Mechanism};
+use crate::number::Dual;
+use crate::number::Interval;
+use crate::number::Real;
+use crate::number::{Matrix3, Vector3};
+use std::array::from_fn;
+
+/// The pose, the rack, and two for the drive.
+const V: usize = N + 3;
+const RACK: usize = N;
+const DRIVE: [usize; 2] = [N + 1, N + 2];
+/// A number with its gradient.
+type Once = Dual<Interval, V>;
+/// A number with its first and second derivatives.
+type Twice = Dual<Once, V>;
+
+/// A displacement from the design position.
+pub(crate) type Displacement = [Interval; V];
+/// The Jacobian by the pose.
+pub(crate) type Jacobian = [[Interval; N]; N];
+
+/// An entry of a second derivative.
+#[derive(Clone, Copy, Debug)]
+struct Bend {
+    equation: usize,
+    by: usize,
+    and_by: usize,
+    value: Interval,
+}
+
+/// The equations of one design with one kind of drive.
+pub(crate) struct Quadratic {
+    drive: Drive,
+    /// What counts as 1: a power of two next to the size.
+    scale: f64,
+    /// Design position of the knuckle's origin.
+    origin: Vector3<f64>,
+    constant: [Interval; N],
+    linear: [[Interval; V]; N],
+    bends: Vec<Bend>,
+    /// Second derivatives by the pose alone, by pairs of variables.
+    pub(crate) pose_bends: Vec<PoseBend>,
+}
+
+/// A second derivative by a pair of the pose's numbers, counted twice where they are two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoseBend {
+    pub equation: usize,
+    /// Number of the pair.
+    pub pair: usize,
+    pub middle: f64,
+    /// What the middle may be off by, rounding of the sums it goes into included.
+    pub off: f64,
+}
+
+impl Quadratic {
+    pub(crate) fn new(
+        mechanism: &Mechanism,
+        design: &[Vector3<f64>],
+        scale: f64,
+        drive: Drive,
+    ) -> Self {
+        let lifted: Vec<_> = design.iter().map(|p| p.map(constant)).collect();
+        let closure = Closure::new(mechanism, &lifted);
+        let origin = design[mechanism.origin.0];
+        let input = |j: usize| {
+            let value = match j {
+                0..3 => origin.to_array()[j],
+                3..N if (j - 3).is_multiple_of(4) => 1.0,
+                _ if j == DRIVE[1] && drive == Drive::ArmAngle => 1.0,
+                _ => 0.0,
+            };
+            Twice {
+                value: Once::input(Interval::point(value), j),
+                ..Twice::input(Once::constant(Interval::point(value)), j)
+            }
+        };
+        let vector = |first: usize| Vector3::new(input(first), input(first + 1), input(first + 2));
+        let pose = Pose {
+            origin: vector(0),
+            rotation: Matrix3 {
+                columns: [vector(3), vector(6), vector(9)],
+            },
+        };
+        let driver = match drive {
+            Drive::Travel => Driver::Travel(input(DRIVE[0])),
+            Drive::ArmAngle => Driver::ArmAngle {
+                sine: input(DRIVE[0]),
+                cosine: input(DRIVE[1]),
+            },
+        };
+        let at = Posture {
+            mechanism,
+            design: &lifted,
+            pose,
+            rack: input(RACK),
+            steering: None,
+        };
+        let closed = closure.residuals(&at, driver);
+        let [a, b, c] = pose.rotation.columns;
+        let norm = |v: Vector3<Twice>| (v.norm_squared() - v.x.one()).scaled(0.5);
+        let turned = [norm(a), norm(b), norm(c), a.dot(b), b.dot(c), c.dot(a)];
+        let unit = |j: usize| match j < 3 || is_length(j, drive) {
+            true => scale,
+            false => 1.0,
+        };
+        let mut first = [Interval::point(0.0); N];
+        let mut linear = [[Interval::point(0.0); V]; N];
+        let mut bends = Vec::new();
+        for (i, equation) in closed.into_iter().chain(turned).enumerate() {
+            // The first six equations are lengths.
+            let inverse = if i < 6 { 1.0 / scale } else { 1.0 };
+            first[i] = equation.value.value.times(inverse);
+            for (j, partial) in equation.partials.iter().enumerate() {
+                linear[i][j] = partial.value.times(unit(j) * inverse);
+                for (l, second) in partial.partials.iter().enumerate() {
+                    if *second != Interval::point(0.0) {
+                        bends.push(Bend {
+                            equation: i,
+                            by: j,
+                            and_by: l,
+                            value: second.times(unit(j) * unit(l) * inverse),
+                        });
+                    }
+                }
+            }
+        }
+        // Both orders of two variables count.
+        let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
+        let mut pose_bends: Vec<_> = of_pose
+            .map(|b| {
+                let both = b.value.times(if b.by == b.and_by { 1.0 } else { 2.0 });
+                let middle = both.middle();
+                PoseBend {
+                    equation: b.equation,
+                    pair: N * b.by + b.and_by,
+                    middle,
+                    off: radius(both, middle) + ROUNDING * middle.abs(),
+                }
+            })
+            .collect();
+        pose_bends.sort_by_key(|b| b.pair);
+        Quadratic {
+            drive,
+            scale,
+            origin,
+            constant: first,
+            linear,
+            pose_bends,
+            bends,
+        }
+    }
+
+    /// The displacement to a pose and motion point.
+    pub(crate) fn displacement(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Displacement {
+        let length = |to: f64, from: f64| {
+            (Interval::point(to) - Interval::point(from)).times(1.0 / self.scale)
+        };
+        let one = Interval::point(1.0);
+        let columns = pose.rotation.columns.map(Vector3::to_array);
+        let (at, origin) = (pose.origin.to_array(), self.origin.to_array());
+        let drive = match self.drive {
+            Drive::Travel => [length(point.value, 0.0), Interval::point(0.0)],
+            Drive::ArmAngle => {
+                let (sine, cosine) = Interval::point(point.value).sin_cos();
+                [sine, cosine - one]
+            }
+        };
+        from_fn(|j| match j {
+            0..3 => length(at[j], origin[j]),
+            3..N => {
+                let (column, row) = (j / 3 - 1, j % 3);
+                let entry = Interval::point(columns[column][row]);
+                if column == row { entry - one } else { entry }
+            }
+            RACK => length(point.rack, 0.0),
+            _ => drive[j - DRIVE[0]],
+        })
+    }
+
+    /// J(z) by every variable.
+    fn gradients(&self, z: &Displacement) -> [[Interval; V]; N] {
+        let mut gradients = self.linear;
+        for b in &self.bends {
+            let entry = &mut gradients[b.equation][b.by];
+            *entry = *entry + b.value * z[b.and_by];
+        }
+        gradients
+    }
+
+    /// F(z) and J(z).
+    pub(crate) fn linearised(&self, z: &Displacement) -> ([Interval; N], Jacobian) {
+        let gradients = self.gradients(z);
+        let values = from_fn(|i| {
+            let terms = self.linear[i].iter().zip(&gradients[i]).zip(z);
+            let sum = terms.fold(Interval::point(0.0), |sum, ((first, now), z)| {
+                sum + (*first + *now) * *z
+            });
+            self.constant[i] + sum.scaled(0.5)
+        });
+        (values, gradients.map(by_pose))
+    }
+
+    /// The equations on the straight line between two poses, the drive and the rack going evenly from one
+    /// motion point to the other: coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and
+    /// the Jacobian over the whole line.
+    pub(crate) fn on_line(
+        &self,
+        [from, to]: [&Displacement; 2],
+        [start, end]: [&MotionPoint<f64>; 2],
+    ) -> ([[Interval; N]; 3], Jacobian) {
+        let mut over: Displacement = from_fn(|j| from[j].hull(to[j]));
+        let mut along: Displacement = from_fn(|j| to[j] - from[j]);
+        // Second derivatives of the variables, halved.
+        let mut curved = [Interval::point(0.0); 2];
+        let mut along_anywhere = along;
+        if self.drive == Drive::ArmAngle {
+            let (s, e) = (Interval::point(start.value), Interval::point(end.value));
+            let rate = e - s;
+            let (sine, cosine) = s.sin_cos();
+            along[DRIVE[0]] = cosine * rate;
+            along[DRIVE[1]] = -(sine * rate);
+            let (sine, cosine) = s.hull(e).sin_cos();
+            over[DRIVE[0]] = sine;
+            over[DRIVE[1]] = cosine - Interval::point(1.0);
+            along_anywhere[DRIVE[0]] = cosine * rate;
+            along_anywhere[DRIVE[1]] = -(sine * rate);
+            let half = rate.squared().scaled(-0.5);
+            curved = [sine * half, cosine * half];
+        }
+        let (constant, _) = self.linearised(from);
+        let here = self.gradients(from);
+        let anywhere = self.gradients(&over);
+        let zero = Interval::point(0.0);
+        let slope = from_fn(|i| {
+            let terms = here[i].iter().zip(&along);
+            terms.fold(zero, |sum, (g, v)| sum + *g * *v)
+        });
+        // Halves of H(z', z') + J z''.
+        let mut bend: [Interval; N] =
+            from_fn(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
+        for b in &self.bends {
+            let product = along_anywhere[b.by] * along_anywhere[b.and_by];
+            bend[b.equation] = bend[b.equation] + (b.value * product).scaled(0.5);
+        }
+        ([constant, slope, bend], anywhere.map(by_pose))
+    }
+}
+
+fn constant(value: f64) -> Twice {
+    Twice::constant(Once::constant(Interval::point(value)))
+}
+
+fn is_length(variable: usize, drive: Drive) -> bool {
+    variable == RACK || variable == DRIVE[0] && drive == Drive::Travel
+}
+
+fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
+    from_fn(|j| gradient[j])
+}
+
+/// How far an interval reaches from a number in it, at most.
+pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
+    let reach = (interval.high - middle).max(middle - interval.low);
+    // A difference of doubles is zero only where they are equal; the next number after zero would make
+    // all that it is multiplied with subnormal, and slow.
+    match reach > 0.0 {
+        true => reach.next_up(),
+        false => 0.0,
+    }
+}
+
+/// The middles of a Jacobian.
+pub(crate) fn middles(jacobian: &Jacobian) -> Square {
+    jacobian.map(|row| row.map(Interval::middle))
+}

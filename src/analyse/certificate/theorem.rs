@@ -1,0 +1,154 @@
+//! One application of the theorem of Newton and Kantorovich.
+//!
+//! The sums with many terms, |A F|, |1 - A J| and |A H|, are formed in plain doubles from middles and radii, and
+//! what rounding may have made of them is added: with u the unit roundoff, a sum of n products is off by
+//! no more than n u/(1 - n u) times the sum of their absolute values (N. J. Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, 3.1), and all sums here have at most sixteen.
+
+use super::quadratic::{Jacobian, PoseBend, middles, radius};
+use super::{N, Square};
+use crate::mechanism::Unproven;
+use crate::number::Interval;
+use crate::number::Real;
+use std::array::from_fn;
+
+/// The radii of one application of the theorem.
+pub(crate) struct Radii {
+    pub error: f64,
+    pub uniqueness: f64,
+}
+
+/// Sixteen units of roundoff, and as much again as the quotient and the bound's own products need.
+pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Sums of up to two hundred non-negative terms, each rounded a few times, lose less than this part.
+const UPWARD: f64 = 1.0 + 1e-12;
+
+/// The theorem for the middles' approximate inverse A: `residual` bounds |A F|.
+pub(crate) fn radii(
+    inverse: &Square,
+    jacobian: &Jacobian,
+    bends: &[PoseBend],
+    residual: f64,
+) -> Result<Radii, Unproven> {
+    let left = Interval::point(1.0) - Interval::point(defect(inverse, jacobian));
+    // Never NaN: intervals have no such bounds.
+    if left.low <= 0.0 {
+        return Err(Unproven::Singular);
+    }
+    let (residual, bend) = (
+        Interval::point(residual),
+        Interval::point(curvature(inverse, bends)),
+    );
+    let discriminant = left.squared() - (residual * bend).scaled(2.0);
+    if discriminant.low < 0.0 {
+        return Err(Unproven::TooClose);
+    }
+    let root = left + discriminant.sqrt();
+    let error = (residual.scaled(2.0) / root).high;
+    let uniqueness = (root / bend).low;
+    if error.is_finite() && uniqueness.is_finite() {
+        Ok(Radii { error, uniqueness })
+    } else {
+        Err(Unproven::Singular)
+    }
+}
+
+/// A bound on |1 - A J|.
+fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
+    let middle = middles(jacobian);
+    let off: Square = from_fn(|k| {
+        from_fn(|j| radius(jacobian[k][j], middle[k][j]) + ROUNDING * middle[k][j].abs())
+    });
+    let row = |i: usize| {
+        let mut product = [0.0; N];
+        let mut unsure = [0.0; N];
+        product[i] = -1.0;
+        unsure[i] = ROUNDING;
+        for k in 0..N {
+            let factor = inverse[i][k];
+            for j in 0..N {
+                product[j] += factor * middle[k][j];
+                unsure[j] += factor.abs() * off[k][j];
+            }
+        }
+        let terms = product.iter().zip(&unsure);
+        terms.map(|(p, u)| p.abs() + u).sum::<f64>()
+    };
+    largest((0..N).map(row))
+}
+
+/// A bound on |A H|.
+fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
+    let row = |i: usize| {
+        let (mut total, mut unsure) = (0.0, 0.0);
+        for pair in bends.chunk_by(|a, b| a.pair == b.pair) {
+            let mut sum = 0.0;
+            for bend in pair {
+                let factor = inverse[i][bend.equation];
+                sum += factor * bend.middle;
+                unsure += factor.abs() * bend.off;
+            }
+            total += sum.abs();
+        }
+        total + unsure
+    };
+    largest((0..N).map(row))
+}
+
+/// The largest of some sums of non-negative terms, rounded up, underflow included.
+fn largest(sums: impl Iterator<Item = f64>) -> f64 {
+    sums.fold(0.0, |most: f64, sum| {
+        // Written so that NaN becomes infinite.
+        let bound = sum * UPWARD + f64::MIN_POSITIVE;
+        match bound <= f64::MAX {
+            true => most.max(bound),
+            false => f64::INFINITY,
+        }
+    })
+}
+
+/// A bound on the norm of A applied to a vector.
+pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
+    let middle = vector.map(Interval::middle);
+    let off: [f64; N] = from_fn(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());
+    let row = |row: &[f64; N]| {
+        let (mut sum, mut unsure) = (0.0, 0.0);
+        for j in 0..N {
+            sum += row[j] * middle[j];
+            unsure += row[j].abs() * off[j];
+        }
+        f64::abs(sum) + unsure
+    };
+    largest(inverse.iter().map(row))
+}
+
+/// An approximate inverse, by Gauss and Jordan with partial pivoting.
+pub(crate) fn inverse(matrix: &Square) -> Result<Square, Unproven> {
+    let mut a = *matrix;
+    let mut b: Square = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+    for k in 0..N {
+        let mut pivot = k;
+        for i in k + 1..N {
+            if a[i][k].abs() > a[pivot][k].abs() {
+                pivot = i;
+            }
+        }
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        let divisor = a[k][k];
+        if !(divisor.is_finite() && divisor != 0.0) {
+            return Err(Unproven::Singular);
+        }
+        a[k] = a[k].map(|v| v / divisor);
+        b[k] = b[k].map(|v| v / divisor);
+        let (pivot_a, pivot_b) = (a[k], b[k]);
+        for i in (0..N).filter(|i| *i != k) {
+            let factor = a[i][k];
+            for j in 0..N {
+                a[i][j] -= factor * pivot_a[j];
+                b[i][j] -= factor * pivot_b[j];
+            }
+        }
+    }
+    Ok(b)
+}

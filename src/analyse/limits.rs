@@ -1,0 +1,275 @@
+//! How far a mechanism goes: the exact values at which it folds, why, and how they move with the design.
+//!
+//! At a fold the pose can still move while the drive stands still: F_x t = 0. With w the multipliers for
+//! which w F_x = 0 and w F_q = 1, the limit q obeys
+//!
+//! ```text
+//! F(x, q, p) = 0   =>   dq/dp = - w . F_p
+//! ```
+//!
+//! (the pose drops out, whatever it does), so the gradient costs one back-substitution.
+//!
+//! *Why it folds* is read off that motion. Per unit speed of the arm's outer joint, the wheel centre
+//! rises by three terms: with the outer joint, by the knuckle's swing about it as the joint above guides
+//! it, and by steering about the steering axis, which the tie rod imposes. At a fold of the travel they
+//! cancel; the cause is the term whose change along the path brings that about. Where the drive is the
+//! arm or the rack, it is the part of the motion that is left when the drive stands still.
+
+use crate::derive::MotionPoint;
+use crate::derive::sensitivity::HardpointGradient;
+use crate::mechanism::DesignFault;
+use crate::mechanism::ROUNDING;
+use crate::mechanism::RowSet;
+use crate::mechanism::{LimitCause, Toggle};
+use crate::mechanism::{Pose, Posture};
+use crate::model::Drive;
+use crate::model::{RockerId, Rod};
+use crate::number::Vector3;
+use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
+use crate::solve::{March, Solver};
+use std::ops::ControlFlow;
+
+/// A value at which the mechanism folds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// The value, in the mechanism's length unit or in radians.
+    pub value: f64,
+    /// Why it goes no further.
+    pub cause: LimitCause,
+    /// The pose at the fold.
+    pub pose: Pose<f64>,
+    /// Derivative of the value by every point of the design.
+    pub gradient: Vec<Vector3<f64>>,
+}
+
+/// One end of a range.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RangeEnd {
+    /// The mechanism folds.
+    Fold(Limit),
+    /// The arm can be turned right round: there is no limit before +-pi.
+    FullTurn,
+    /// The path could not be followed beyond this value.
+    Unresolved(f64),
+}
+
+impl RangeEnd {
+    /// The value at the end.
+    pub fn value(&self) -> f64 {
+        match self {
+            RangeEnd::Fold(limit) => limit.value,
+            RangeEnd::FullTurn => std::f64::consts::PI,
+            RangeEnd::Unresolved(value) => *value,
+        }
+    }
+}
+
+/// How far one quantity goes from the design position, the others held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// The end at negative values.
+    pub lower: RangeEnd,
+    /// The end at positive values.
+    pub upper: RangeEnd,
+}
+
+impl Range {
+    /// What is left from `value` to the nearer end; negative beyond it.
+    pub fn margin(&self, value: f64) -> f64 {
+        let lower = match &self.lower {
+            RangeEnd::FullTurn => -std::f64::consts::PI,
+            end => end.value(),
+        };
+        (self.upper.value() - value).min(value - lower)
+    }
+}
+
+/// How far a suspension goes from its design position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// Wheel travel, the rack in the middle.
+    pub travel: Range,
+    /// Rack displacement towards the kernel's +y, at zero travel; `None` where nothing is on the rack.
+    pub rack: Option<Range>,
+    /// Angle of the first arm (radians), the rack in the middle; `None` where there is no arm.
+    pub arm_angle: Option<Range>,
+    /// Where rockers come to a toggle within that travel, the rack in the middle.
+    pub rockers: Vec<RockerRange>,
+}
+
+/// How far the wheel travels before a rocker comes to a toggle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RockerRange {
+    /// The rocker.
+    pub rocker: RockerId,
+    /// In droop; `None` where the wheel's own travel ends first.
+    pub lower: Option<Toggle>,
+    /// In jounce, likewise.
+    pub upper: Option<Toggle>,
+}
+
+/// Places at which a rocker is looked at on the way to the end of the travel.
+const LOOKS: u32 = 256;
+
+impl Solver<'_> {
+    /// The ranges of travel, rack and arm angle.
+    ///
+    /// # Errors
+    /// If the design position itself is singular.
+    pub fn limits(&mut self) -> Result<Limits, DesignFault> {
+        let mechanism = self.mechanism();
+        let has_rack = mechanism
+            .points
+            .iter()
+            .any(|p| p.body == crate::model::Body::Rack);
+        let travel = self.drive_range(Drive::Travel, 0.0)?;
+        let ends = [travel.lower.value(), travel.upper.value()];
+        let mut rockers = Vec::new();
+        for rocker in (0..mechanism.rockers.len()).map(RockerId) {
+            let [lower, upper] = ends.map(|end| self.toggle_towards(rocker, end));
+            rockers.push(RockerRange {
+                rocker,
+                lower: lower?,
+                upper: upper?,
+            });
+        }
+        Ok(Limits {
+            travel,
+            rockers,
+            rack: match has_rack {
+                true => Some(self.range(Drive::Travel, Moving::Rack, 0.0)?),
+                false => None,
+            },
+            arm_angle: match mechanism.arms.is_empty() {
+                true => None,
+                false => Some(self.drive_range(Drive::ArmAngle, 0.0)?),
+            },
+        })
+    }
+
+    /// The first toggle of a rocker on the way of the wheel to `end`.
+    fn toggle_towards(
+        &mut self,
+        rocker: RockerId,
+        end: f64,
+    ) -> Result<Option<Toggle>, DesignFault> {
+        let places: Vec<f64> = (1..LOOKS)
+            .map(|k| end * f64::from(k) / f64::from(LOOKS))
+            .collect();
+        let Some((place, mut rod)) = self.first_toggle(rocker, &places)? else {
+            return Ok(None);
+        };
+        let mut outside = places[place];
+        let mut inside = place.checked_sub(1).map_or(0.0, |k| places[k]);
+        while (outside - inside).abs() > ROUNDING * outside.abs() {
+            let middle = 0.5 * (inside + outside);
+            match self.first_toggle(rocker, &[middle])? {
+                Some((_, found)) => (outside, rod) = (middle, found),
+                None => inside = middle,
+            }
+        }
+        Ok(Some(Toggle {
+            travel: inside,
+            rod,
+        }))
+    }
+
+    /// The first of some travels, in outward order, at which a rocker is stuck, and by which rod.
+    fn first_toggle(
+        &mut self,
+        rocker: RockerId,
+        travels: &[f64],
+    ) -> Result<Option<(usize, Rod)>, DesignFault> {
+        let mut first = None;
+        self.march(
+            Drive::Travel,
+            &March::through(travels),
+            0.0,
+            |solver, place, pose| {
+                let Ok(pose) = pose else {
+                    return ControlFlow::Break(());
+                };
+                let at = Posture {
+                    mechanism: solver.mechanism(),
+                    design: solver.design(),
+                    pose: *pose,
+                    rack: 0.0,
+                    steering: None,
+                };
+                first = at.toggle(rocker).map(|rod| (place, rod));
+                match first {
+                    Some(_) => ControlFlow::Break(()),
+                    None => ControlFlow::Continue(()),
+                }
+            },
+        )?;
+        Ok(first)
+    }
+
+    /// The range of a drive with the rack displaced by `rack` (towards the kernel's +y).
+    ///
+    /// # Errors
+    /// If the design position itself is singular. Where the rack cannot be displaced so far the range is
+    /// empty, with both ends at zero and unresolved.
+    pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
+        self.range(drive, Moving::Drive, rack)
+    }
+
+    fn range(&mut self, drive: Drive, moving: Moving, rack: f64) -> Result<Range, DesignFault> {
+        let start = match self.placed(drive, rack)? {
+            Ok(start) => start,
+            Err(_) => {
+                return Ok(Range {
+                    lower: RangeEnd::Unresolved(0.0),
+                    upper: RangeEnd::Unresolved(0.0),
+                });
+            }
+        };
+        let farthest = match (moving, drive) {
+            (Moving::Drive, Drive::ArmAngle) => std::f64::consts::PI,
+            _ => f64::INFINITY,
+        };
+        let curve = self.curve(moving, start.1);
+        let value = match moving {
+            Moving::Drive => start.1.value,
+            Moving::Rack => start.1.rack,
+        };
+        let end = |target: f64| match curve.to(&start.0, value, target) {
+            Ok(_) => RangeEnd::FullTurn,
+            Err(PathEnd::Unresolved(value)) => RangeEnd::Unresolved(value),
+            Err(PathEnd::Fold(fold)) => RangeEnd::Fold(Limit {
+                value: fold.value(),
+                cause: curve.cause(&fold),
+                pose: fold.pose(),
+                gradient: curve.fold_gradient(&fold),
+            }),
+        };
+        Ok(Range {
+            lower: end(-farthest),
+            upper: end(farthest),
+        })
+    }
+}
+
+impl Curve<'_> {
+    /// Derivative of the value at a fold by every point of the design.
+    fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
+        let motion: MotionPoint<f64> = self.motion(fold.value());
+        let at = Posture {
+            mechanism: self.mechanism,
+            design: self.design,
+            pose: fold.pose(),
+            rack: motion.rack,
+            steering: None,
+        };
+        let mut gradient = vec![Vector3::new(0.0, 0.0, 0.0); self.design.len()];
+        self.closure.differential(
+            RowSet::ALL,
+            &at,
+            motion.driver(),
+            &self.fold_multipliers(fold).map(|m| -m),
+            &mut HardpointGradient(gradient.as_mut_slice()),
+        );
+        gradient
+    }
+}

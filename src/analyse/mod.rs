@@ -1,0 +1,12 @@
+//! What else can be asked of a mechanism: how far it goes, what its links carry, in how many ways it can be
+//! assembled, and a proof of a pose.
+
+mod assemblies;
+pub(crate) mod certificate;
+mod limits;
+mod loads;
+
+pub use assemblies::{Assemblies, Assembly, Trait, Undecided};
+pub use certificate::{Certificate, Certifier};
+pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
+pub use loads::{Balance, Load, Reaction, Reactions, Support};

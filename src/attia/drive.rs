@@ -1,0 +1,192 @@
+//! Equation (15), the drive: the paper's own and two regular ones.
+
+use super::knuckle::KnucklePoint;
+use super::{Moving, Strut};
+use crate::number::Vector3;
+
+/// What moves the suspension. The value of each is a number, in the unit given here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// Rotation of the lower arm from its design position, about the direction from
+    /// `lower_arm_front` to `lower_arm_rear` (positive: wheel down), in radians. Regular except at a
+    /// tie-rod toggle.
+    ArmAngle,
+    /// Equation (15): z5 - z1 = d51 cos(theta), theta in radians from the vertical.
+    ///
+    /// The equation only knows the cosine. Where theta passes a multiple of pi the arm does not pass
+    /// its dead centre: it turns back on the side it came from. At the dead centre the equation is
+    /// singular. Where `lower_arm_front` is not beside the ball joint, d51 is more than the arm's
+    /// radius and there is no solution near a multiple of pi at all.
+    PaperTheta,
+    /// Height of the wheel centre above its design height, a length.
+    Travel,
+}
+
+/// Equation (15) at one value of the drive, linear in the points 5 to 8 and scaled by d51 to a squared
+/// length: the sum of `gradient` times point is `level`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Driver {
+    pub(crate) gradient: [Vector3<f64>; 4],
+    pub(crate) level: f64,
+}
+
+impl Driver {
+    pub(crate) fn residual(&self, moving: &Moving) -> f64 {
+        self.apply(moving) - self.level
+    }
+
+    fn apply(&self, moving: &Moving) -> f64 {
+        let pairs = self.gradient.iter().zip(moving);
+        pairs.map(|(g, p)| g.dot(*p)).sum()
+    }
+}
+
+/// The circle on which point 5 moves, and what the drives need besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Driving {
+    kind: Drive,
+    /// Centre of the circle, on the line 1-2.
+    centre: Vector3<f64>,
+    /// Unit vectors of the circle's plane: to the design position, and ahead of it.
+    ahead: [Vector3<f64>; 2],
+    radius: f64,
+    z1: f64,
+    /// d51, the distance from 1 to 5.
+    d51: f64,
+    wheel_centre: KnucklePoint,
+    wheel_centre_height: f64,
+}
+
+const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
+
+impl Driving {
+    pub(crate) fn new(kind: Drive, strut: &Strut, wheel_centre: KnucklePoint) -> Self {
+        let p1 = strut.lower_arm_front;
+        let axis = (strut.lower_arm_rear - p1).normalised();
+        let leg = strut.lower_ball_joint - p1;
+        let centre = p1 + axis * leg.dot(axis);
+        let arm = strut.lower_ball_joint - centre;
+        let radius = arm.norm();
+        let out = arm * (1.0 / radius);
+        Driving {
+            kind,
+            centre,
+            ahead: [out, axis.cross(out)],
+            radius,
+            z1: p1.z,
+            d51: leg.norm(),
+            wheel_centre,
+            wheel_centre_height: strut.wheel_centre.z,
+        }
+    }
+
+    pub(crate) fn kind(&self) -> Drive {
+        self.kind
+    }
+
+    /// The value of the drive in the design position.
+    pub(crate) fn design_value(&self) -> f64 {
+        match self.kind {
+            Drive::ArmAngle | Drive::Travel => 0.0,
+            Drive::PaperTheta => {
+                let height = self.centre.z + self.radius * self.ahead[0].z;
+                ((height - self.z1) / self.d51).acos()
+            }
+        }
+    }
+
+    /// What the equation knows of the drive's value, and along which poses are continued: the cosine
+    /// of the paper's angle, the value itself otherwise.
+    pub(crate) fn parameter(&self, value: f64) -> f64 {
+        match self.kind {
+            Drive::PaperTheta => value.cos(),
+            Drive::ArmAngle | Drive::Travel => value,
+        }
+    }
+
+    /// The drive's value for which `parameter` is this number.
+    pub(crate) fn value(&self, parameter: f64) -> f64 {
+        match self.kind {
+            Drive::PaperTheta => parameter.acos(),
+            Drive::ArmAngle | Drive::Travel => parameter,
+        }
+    }
+
+    /// Sine of the arm's true angle from its highest position: zero at the dead centres.
+    pub(crate) fn arm_sine(&self, moving: &Moving) -> f64 {
+        let [e1, e2] = self.ahead;
+        e1.cross(e2).cross(moving[0] - self.centre).z / (self.radius * e1.z.hypot(e2.z))
+    }
+
+    /// Radius of the arm over d51: zero where point 5 lies on the arm's axis.
+    pub(crate) fn arm_share(&self) -> f64 {
+        self.radius / self.d51
+    }
+
+    /// The drive by arm angle at this position, as a length: its left-hand side moves as fast as point 5.
+    pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
+        let [e1, e2] = self.ahead;
+        let ahead = e1.cross(e2).cross(moving[0] - self.centre).normalised();
+        Driver {
+            gradient: [ahead, ahead.zero(), ahead.zero(), ahead.zero()],
+            level: ahead.dot(moving[0]),
+        }
+    }
+
+    /// Direction in which point 5 advances with the arm at `angle`, and the direction to it.
+    fn turned(&self, angle: f64) -> [Vector3<f64>; 2] {
+        let ([e1, e2], (sine, cosine)) = (self.ahead, angle.sin_cos());
+        [e2 * cosine - e1 * sine, e1 * cosine + e2 * sine]
+    }
+
+    /// Equation (15) for this parameter.
+    pub(crate) fn driver(&self, parameter: f64) -> Driver {
+        let on_five = |g: Vector3<f64>| [g, g.zero(), g.zero(), g.zero()];
+        match self.kind {
+            Drive::ArmAngle => {
+                let gradient = self.turned(parameter)[0] * self.d51;
+                Driver {
+                    gradient: on_five(gradient),
+                    level: gradient.dot(self.centre),
+                }
+            }
+            Drive::PaperTheta => Driver {
+                gradient: on_five(UP * self.d51),
+                level: self.d51 * (self.z1 + self.d51 * parameter),
+            },
+            Drive::Travel => Driver {
+                gradient: self
+                    .wheel_centre
+                    .shares()
+                    .map(|w| UP * (w * self.travel_scale())),
+                level: (self.wheel_centre_height + parameter) * self.travel_scale(),
+            },
+        }
+    }
+
+    /// Divided by the sum of the weights, the equation rounds no worse than the others.
+    fn travel_scale(&self) -> f64 {
+        self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
+    }
+
+    /// How fast the level of (15) rises against its left-hand side at fixed points: `-C_t`, for a unit
+    /// rate of the drive's value.
+    pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
+        match self.kind {
+            Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),
+            Drive::PaperTheta => -self.d51 * self.d51 * value.sin(),
+            Drive::Travel => self.travel_scale(),
+        }
+    }
+
+    /// The rest of the right-hand side for accelerations, for a unit rate of the drive's value and the
+    /// velocities `velocity` that belong to the true one, `rate`: `-2 C_qt v rate - C_tt rate^2`.
+    pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
+        match self.kind {
+            // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C = 0.
+            Drive::ArmAngle => 2.0 * self.d51 * self.turned(value)[1].dot(velocity[0]) * rate,
+            Drive::PaperTheta => -self.d51 * self.d51 * value.cos() * rate * rate,
+            Drive::Travel => 0.0,
+        }
+    }
+}

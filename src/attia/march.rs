@@ -1,0 +1,86 @@
+//! Station by station outward from the design position, and the pose of the knuckle as the rest of
+//! the crate knows it.
+
+use super::knuckle::KnuckleRotation;
+use super::{PointCoordinates, Pose, Rates, Refusal, Station};
+use crate::mechanism::pose;
+use crate::number::Jet;
+use crate::number::{Matrix3, Vector3};
+
+impl PointCoordinates {
+    /// The pose with the drive as in the design position and the rack displaced.
+    pub fn placed(&self, rack: f64) -> Result<Pose, Refusal> {
+        let design = self.design();
+        let to = Station {
+            rack,
+            ..design.station()
+        };
+        self.track(&design, to).map_err(|refusal| match refusal {
+            Refusal::Unreachable { limit, .. } => Refusal::RackUnreachable { limit },
+            other => other,
+        })
+    }
+
+    /// Visits the drive's values outward from `start`, each from its neighbour; `visit` gets the
+    /// number of each with its pose or the reason there is none.
+    ///
+    /// Outward is in what the drive's equation knows of its value: for the paper's angle its cosine, so
+    /// that values on both sides of a dead centre are visited in the order of the arm's positions.
+    pub fn march(
+        &self,
+        start: &Pose,
+        values: &[f64],
+        mut visit: impl FnMut(usize, Result<&Pose, Refusal>),
+    ) {
+        let Station { value, rack } = start.station();
+        let parameter = |value: f64| self.driving.parameter(value);
+        let distance = |i: &usize| parameter(values[*i]) - parameter(value);
+        let mut sides: [Vec<usize>; 2] = (0..values.len()).partition(|i| distance(i) >= 0.0).into();
+        for side in &mut sides {
+            side.sort_by(|a, b| distance(a).abs().total_cmp(&distance(b).abs()));
+            let mut last = Ok(*start);
+            for &mut station in side {
+                let to = Station {
+                    value: values[station],
+                    rack,
+                };
+                last = last.and_then(|from| self.track(&from, to));
+                visit(station, last.as_ref().map_err(|refusal| *refusal));
+            }
+        }
+    }
+
+    /// The pose of the knuckle, its origin the ball joint, as a series with `N` coefficients, at most
+    /// three, along the motion with these rates.
+    pub fn knuckle_pose<const N: usize>(
+        &self,
+        pose: &Pose,
+        rates: Rates,
+    ) -> Result<pose::Pose<Jet<f64, N>>, Refusal> {
+        debug_assert!(N <= 3, "the paper's equations give two derivatives");
+        let still = [Vector3::new(0.0, 0.0, 0.0); 5];
+        let [velocity, acceleration] = match N {
+            1 => [still; 2],
+            _ => {
+                let motion = self.motion(pose, rates)?;
+                [motion.velocity, motion.acceleration]
+            }
+        };
+        let orders = [*pose.moving(), velocity, acceleration.map(|a| a * 0.5)];
+        let rotation = KnuckleRotation::new(self.design().moving())
+            .expect("the knuckle of a regular design position is not flat");
+        let rotations = orders.map(|points| rotation.of(&points));
+        let series = |coefficient: [Vector3<f64>; 3]| {
+            let along = |of: fn(&Vector3<f64>) -> f64| {
+                Jet(std::array::from_fn(|k| coefficient.get(k).map_or(0.0, of)))
+            };
+            Vector3::new(along(|v| v.x), along(|v| v.y), along(|v| v.z))
+        };
+        Ok(pose::Pose {
+            origin: series(orders.map(|points| points[0])),
+            rotation: Matrix3 {
+                columns: [0, 1, 2].map(|k| series(rotations.map(|columns| columns[k]))),
+            },
+        })
+    }
+}

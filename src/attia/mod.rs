@@ -1,0 +1,72 @@
+//! The MacPherson strut in point coordinates: the formulation of H. A. Attia, *Numerical Kinematic
+//! Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME International Journal
+//! 17 (2003), corrected. Equation numbers here are those of the paper.
+//!
+//! The unknowns are the coordinates of five points; everything else about the mechanism follows from
+//! them. The points have the numbers of the paper:
+//!
+//! | number | hardpoint | |
+//! |---|---|---|
+//! | 1, 2 | `lower_arm_front`, `lower_arm_rear` | fixed |
+//! | 3 | `tie_rod_inner` | moved by the rack, along y |
+//! | 4 | `strut_top` | fixed |
+//! | 5 | `lower_ball_joint` | unknown |
+//! | 6, 7 | two knuckle points on the strut axis (see [`StrutPoints`]) | unknown |
+//! | 8 | `tie_rod_outer` | unknown |
+//! | 9 | a point of the strut's rod, on its axis | unknown |
+//! | 10 | `wheel_centre` | follows from 5, 6, 7 and 8 |
+//!
+//! Fifteen equations hold them: ten distances (1)-(10), four conditions that 4, 6, 7 and 9 stay on one
+//! line (11)-(14), and one for the drive (15). They are solved by Newton's method from the previous
+//! pose, velocities and accelerations by one LU factorisation with partial pivoting.
+//!
+//! # What differs from the print
+//! - (14) has `z9 - z7` where `z9 - z6` is printed, and (15) `z5 - z1` where `z6 - z1` is printed.
+//! - Equation (15) is one of three drives ([`Drive`]); it cannot tell the two sides of the arm apart.
+//! - The paper wants 4 on the line 6-7. Where a study's `strut_lower` and `strut_upper` lie on a line
+//!   that misses `strut_top`, the strut's axis is the parallel through `strut_top`, and 6, 7 and 9 are
+//!   points of that axis. The study's own points ride on the knuckle ([`KnucklePoint`]).
+//! - The wheel centre is an affine combination of four knuckle points, not the intersection of three
+//!   spheres, which has two solutions.
+//! - Angular velocity and acceleration come from all four knuckle points ([`AngularMotion`]), not from
+//!   (25), which is 0/0 where the vector lies in the plane 6-7-8.
+//!
+//! # Which solution
+//! The equations have up to 32 real solutions at one position of the arm: for each, the knuckle or its
+//! mirror image, the rod one way round or the other, the strut longer or reversed, the tie rod's end on
+//! either side of the plane 3-4-5, and, with (15) as printed, the arm on either side. A pose is only
+//! returned when it continues the one it was started from; [`PointCoordinates::track`] says how.
+//!
+//! # Where it is singular
+//! Where the equations lose rank though the suspension may be sound ([`Singular`]), or where the branch
+//! ends, the answer is a [`Refusal`].
+//!
+//! # Frame and units
+//! x forward, y left (outboard), z up; a left wheel. Any unit of length: every equation is written as a
+//! squared length, every tolerance is relative.
+
+mod angles;
+mod branch;
+mod drive;
+mod equations;
+mod knuckle;
+mod march;
+mod motion;
+mod paper_theta;
+mod refusal;
+mod strut;
+mod tracking;
+
+pub use angles::{attia_camber, attia_kingpin};
+pub use drive::Drive;
+pub use knuckle::{AngularMotion, KnucklePoint};
+pub use motion::{Motion, Rates};
+pub use paper_theta::PaperTheta;
+pub use refusal::{Refusal, Singular};
+pub use strut::{Strut, StrutPoints};
+pub use tracking::{PointCoordinates, Pose, Station, solve_travel};
+
+use crate::number::Vector3;
+
+/// The unknown points 5, 6, 7, 8 and 9, in this order; also their velocities or accelerations.
+pub type Moving = [Vector3<f64>; 5];

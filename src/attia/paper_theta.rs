@@ -1,0 +1,141 @@
+//! The drive of the seed paper, its equation (15), read as a drive by arm angle.
+//!
+//! ```text
+//! z5 - z1 = d51 cos(theta)
+//! ```
+//!
+//! 1 is the first named point of the arm's axis (`lower_arm_front`), 5 the arm's outer joint, d51 their
+//! distance and theta the inclination of the line 1-5 from the vertical. On the arm's circle, with psi
+//! the arm's angle from its highest position,
+//!
+//! ```text
+//! z5 = zc + rho cos(psi)   so that   cos(psi) = (z1 - zc + d51 cos(theta))/rho
+//! ```
+//!
+//! zc the height of the circle's centre and rho its vertical half-extent. The arm angle is psi less its
+//! design value. Near its ends the cosine would cost half of the digits, so with z1 - zc = o rho and
+//! d51 = (1 + e) rho
+//!
+//! ```text
+//! 1 + cos(psi) = o - e + 2 (1 + e) cos^2(theta/2)
+//! 1 - cos(psi) = -o - e + 2 (1 + e) sin^2(theta/2),   tan^2(psi/2) their quotient
+//! ```
+//!
+//! The equation knows the cosine alone, so psi stays in the half-turn it has in the
+//! design position: where theta passes a multiple of pi the arm does not pass its highest or lowest
+//! position (its dead centre) but turns back. At the dead centre itself no finite speed of the arm
+//! belongs to one of theta, and where 1 is not beside 5, so that d51 > rho, there is no position at
+//! all about it.
+
+use crate::mechanism::DesignFault;
+use crate::mechanism::constraint::axis_ends;
+use crate::model::Mechanism;
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// The arm angle that belongs to the paper's theta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperTheta {
+    /// o = (z1 - zc)/rho
+    offset: f64,
+    /// e = (d51 - rho)/rho
+    excess: f64,
+    /// psi in the design position, in (-pi, pi]; the arm angle adds to it.
+    design: f64,
+}
+
+/// 1 + cos(psi) or 1 - cos(psi), half the square of the distance from a dead centre, below which half of
+/// the digits of the arm angle are lost.
+const DEAD_CENTRE: f64 = f64::EPSILON;
+
+impl PaperTheta {
+    /// The drive of a design, which must not be at the dead centre of its first arm.
+    pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
+        let arm = mechanism.arms[0];
+        let (tail, head) = axis_ends(arm, design);
+        let axis = (design[head.0] - design[tail.0]).normalised();
+        let leg = design[arm.outer.0] - design[arm.front.0];
+        let along = axis.dot(leg);
+        let radius = leg - axis * along;
+        let (up, ahead) = (radius.z, axis.cross(radius).z);
+        let rho = up.hypot(ahead);
+        // d51^2 = along^2 + |radius|^2 and rho^2 = |radius|^2 (1 - axis_z^2).
+        let difference = along * along + radius.norm_squared() * axis.z * axis.z;
+        let drive = PaperTheta {
+            offset: -(axis.z * along) / rho,
+            excess: difference / (rho * (leg.norm() + rho)),
+            design: (-ahead).atan2(up),
+        };
+        // Written so that NaN, from an arm without a radius or on a vertical axis, is refused.
+        if ahead * ahead > DEAD_CENTRE * rho * rho {
+            Ok(drive)
+        } else {
+            Err(DesignFault::DeadCentre { outer: arm.outer })
+        }
+    }
+
+    /// Theta in the design position, in (0, pi).
+    pub fn design_value(&self) -> f64 {
+        ((self.design.cos() - self.offset) / (1.0 + self.excess)).acos()
+    }
+
+    /// The arm angle as a series in whatever theta is one in; `None` at a dead centre and beyond.
+    pub fn arm_angle<const N: usize>(&self, theta: Jet<f64, N>) -> Option<Jet<f64, N>> {
+        let (sine, cosine) = theta.scaled(0.5).sin_cos();
+        let twice = 2.0 * (1.0 + self.excess);
+        let one_minus = sine.squared().scaled(twice) - Jet::constant(self.excess + self.offset);
+        let one_plus = cosine.squared().scaled(twice) - Jet::constant(self.excess - self.offset);
+        if one_minus[0].min(one_plus[0]) > DEAD_CENTRE {
+            let half = one_minus.sqrt().atan2(one_plus.sqrt());
+            Some(half.scaled(2.0 * self.design.signum()) - Jet::constant(self.design))
+        } else {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Topology;
+
+    fn sample() -> PaperTheta {
+        let topology = Topology::named("macpherson").unwrap();
+        let names: Vec<_> = topology.hardpoints.iter().map(|h| h.name).collect();
+        let mechanism = (topology.build)(topology, &names);
+        let mut design = vec![Vector3::new(0.0, 0.0, 0.0); names.len()];
+        let arm = mechanism.arms[0];
+        design[arm.front.0] = Vector3::new(0.0, 0.0, 0.0);
+        design[arm.rear.0] = Vector3::new(-1.0, 0.0, 0.0);
+        design[arm.outer.0] = Vector3::new(0.0, 3.0, 4.0);
+        PaperTheta::of(&mechanism, &design).unwrap()
+    }
+
+    /// With 1 beside 5 on a level axis theta is psi: the arm falls as theta grows, and rises again
+    /// beyond pi.
+    #[test]
+    fn the_arm_turns_back_at_pi() {
+        let drive = sample();
+        assert!((drive.design_value() - 0.75_f64.atan()).abs() < 4.0 * f64::EPSILON);
+        for (theta, slope) in [
+            (1.0, -1.0),
+            (3.0, -1.0),
+            (4.0, 1.0),
+            (6.0, 1.0),
+            (7.0, -1.0),
+        ] {
+            let angle = drive.arm_angle(Jet::<f64, 3>::variable(theta)).unwrap();
+            let folded = theta.cos().acos();
+            let rounding = 16.0 * f64::EPSILON;
+            let off = angle[0] - (0.75_f64.atan() - folded);
+            assert!(off.abs() < rounding / theta.sin().abs(), "{angle:?}");
+            assert!((angle[1] - slope).abs() < rounding, "{angle:?}");
+            assert!(angle[2].abs() < rounding, "{angle:?}");
+        }
+        for k in 0..4 {
+            let theta = f64::from(k) * std::f64::consts::PI;
+            assert_eq!(drive.arm_angle(Jet::<f64, 1>::variable(theta)), None);
+        }
+    }
+}

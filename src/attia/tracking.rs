@@ -1,0 +1,366 @@
+//! Newton's method, from one pose to the next on the same branch.
+
+use super::branch::{Branch, nearest_singularity};
+use super::drive::{Driver, Driving};
+use super::equations::{
+    Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, quadratic, residual,
+};
+use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
+use crate::mechanism::{Tally, Work};
+use crate::number::Vector3;
+use nalgebra::{Const, LU};
+
+/// The largest condition number at which half of the digits are left: 1/sqrt(2^-52).
+const WORST_CONDITION: f64 = (1_u64 << 26) as f64;
+
+/// The largest ratio of Newton's second step to its first at which a start is trusted.
+///
+/// The equations are quadratic, so Newton's method converges to the root of the start's own branch if
+/// Kantorovich's h is at most 1/2, in which case the ratio is at most h/2/(1 - h). The ratio seen is
+/// that along one direction only, h is for all of them; a ratio of 1/4 leaves a margin of two.
+const CONTRACTION: f64 = 0.25;
+
+/// The share of the way below which steps are not tried.
+///
+/// Steps have to shrink with the distance from the end of a branch, and towards it the condition number
+/// grows with the inverse square root of the distance. This near to the end, as a share of the way, it
+/// has grown by 2^20, to about [`WORST_CONDITION`].
+const SMALLEST_STEP: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Where a motion is: the drive and the rack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// The value of the drive, see [`Drive`].
+    pub value: f64,
+    /// Displacement of `tie_rod_inner` along y.
+    pub rack: f64,
+}
+
+/// A solved position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    station: Station,
+    moving: Moving,
+}
+
+impl Pose {
+    /// The drive and the rack it belongs to.
+    pub fn station(&self) -> Station {
+        self.station
+    }
+
+    /// The points 5, 6, 7, 8 and 9.
+    pub fn moving(&self) -> &Moving {
+        &self.moving
+    }
+}
+
+/// The fifteen equations of one strut with one drive.
+#[derive(Clone, Debug)]
+pub struct PointCoordinates {
+    pub(crate) fixed: Fixed,
+    pub(crate) driving: Driving,
+    lengths_squared: [f64; 10],
+    wheel_centre: KnucklePoint,
+    design: Pose,
+    /// The pivots' spread at which the condition number passes [`WORST_CONDITION`].
+    smallest_spread: f64,
+    /// What the left-hand sides are at a solution, by rounding alone.
+    rounding: f64,
+    pub(crate) work: Tally,
+}
+
+impl PointCoordinates {
+    /// The equations for a strut with this design position, which must not be a singular one.
+    pub fn new(strut: &Strut, points: StrutPoints, drive: Drive) -> Result<Self, Refusal> {
+        if !strut.is_finite() {
+            return Err(Refusal::NotFinite);
+        }
+        let moving = strut.moving(points);
+        let fixed = Fixed([
+            strut.lower_arm_front,
+            strut.lower_arm_rear,
+            strut.tie_rod_inner,
+            strut.strut_top,
+        ]);
+        let all = fixed.all(&moving);
+        let lengths_squared = distances_squared(&all);
+        // In a coplanar knuckle any point will do: the condition number below is infinite.
+        let wheel_centre =
+            KnucklePoint::new(strut.wheel_centre, &moving).unwrap_or(KnucklePoint::BALL_JOINT);
+        let driving = Driving::new(drive, strut, wheel_centre);
+        let mut mechanism = PointCoordinates {
+            fixed,
+            driving,
+            lengths_squared,
+            wheel_centre,
+            design: Pose {
+                station: Station {
+                    value: driving.design_value(),
+                    rack: 0.0,
+                },
+                moving,
+            },
+            smallest_spread: 0.0,
+            rounding: rounding(&all, &lengths_squared),
+            work: Tally::default(),
+        };
+        let jacobian = mechanism.jacobian(&mechanism.design);
+        let condition = condition(&jacobian);
+        if condition.is_nan() || condition > WORST_CONDITION {
+            let what = mechanism.diagnosis(&mechanism.design);
+            return Err(Refusal::Singular(what));
+        }
+        mechanism.smallest_spread = spread(&jacobian.lu()) * condition / WORST_CONDITION;
+        Ok(mechanism)
+    }
+
+    /// The design position.
+    pub fn design(&self) -> Pose {
+        self.design
+    }
+
+    /// Condition number of the Jacobian at a pose (in the Frobenius norm; independent of the unit of
+    /// length). Rounding errors are this number times 2^-52 times a few times the size of the result.
+    pub fn condition(&self, pose: &Pose) -> f64 {
+        condition(&self.jacobian(pose))
+    }
+
+    /// The wheel centre, point 10.
+    pub fn wheel_centre(&self) -> KnucklePoint {
+        self.wheel_centre
+    }
+
+    /// The knuckle point whose design position is `design`.
+    pub fn knuckle_point(&self, design: Vector3<f64>) -> KnucklePoint {
+        KnucklePoint::new(design, &self.design.moving)
+            .expect("the knuckle of a regular design position is not flat")
+    }
+
+    /// What was done since the equations were made.
+    pub fn work(&self) -> Work {
+        self.work.work()
+    }
+
+    /// The pose at another station, on the branch of `from`.
+    ///
+    /// The drive and the rack go there on a straight line, in one step where that is safe, else in as
+    /// many as it takes. A step is taken when, along it,
+    ///
+    /// - Newton's method contracts from the start (an estimate of Kantorovich's condition, under which
+    ///   the root is the only one near and joined to the start by a path of regular ones);
+    /// - the determinant of the Jacobian keeps its sign, and so do the volumes that tell the assemblies
+    ///   apart;
+    /// - the Jacobian stays well enough conditioned that half of the digits are left.
+    ///
+    /// Otherwise it is halved, until it is next to nothing: there the branch ends.
+    pub fn track(&self, from: &Pose, to: Station) -> Result<Pose, Refusal> {
+        if !(to.value.is_finite() && to.rack.is_finite()) {
+            return Err(Refusal::NotFinite);
+        }
+        let parameter = |station: Station| self.driving.parameter(station.value);
+        let (start, end) = (parameter(from.station), parameter(to));
+        let between = |share: f64| {
+            let mix = |a: f64, b: f64| if share < 1.0 { a + share * (b - a) } else { b };
+            (mix(start, end), mix(from.station.rack, to.rack))
+        };
+        let mut moving = from.moving;
+        let (mut done, mut step) = (0.0, 1.0);
+        while done < 1.0 {
+            let next = f64::min(done + step, 1.0);
+            let (parameter, rack) = between(next);
+            if step < SMALLEST_STEP {
+                let value = self.driving.value(parameter);
+                let station = Station { value, rack };
+                let limit = self.diagnosis(&Pose { station, moving });
+                return Err(Refusal::Unreachable { value, limit });
+            }
+            let fixed = self.fixed.with_rack(rack);
+            match self.corrected(&fixed, &moving, &self.driving.driver(parameter)) {
+                Some(solved) => {
+                    moving = solved;
+                    done = next;
+                    step *= 2.0;
+                }
+                None => step = 0.5 * (next - done),
+            }
+        }
+        Ok(Pose {
+            station: to,
+            moving,
+        })
+    }
+
+    /// Newton's method from the position `start`. `None` where it does not contract from its first
+    /// step on, or arrives elsewhere than on the branch of `start`.
+    ///
+    /// It ends by itself: every step is at most a quarter of the one before, until the equations hold
+    /// to rounding. At least one step is made, so that a double root is not taken for a solution.
+    fn corrected(&self, fixed: &Fixed, start: &Moving, driver: &Driver) -> Option<Moving> {
+        let mut moving = *start;
+        let (mut last, mut orientation, mut contracted) = (f64::INFINITY, 0.0, false);
+        let mut factors: Option<Factors> = None;
+        let factors = loop {
+            let mut left = residual(fixed, &moving, &self.lengths_squared, driver);
+            let solved = left.amax() <= self.rounding;
+            // Where two steps have contracted, the Jacobian has changed next to nothing since the last.
+            if let Some(lu) = factors.take_if(|_| solved && contracted) {
+                break lu;
+            }
+            self.work.note(|w| w.factorisations += 1);
+            let lu = self.factorised(jacobian(fixed, &moving, driver))?;
+            let determinant = lu.determinant();
+            if determinant * orientation < 0.0 {
+                return None;
+            }
+            if solved && last.is_finite() {
+                break lu;
+            }
+            self.work.note(|w| {
+                w.newton_iterations += 1;
+                w.right_hand_sides += 1;
+            });
+            lu.solve_mut(&mut left);
+            let length = left.amax();
+            if length.is_nan() || length > CONTRACTION * last {
+                return None;
+            }
+            let step = moving_of(&left);
+            moving = std::array::from_fn(|i| moving[i] - step[i]);
+            contracted = last.is_finite();
+            (last, orientation) = (length, determinant.signum());
+            factors = Some(lu);
+        };
+        let branch = |moving| Branch::of(self.driving.kind(), fixed, moving);
+        (self.is_clear_of_rounding(&factors) && branch(&moving) == branch(start)).then_some(moving)
+    }
+
+    /// Whether a position that satisfies the equations to rounding is one that satisfies them.
+    ///
+    /// Next to the end of a branch the equations hold to rounding beyond the end as well. There a unit
+    /// vector v is nearly in the kernel of the Jacobian J, and with w = J^-T v the equations F = 0 are,
+    /// for a step t along it,
+    ///
+    /// - t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
+    ///
+    /// With r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2, which is
+    /// Kantorovich's h. Asked for is 1/4.
+    fn is_clear_of_rounding(&self, factors: &Factors) -> bool {
+        // Where J is nearly singular, what solves it for any right-hand side is nearly v.
+        let mut v = Column::repeat(1.0);
+        if !factors.solve_mut(&mut v) {
+            return false;
+        }
+        v.normalize_mut();
+        let Some(w) = solve_transposed(factors, &v) else {
+            return false;
+        };
+        let curvature = w.dot(&quadratic(0.0, &moving_of(&v)));
+        curvature.abs() * self.rounding * w.lp_norm(1) <= 0.25
+    }
+
+    /// The factors of a Jacobian, unless too few digits would be left.
+    pub(crate) fn factorised(&self, jacobian: Jacobian) -> Option<Factors> {
+        let lu = jacobian.lu();
+        (spread(&lu) > self.smallest_spread).then_some(lu)
+    }
+
+    /// The Jacobian at a pose.
+    pub(crate) fn jacobian(&self, pose: &Pose) -> Jacobian {
+        let Station { value, rack } = pose.station;
+        let driver = self.driving.driver(self.driving.parameter(value));
+        jacobian(&self.fixed.with_rack(rack), &pose.moving, &driver)
+    }
+
+    /// What is nearly singular at a pose.
+    pub(crate) fn diagnosis(&self, pose: &Pose) -> Singular {
+        let fixed = self.fixed.with_rack(pose.station.rack);
+        let arm = self.driving.along_the_arm(&pose.moving);
+        let mut velocity = Column::zeros();
+        velocity[DRIVE] = self.driving.arm_share();
+        let solvable = jacobian(&fixed, &pose.moving, &arm)
+            .lu()
+            .solve_mut(&mut velocity);
+        let travel = solvable.then(|| self.wheel_centre.of(&moving_of(&velocity)).z);
+        nearest_singularity(&self.driving, &fixed, &pose.moving, travel)
+    }
+}
+
+/// LU factors with partial pivoting.
+type Factors = LU<f64, Const<15>, Const<15>>;
+
+/// The solution of the transposed equations, unless they are singular.
+fn solve_transposed(lu: &Factors, right: &Column) -> Option<Column> {
+    let middle = lu.u().tr_solve_upper_triangular(right)?;
+    let mut solution = lu.l().tr_solve_lower_triangular(&middle)?;
+    lu.p().inv_permute_rows(&mut solution);
+    Some(solution)
+}
+
+/// The smallest pivot over the largest.
+fn spread(lu: &Factors) -> f64 {
+    let pivots = lu.lu_internal().diagonal().abs();
+    pivots.min() / pivots.max()
+}
+
+/// Condition number in the Frobenius norm; infinite (or not a number) where singular.
+///
+/// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
+/// the rows would hide two points that coincide: what is left of their row is rounding.
+fn condition(jacobian: &Jacobian) -> f64 {
+    let inverse = jacobian.try_inverse();
+    inverse.map_or(f64::INFINITY, |inverse| inverse.norm() * jacobian.norm())
+}
+
+/// A bound on what rounding leaves of the equations at their solution.
+///
+/// With coordinates up to M and distances up to D: each coordinate difference carries eps M, which
+/// moves a squared distance or a component of a vector product by no more than 2 sqrt(3) D eps M; the
+/// squares, products and sums add at most 4 D^2 eps. With M no less than D that is below 8 D M eps.
+fn rounding(points: &[Vector3<f64>; 9], lengths_squared: &[f64; 10]) -> f64 {
+    let distance = lengths_squared
+        .iter()
+        .fold(0.0, |a, b| f64::max(a, *b))
+        .sqrt();
+    let coordinates = points.iter().flat_map(|p| p.to_array());
+    let largest = coordinates.fold(distance, |a, b| a.max(b.abs()));
+    8.0 * distance * largest * f64::EPSILON
+}
+
+/// The unknowns as points.
+pub(crate) fn moving_of(column: &Column) -> Moving {
+    std::array::from_fn(|i| Vector3::new(column[3 * i], column[3 * i + 1], column[3 * i + 2]))
+}
+
+/// The points 5 to 9 of a strut at a wheel travel (relative to the design) and a rack displacement,
+/// followed there from the design position.
+pub fn solve_travel(strut: &Strut, travel: f64, rack: f64) -> Result<Moving, Refusal> {
+    let mechanism = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel)?;
+    let to = Station {
+        value: travel,
+        rack,
+    };
+    Ok(mechanism.track(&mechanism.design, to)?.moving)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A matrix whose rows pivoting exchanges: back to the right-hand side within a few roundings.
+    #[test]
+    fn transposed_equations_are_solved() {
+        let mut seed = 0.3_f64;
+        let mut next = || {
+            seed = (seed * 1013.7 + 0.41).fract();
+            seed - 0.5
+        };
+        let matrix = Jacobian::from_fn(|_, _| next());
+        let right = Column::from_fn(|_, _| next());
+        let lu = matrix.lu();
+        assert!(lu.p().len() > 5);
+        let solution = solve_transposed(&lu, &right).unwrap();
+        let rounding = 64.0 * f64::EPSILON * condition(&matrix);
+        assert!((matrix.transpose() * solution - right).amax() < rounding);
+    }
+}

@@ -1,0 +1,259 @@
+//! A design lifted to power series, to be evaluated pose by pose.
+
+use super::rates::{angular_velocity, pose_series};
+use super::sensitivity::Linearised;
+use super::steering::{Steered, twist_by_rack};
+use crate::linear::lu::{Lu6, Vector6};
+use crate::mechanism::RowSet;
+use crate::mechanism::Tally;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Pose, Posture};
+use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
+use crate::number::Jet;
+use crate::number::Vector3;
+
+/// Where the motion is: the drive with its kind, and the rack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionPoint<T> {
+    /// What drives.
+    pub drive: Drive,
+    /// Length or angle (radians).
+    pub value: T,
+    /// Rack displacement, towards the kernel's +y.
+    pub rack: T,
+}
+
+impl MotionPoint<f64> {
+    /// The drive equation.
+    pub(crate) fn driver(&self) -> Driver<f64> {
+        match self.drive {
+            Drive::Travel => Driver::Travel(self.value),
+            Drive::ArmAngle => {
+                let (sine, cosine) = self.value.sin_cos();
+                Driver::ArmAngle { sine, cosine }
+            }
+        }
+    }
+
+    /// The same point with the drive as the variable of a power series, the rack held.
+    pub fn along_drive<const N: usize>(&self) -> MotionPoint<Jet<f64, N>> {
+        MotionPoint {
+            drive: self.drive,
+            value: Jet::variable(self.value),
+            rack: Jet::constant(self.rack),
+        }
+    }
+}
+
+impl<const N: usize> MotionPoint<Jet<f64, N>> {
+    /// Where it is now.
+    pub(crate) fn value_point(&self) -> MotionPoint<f64> {
+        MotionPoint {
+            drive: self.drive,
+            value: self.value[0],
+            rack: self.rack[0],
+        }
+    }
+
+    /// The drive equation along the motion.
+    pub(crate) fn driver(&self) -> Driver<Jet<f64, N>> {
+        match self.drive {
+            Drive::Travel => Driver::Travel(self.value),
+            Drive::ArmAngle => {
+                let (sine, cosine) = self.value.sin_cos();
+                Driver::ArmAngle { sine, cosine }
+            }
+        }
+    }
+}
+
+/// A posture along the motion with, where there was a need for them, the factors of its Jacobian.
+pub(crate) type Factorised<'a, const N: usize> = (Posture<'a, Jet<f64, N>>, Option<Lu6<f64>>);
+
+/// A design over power series with `N` coefficients, and its closure equations.
+#[derive(Clone, Debug)]
+pub struct Lifted<const N: usize> {
+    design: Vec<Vector3<Jet<f64, N>>>,
+    closure: Closure<Jet<f64, N>>,
+    /// Where the steering axis is an instantaneous one.
+    steered: Option<Steered<N>>,
+    /// The equations that hold the points sensitivities are formed by.
+    rows: RowSet,
+}
+
+impl<const N: usize> Lifted<N> {
+    /// Lifts a design.
+    pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
+        let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
+        let closure = Closure::new(mechanism, &design);
+        let steered = (mechanism.steering_axis == Some(SteeringAxis::Instantaneous))
+            .then(|| Steered::new(mechanism, &design));
+        Lifted {
+            design,
+            closure,
+            steered,
+            rows: RowSet::ALL,
+        }
+    }
+
+    /// Forms sensitivities by these points only: the gradient by the others is not to be used.
+    pub fn with_sensitivities_to(mut self, mechanism: &Mechanism, points: &[PointId]) -> Self {
+        self.rows = self.closure.rows_holding(mechanism, &self.design, points);
+        self
+    }
+
+    /// Leaves out the steering axis if it is not `wanted` and takes more than the position of two
+    /// joints.
+    pub fn with_steering_axis(mut self, wanted: bool) -> Self {
+        if !wanted {
+            self.steered = None;
+        }
+        self
+    }
+
+    /// Whether postures carry the twist of the steering motion.
+    pub(crate) fn is_steered(&self) -> bool {
+        self.steered.is_some()
+    }
+
+    /// Takes over another design of the same mechanism, without allocating.
+    pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
+        for (lifted, point) in self.design.iter_mut().zip(design) {
+            *lifted = point.map(Jet::constant);
+        }
+        self.closure.prepare(mechanism, &self.design);
+        if let Some(steered) = &mut self.steered {
+            steered.prepare(mechanism, &self.design);
+        }
+    }
+
+    /// The posture in a solved pose, as a series along `motion`, with the factors of its Jacobian if
+    /// there was a need for them (a series beyond its constant part, or `linearise`). `known` are these
+    /// factors, where they are there already. `None` where the Jacobian is singular.
+    #[expect(clippy::too_many_arguments, reason = "a solver's state, part by part")]
+    pub(crate) fn posture<'a>(
+        &'a self,
+        mechanism: &'a Mechanism,
+        closure: &Closure<f64>,
+        design: &[Vector3<f64>],
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+        known: Option<&Lu6<f64>>,
+        work: &Tally,
+        linearise: bool,
+    ) -> Option<Factorised<'a, N>> {
+        let mut series = pose.map(Jet::constant);
+        let mut factors = None;
+        if N > 1 || linearise || self.steered.is_some() {
+            let point = motion.value_point();
+            let lu = match known {
+                Some(factors) => *factors,
+                None => {
+                    let at = Posture {
+                        mechanism,
+                        design,
+                        pose: *pose,
+                        rack: point.rack,
+                        steering: None,
+                    };
+                    work.note(|w| w.factorisations += 1);
+                    Lu6::new(closure.jacobian(&at, point.driver()), 1.0)?
+                }
+            };
+            work.note(|w| w.right_hand_sides += N as u64 - 1);
+            series = self.series(mechanism, &lu, pose, motion);
+            factors = Some(lu);
+        }
+        let mut posture = Posture {
+            mechanism,
+            design: &self.design,
+            pose: series,
+            rack: motion.rack,
+            steering: None,
+        };
+        if let (Some(_), Some(lu)) = (&self.steered, &factors) {
+            work.note(|w| w.right_hand_sides += N as u64);
+            let twist = twist_by_rack(&posture, &self.closure, motion.driver(), lu);
+            posture.steering = Some(twist);
+        }
+        Some((posture, factors))
+    }
+
+    /// The pose as a series along `motion`.
+    pub(crate) fn series(
+        &self,
+        mechanism: &Mechanism,
+        lu: &Lu6<f64>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Pose<Jet<f64, N>> {
+        pose_series(
+            mechanism,
+            &self.design,
+            &self.closure,
+            lu,
+            pose,
+            motion.driver(),
+            motion.rack,
+        )
+    }
+
+    /// The residuals of the closure equations along a series of poses.
+    pub(crate) fn residuals(
+        &self,
+        mechanism: &Mechanism,
+        pose: &Pose<Jet<f64, N>>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Vector6<Jet<f64, N>> {
+        let at = Posture {
+            mechanism,
+            design: &self.design,
+            pose: *pose,
+            rack: motion.rack,
+            steering: None,
+        };
+        self.closure.residuals(&at, motion.driver())
+    }
+
+    /// A series of poses of this design.
+    pub fn at<'a>(
+        &'a self,
+        mechanism: &'a Mechanism,
+        pose: Pose<Jet<f64, N>>,
+        rack: Jet<f64, N>,
+    ) -> Posture<'a, Jet<f64, N>> {
+        Posture {
+            mechanism,
+            design: &self.design,
+            pose,
+            rack,
+            steering: None,
+        }
+    }
+
+    /// The posture made ready for sensitivities.
+    pub(crate) fn linearised<'a>(
+        &'a self,
+        posture: Posture<'a, Jet<f64, N>>,
+        factors: Lu6<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+        work: &'a Tally,
+    ) -> Linearised<'a, N> {
+        Linearised::new(
+            posture,
+            &self.closure,
+            self.rows,
+            self.steered.as_ref(),
+            motion.driver(),
+            factors,
+            work,
+        )
+    }
+}
+
+impl<const N: usize> Posture<'_, Jet<f64, N>> {
+    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown.
+    pub fn angular_velocity(&self) -> Vector3<Jet<f64, N>> {
+        angular_velocity(&self.pose)
+    }
+}

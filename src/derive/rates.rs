@@ -1,0 +1,59 @@
+//! Derivatives of the pose along the motion, of any order.
+//!
+//! F(x(s), s) = 0 is solved in truncated power series: if the coefficients of x below e^k are right,
+//! the residual's lowest coefficient is that of e^k, and J0 dx_k = -F_k mends it, with the one Jacobian
+//! J0 of the pose. So each order costs one residual and one back-substitution, and no formula for
+//! velocities or accelerations is written anywhere.
+
+use crate::linear::lu::Lu6;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Pose, Posture};
+use crate::model::Mechanism;
+use crate::number::Jet;
+use crate::number::Vector3;
+
+/// The pose as a power series, from the pose itself and its factorised Jacobian. `driver` and `rack`
+/// carry the motion: for derivatives by the drive, its value plus e.
+pub(crate) fn pose_series<const N: usize>(
+    mechanism: &Mechanism,
+    design: &[Vector3<Jet<f64, N>>],
+    closure: &Closure<Jet<f64, N>>,
+    lu: &Lu6<f64>,
+    pose: &Pose<f64>,
+    driver: Driver<Jet<f64, N>>,
+    rack: Jet<f64, N>,
+) -> Pose<Jet<f64, N>> {
+    let mut series = pose.map(Jet::constant);
+    for k in 1..N {
+        let at = Posture {
+            mechanism,
+            design,
+            pose: series,
+            rack,
+            steering: None,
+        };
+        let residuals = closure.residuals(&at, driver);
+        let correction = lu.solve(residuals.map(|r| -r[k]));
+        let term = |value: f64| {
+            let mut coefficients = [0.0; N];
+            coefficients[k] = value;
+            Jet(coefficients)
+        };
+        let [x, y, z, a, b, c] = correction;
+        series = series.moved(
+            Vector3::new(x, y, z).map(term),
+            Vector3::new(a, b, c).map(|v| term(0.5 * v)),
+        );
+    }
+    series
+}
+
+/// Angular velocity of the knuckle along the series: w with R' R^T = (w x), that is half the sum of
+/// R e_i x R' e_i. Its highest coefficient is unknown and not to be used.
+pub(crate) fn angular_velocity<const N: usize>(pose: &Pose<Jet<f64, N>>) -> Vector3<Jet<f64, N>> {
+    let [a, b, c] = pose
+        .rotation
+        .columns
+        .map(|column| column.cross(column.map(Jet::differentiated)));
+    (a + b + c) * Jet::constant(0.5)
+}

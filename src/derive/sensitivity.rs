@@ -1,0 +1,332 @@
+//! Derivatives by the hardpoints, by the adjoint of the closure equations.
+//!
+//! With F(x, p) = 0 at the pose x of the design p, an output y(x, p) has
+//!
+//! ```text
+//! dy/dp = y_p - mu . F_p,   J^T mu = y_x
+//! ```
+//!
+//! y_x is a wrench on the knuckle and mu are the forces with which the six constraints balance it, so
+//! one output costs one back-substitution whatever the number of hardpoints. The design moves with the
+//! hardpoint: lengths and the shape of the knuckle are recomputed, the drive value is held.
+//!
+//! Run on power series in the drive, the same lines give d/ds(dy/dp), which is d/dp(dy/ds): the
+//! sensitivities of rates and curvatures.
+
+use super::steering::{Steered, screw_axis, screw_axis_gradient};
+use crate::linear::lu::{Lu6, Matrix6};
+use crate::mechanism::RowSet;
+use crate::mechanism::Tally;
+use crate::mechanism::pose::Sink;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Posture, Twist, Wrench};
+use crate::model::RockerId;
+use crate::model::{Mechanism, PointId, SpinAxis, SteeringAxis};
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// Where the derivatives of an output by the hardpoints gather.
+pub trait Gradient<T> {
+    /// Adds a derivative by a hardpoint.
+    fn add(&mut self, id: PointId, by: Vector3<T>);
+}
+
+impl<T: Real> Gradient<T> for [Vector3<T>] {
+    #[inline(always)]
+    fn add(&mut self, id: PointId, by: Vector3<T>) {
+        self[id.0] = self[id.0] + by;
+    }
+}
+
+/// Gradient of an output by the hardpoints, collected together with its wrench.
+struct Adjoint<'a, T, G: ?Sized> {
+    wrench: Wrench<T>,
+    gradient: &'a mut G,
+}
+
+impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
+    #[inline(always)]
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        self.wrench.wrench(force, moment);
+    }
+    #[inline(always)]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.gradient.add(id, gradient);
+    }
+}
+
+/// A gradient by the hardpoints alone.
+pub(crate) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
+
+impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
+    #[inline(always)]
+    fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
+    #[inline(always)]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.0.add(id, gradient);
+    }
+}
+
+/// A posture made ready for adjoints: its Jacobian along the motion and the factors of its constant
+/// part.
+pub struct Linearised<'a, const N: usize> {
+    /// The posture, as a series.
+    pub at: Posture<'a, Jet<f64, N>>,
+    closure: &'a Closure<Jet<f64, N>>,
+    rows: RowSet,
+    steered: Option<&'a Steered<N>>,
+    driver: Driver<Jet<f64, N>>,
+    jacobian: Matrix6<Jet<f64, N>>,
+    lu: Lu6<f64>,
+    work: &'a Tally,
+}
+
+impl<'a, const N: usize> Linearised<'a, N> {
+    pub(crate) fn new(
+        at: Posture<'a, Jet<f64, N>>,
+        closure: &'a Closure<Jet<f64, N>>,
+        rows: RowSet,
+        steered: Option<&'a Steered<N>>,
+        driver: Driver<Jet<f64, N>>,
+        lu: Lu6<f64>,
+        work: &'a Tally,
+    ) -> Self {
+        Linearised {
+            jacobian: closure.jacobian(&at, driver),
+            at,
+            closure,
+            rows,
+            steered,
+            driver,
+            lu,
+            work,
+        }
+    }
+
+    /// The factors of the Jacobian.
+    pub(crate) fn factors(&self) -> &Lu6<f64> {
+        &self.lu
+    }
+
+    /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
+    /// once and says how the output depends on the posture, through the methods of [`Seeds`].
+    #[inline]
+    pub fn gradient(
+        &self,
+        gradient: &mut [Vector3<Jet<f64, N>>],
+        seed: impl FnOnce(&mut Seeds<'_, '_, Jet<f64, N>>),
+    ) {
+        let mut seeds = Seeds::new(&self.at, gradient);
+        seed(&mut seeds);
+        let by_twist = seeds.by_twist;
+        let Adjoint {
+            mut wrench,
+            gradient,
+        } = seeds.adjoint;
+        if let (Some(by_twist), Some(twist), Some(steered)) =
+            (by_twist, &self.at.steering, self.steered)
+        {
+            self.work.note(|w| w.right_hand_sides += N as u64);
+            let multipliers = self
+                .lu
+                .solve_transposed_series(&self.jacobian, &by_twist.into_array());
+            steered.subtract(
+                &self.at,
+                twist,
+                self.driver,
+                &multipliers,
+                &mut wrench,
+                gradient,
+            );
+        }
+        let wrench = wrench.to_row();
+        self.work.note(|w| {
+            w.right_hand_sides += N as u64;
+            w.gradient_rows += self.rows.count(self.driver);
+        });
+        let multipliers = self.lu.solve_transposed_series(&self.jacobian, &wrench);
+        self.closure.differential(
+            self.rows,
+            &self.at,
+            self.driver,
+            &multipliers.map(|m| -m),
+            &mut HardpointGradient(gradient),
+        );
+    }
+}
+
+/// How an output depends on the posture: each call adds the derivative by one thing it reads.
+pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
+    at: &'s Posture<'a, T>,
+    adjoint: Adjoint<'s, T, G>,
+    /// By the twist of the steering motion, where something depends on it.
+    by_twist: Option<Twist<T>>,
+}
+
+impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
+    /// For an output of a posture; what it depends on directly is added to `gradient`.
+    #[inline(always)]
+    pub fn new(at: &'s Posture<'a, T>, gradient: &'s mut G) -> Self {
+        Seeds {
+            at,
+            adjoint: Adjoint {
+                wrench: Wrench::zero(at.rack),
+                gradient,
+            },
+            by_twist: None,
+        }
+    }
+
+    /// The derivative by the pose.
+    #[inline(always)]
+    pub fn wrench(&self) -> Wrench<T> {
+        self.adjoint.wrench
+    }
+
+    /// By a point of the steering axis and by its direction, as [`Posture::steering_axis`] has them.
+    #[inline(always)]
+    pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
+        match (self.at.mechanism.steering_axis, &self.at.steering) {
+            (Some(SteeringAxis::Through { lower, upper }), _) => {
+                self.point(upper, by_direction);
+                self.point(lower, by_point - by_direction);
+            }
+            (Some(SteeringAxis::Instantaneous), Some(twist)) => {
+                let more = screw_axis_gradient(twist, by_point, by_direction);
+                self.by_twist = Some(match self.by_twist {
+                    None => more,
+                    Some(seed) => Twist {
+                        shift: seed.shift + more.shift,
+                        turn: seed.turn + more.turn,
+                    },
+                });
+                self.adjoint.wrench(by_point, by_point.zero());
+            }
+            _ => {}
+        }
+    }
+
+    /// By the present position of a point.
+    #[inline(always)]
+    pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.at.push_point(id, gradient, &mut self.adjoint);
+    }
+
+    /// By the angle of a rocker.
+    #[inline]
+    pub fn rocker_angle(&mut self, id: RockerId, gradient: T) {
+        self.at.push_rocker_angle(id, gradient, &mut self.adjoint);
+    }
+
+    /// By a hardpoint, directly.
+    #[inline(always)]
+    pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        self.adjoint.hardpoint(id, gradient);
+    }
+
+    /// By the rotation of the knuckle.
+    #[inline(always)]
+    pub fn turn(&mut self, moment: Vector3<T>) {
+        self.adjoint.wrench(moment.zero(), moment);
+    }
+
+    /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
+    #[inline(always)]
+    pub fn spin_axis(&mut self, gradient: Vector3<T>) {
+        let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
+        let now = self.at.pose.rotation.apply(designed.direction);
+        self.moved_spin_axis(&designed, now, gradient);
+    }
+
+    /// The same, the axis being known in the design position and now.
+    #[inline(always)]
+    pub fn moved_spin_axis(
+        &mut self,
+        designed: &DesignedSpinAxis<T>,
+        now: Vector3<T>,
+        gradient: Vector3<T>,
+    ) {
+        self.turn(now.cross(gradient));
+        let in_knuckle = self.at.pose.rotation.apply_transposed(gradient);
+        self.by_designed_spin_axis(designed, in_knuckle);
+    }
+
+    /// By the unit spin axis in the design position.
+    #[inline(always)]
+    pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
+        let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
+        self.by_designed_spin_axis(&designed, gradient);
+    }
+
+    #[inline(always)]
+    fn by_designed_spin_axis(&mut self, designed: &DesignedSpinAxis<T>, gradient: Vector3<T>) {
+        if let SpinAxis::From(inner) = self.at.mechanism.spin_axis {
+            let axis = designed.direction;
+            let by_base = (gradient - axis * axis.dot(gradient)) * designed.inverse_length;
+            self.hardpoint(self.at.mechanism.wheel_centre, by_base);
+            self.hardpoint(inner, -by_base);
+        }
+    }
+}
+
+/// The spin axis in the design position.
+#[derive(Clone, Copy, Debug)]
+pub struct DesignedSpinAxis<T> {
+    /// Unit vector, outboard.
+    pub direction: Vector3<T>,
+    /// One over the distance of the wheel centre from the point that gives the direction; 0 where none does.
+    pub inverse_length: T,
+}
+
+impl<T: Real> DesignedSpinAxis<T> {
+    /// Of a design.
+    #[inline(always)]
+    pub fn of(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        let centre = design[mechanism.wheel_centre.0];
+        match mechanism.spin_axis {
+            SpinAxis::From(inner) => {
+                let base = centre - design[inner.0];
+                let inverse_length = base.x.one() / base.norm();
+                DesignedSpinAxis {
+                    direction: base * inverse_length,
+                    inverse_length,
+                }
+            }
+            SpinAxis::Along(direction) => DesignedSpinAxis {
+                direction: centre.lit(direction),
+                inverse_length: centre.x.zero(),
+            },
+        }
+    }
+}
+
+impl<T: Real> Posture<'_, T> {
+    /// A point of the steering axis, and a vector along it, upward but of any length. `None` where the
+    /// wheel is not steered, or nothing that reads the axis was asked for.
+    #[inline(always)]
+    pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
+        match self.mechanism.steering_axis? {
+            SteeringAxis::Through { lower, upper } => {
+                let point = self.point(lower);
+                Some((point, self.point(upper) - point))
+            }
+            SteeringAxis::Instantaneous => {
+                let twist = self.steering.as_ref()?;
+                Some(screw_axis(self.pose.origin, twist))
+            }
+        }
+    }
+
+    /// Unit vector along the spin axis, outboard, in the design position.
+    #[inline(always)]
+    pub fn designed_spin_axis(&self) -> Vector3<T> {
+        DesignedSpinAxis::of(self.mechanism, self.design).direction
+    }
+
+    /// Unit vector along the spin axis, outboard.
+    #[inline(always)]
+    pub fn spin_axis(&self) -> Vector3<T> {
+        self.pose.rotation.apply(self.designed_spin_axis())
+    }
+}

@@ -1,0 +1,162 @@
+//! The instantaneous steering axis: where the knuckle screws when the rack moves and the drive is held.
+//!
+//! With F(x, r) = 0 the closure equations at rack displacement r and t = x_r the twist of the knuckle
+//! (velocity v of its origin o, angular velocity w) per unit of rack displacement,
+//!
+//! ```text
+//! J t = -F_r,   axis: point o + (w x v)/w.w, direction w
+//! ```
+//!
+//! *Gradients.* An output y(t, x, p) has, with J^T l = y_t,
+//!
+//! ```text
+//! dy = y_x dx + y_p dp - l . d(J t + F_r),   t held in d()
+//! ```
+//!
+//! J t + F_r is the derivative of F along the motion x + e t, r + e. So the last term is the coefficient
+//! of e in the differential of l . F, run on series in e: with f + e f', m + e m' the wrench it yields,
+//! a turn d(rotation) of the pose turns the moved pose by d(rotation) + e w x d(rotation), and the part
+//! of e is f' . d(origin) + (m' + m x w) . d(rotation). It joins y_x, and the usual adjoint does the
+//! rest. On series in the drive all of this yields series.
+
+use crate::linear::lu::{Lu6, Vector6};
+use crate::mechanism::RowSet;
+use crate::mechanism::pose::Sink;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Posture, Twist, Wrench};
+use crate::model::{Mechanism, PointId};
+use crate::number::Dual;
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// A series in the drive with its first derivative along the steering motion.
+type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
+
+/// A design and its closure equations over series along the steering motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Steered<const N: usize> {
+    design: Vec<Vector3<Along<N>>>,
+    closure: Closure<Along<N>>,
+}
+
+impl<const N: usize> Steered<N> {
+    pub(crate) fn new(mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) -> Self {
+        let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
+        let closure = Closure::new(mechanism, &design);
+        Steered { design, closure }
+    }
+
+    /// Takes over another design of the same mechanism, without allocating.
+    pub(crate) fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) {
+        for (lifted, point) in self.design.iter_mut().zip(design) {
+            *lifted = point.map(Jet::constant);
+        }
+        self.closure.prepare(mechanism, &self.design);
+    }
+
+    /// Subtracts l . d(J t + F_r) from a wrench on the knuckle and a gradient by the hardpoints.
+    #[inline(never)]
+    pub(crate) fn subtract(
+        &self,
+        at: &Posture<'_, Jet<f64, N>>,
+        twist: &Twist<Jet<f64, N>>,
+        driver: Driver<Jet<f64, N>>,
+        multipliers: &Vector6<Jet<f64, N>>,
+        wrench: &mut Wrench<Jet<f64, N>>,
+        gradient: &mut [Vector3<Jet<f64, N>>],
+    ) {
+        let one = at.rack.one();
+        let along = |v: Vector3<Jet<f64, N>>| v.map(|c| Jet([c.zero(), c]));
+        let moved = Posture {
+            mechanism: at.mechanism,
+            design: &self.design,
+            pose: at
+                .pose
+                .map(Jet::constant)
+                .moved(along(twist.shift), along(twist.turn.map(|c| c.scaled(0.5)))),
+            rack: Jet([at.rack, one]),
+            steering: None,
+        };
+        let mut slope = Slope {
+            wrench: Wrench::zero(moved.rack),
+            gradient,
+        };
+        self.closure.differential(
+            RowSet::ALL,
+            &moved,
+            driver.map(Jet::constant),
+            &multipliers.map(|l| Jet::constant(-l)),
+            &mut slope,
+        );
+        let Wrench { force, moment, .. } = slope.wrench;
+        let (value, rate) = (moment.map(|c| c[0]), moment.map(|c| c[1]));
+        wrench.wrench(force.map(|c| c[1]), rate + value.cross(twist.turn));
+    }
+}
+
+/// Collects a wrench along the steering motion, and the slope of a gradient by the hardpoints.
+struct Slope<'a, const N: usize> {
+    wrench: Wrench<Along<N>>,
+    gradient: &'a mut [Vector3<Jet<f64, N>>],
+}
+
+impl<const N: usize> Sink<Along<N>> for Slope<'_, N> {
+    #[inline]
+    fn wrench(&mut self, force: Vector3<Along<N>>, moment: Vector3<Along<N>>) {
+        self.wrench.wrench(force, moment);
+    }
+    #[inline]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<Along<N>>) {
+        self.gradient[id.0] = self.gradient[id.0] + gradient.map(|c| c[1]);
+    }
+}
+
+/// The twist of the knuckle per unit of rack displacement, the drive held. `lu` has the factors of the
+/// Jacobian's constant part.
+pub(crate) fn twist_by_rack<const N: usize>(
+    at: &Posture<'_, Jet<f64, N>>,
+    closure: &Closure<Jet<f64, N>>,
+    driver: Driver<Jet<f64, N>>,
+    lu: &Lu6<f64>,
+) -> Twist<Jet<f64, N>> {
+    let wrenches = closure.wrenches(at, driver);
+    let by_rack = wrenches.map(|wrench| -wrench.rack);
+    Twist::from_array(lu.solve_series(&wrenches.map(Wrench::to_row), &by_rack))
+}
+
+/// A point and the direction, taken upward, of the screw axis of a twist whose origin is at `origin`.
+#[inline(always)]
+pub(crate) fn screw_axis<T: Real>(
+    origin: Vector3<T>,
+    twist: &Twist<T>,
+) -> (Vector3<T>, Vector3<T>) {
+    let Twist { shift, turn } = *twist;
+    let point = origin + turn.cross(shift) * (turn.x.one() / turn.norm_squared());
+    let upward = turn * turn.z.sign();
+    (point, upward)
+}
+
+/// The derivative of `by_point . point + by_direction . direction` of the screw axis by the twist.
+#[inline(never)]
+pub(crate) fn screw_axis_gradient<T: Real>(
+    twist: &Twist<T>,
+    by_point: Vector3<T>,
+    by_direction: Vector3<T>,
+) -> Twist<T> {
+    let input = |v: Vector3<T>, first: usize| {
+        Vector3::new(
+            Dual::<T, 6>::input(v.x, first),
+            Dual::input(v.y, first + 1),
+            Dual::input(v.z, first + 2),
+        )
+    };
+    let seeded = Twist {
+        shift: input(twist.shift, 0),
+        turn: input(twist.turn, 3),
+    };
+    let (point, direction) = screw_axis(seeded.shift.zero(), &seeded);
+    let constant = |v: Vector3<T>| v.map(Dual::constant);
+    let output = constant(by_point).dot(point) + constant(by_direction).dot(direction);
+    Twist::from_array(output.partials)
+}

@@ -1,0 +1,3 @@
+//! Small dense linear algebra over any number.
+
+pub(crate) mod lu;

@@ -1,0 +1,314 @@
+//! The six closure equations of a mechanism in the pose of its knuckle: five constraints (see
+//! [`crate::mechanism::constraint`]) and a drive.
+//!
+//! Their Jacobian J by the pose has the constraints' lines as rows, so it is singular exactly where the
+//! mechanism is.
+
+use super::constraint::{ArmAngle, Row};
+use super::pose::{Pose, Posture, Sink, Twist, Wrench};
+use crate::linear::lu::{Lu6, Matrix6, Vector6};
+use crate::model::{Mechanism, PointId};
+use crate::number::Real;
+use crate::number::{Matrix3, Vector3};
+
+/// The sixth equation: what drives the mechanism, with its present value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Driver<T> {
+    /// Height of the wheel centre above its design position.
+    Travel(T),
+    /// Angle of the first arm from its design position.
+    ArmAngle {
+        /// Sine of the angle.
+        sine: T,
+        /// Cosine of the angle.
+        cosine: T,
+    },
+}
+
+/// Some of the six closure equations; the sixth in each of its kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RowSet(u8);
+
+impl RowSet {
+    /// Every equation.
+    pub(crate) const ALL: RowSet = RowSet(0xff);
+
+    #[inline]
+    fn holds(self, row: usize) -> bool {
+        self.0 & (1 << row) != 0
+    }
+
+    /// How many there are with this driver.
+    #[inline]
+    pub(crate) fn count<T>(self, driver: Driver<T>) -> u64 {
+        u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
+    }
+}
+
+/// Notes whether something depends on one of some hardpoints.
+struct Touches<'a> {
+    points: &'a [PointId],
+    found: bool,
+}
+
+impl<T> Sink<T> for Touches<'_> {
+    fn wrench(&mut self, _: Vector3<T>, _: Vector3<T>) {}
+    fn hardpoint(&mut self, id: PointId, _: Vector3<T>) {
+        self.found |= self.points.contains(&id);
+    }
+}
+
+/// The closure equations of one design.
+#[derive(Clone, Debug)]
+pub struct Closure<T> {
+    rows: [Row<T>; 5],
+}
+
+impl<T: Real> Closure<T> {
+    /// The equations of a design.
+    #[inline(always)]
+    pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        let [mut constraint, mut number] = [0; 2];
+        let mut rows = [Row::of(mechanism.constraints[0], 0, design); 5];
+        for row in &mut rows[1..] {
+            number += 1;
+            if number == mechanism.constraints[constraint].freedoms() {
+                (constraint, number) = (constraint + 1, 0);
+            }
+            *row = Row::of(mechanism.constraints[constraint], number, design);
+        }
+        Closure { rows }
+    }
+
+    /// Takes over another design of the same mechanism.
+    pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<T>]) {
+        *self = Closure::new(mechanism, design);
+    }
+
+    /// The five constraints, one by one.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> &[Row<T>; 5] {
+        &self.rows
+    }
+
+    /// The residuals, as lengths: five constraints, then the drive. Out of line: inlined everywhere, this
+    /// would take the compiler minutes for derivative numbers.
+    #[inline(never)]
+    pub(crate) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+        self.residuals_inlined(at, driver)
+    }
+
+    /// As [`Closure::residuals`], for SIMD lanes.
+    #[inline(always)]
+    pub(crate) fn residuals_inlined(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+        let mut residuals = [at.rack.zero(); 6];
+        for (residual, row) in residuals.iter_mut().zip(&self.rows) {
+            *residual = row.residual(at);
+        }
+        residuals[5] = driver.residual(at);
+        residuals
+    }
+
+    /// The Jacobian by the pose.
+    #[inline]
+    pub(crate) fn jacobian(&self, at: &Posture<T>, driver: Driver<T>) -> Matrix6<T> {
+        self.wrenches(at, driver).map(Wrench::to_row)
+    }
+
+    /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
+    #[inline(never)]
+    pub(crate) fn wrenches(&self, at: &Posture<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
+        let like = at.rack;
+        let mut wrenches = [Wrench::zero(like); 6];
+        for (wrench, row) in wrenches.iter_mut().zip(&self.rows) {
+            row.differential(at, like.one(), wrench);
+        }
+        driver.differential(at, like.one(), &mut wrenches[5]);
+        wrenches
+    }
+
+    /// The residual of one of the six equations and its row of the Jacobian, as [`Closure::wrenches`] has
+    /// it.
+    #[inline(always)]
+    pub(crate) fn row(&self, number: usize, at: &Posture<T>, driver: Driver<T>) -> (T, Wrench<T>) {
+        let mut wrench = Wrench::zero(at.rack);
+        let one = at.rack.one();
+        let residual = match self.rows.get(number) {
+            Some(row) => {
+                row.differential(at, one, &mut wrench);
+                row.residual(at)
+            }
+            None => {
+                driver.differential(at, one, &mut wrench);
+                driver.residual(at)
+            }
+        };
+        (residual, wrench)
+    }
+
+    /// How the rows of [`Closure::wrenches`] change along a motion of the knuckle, the rack held; the sixth
+    /// is that of the travel.
+    #[inline(always)]
+    pub(crate) fn wrench_rates(&self, at: &Posture<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
+        let mut rates = [Wrench::zero(at.rack); 6];
+        for (rate, row) in rates.iter_mut().zip(&self.rows) {
+            *rate = row.wrench_rate(at, along);
+        }
+        let centre = at.designed_lever(at.mechanism.wheel_centre);
+        let velocity = along.turn.cross(at.pose.rotation.apply(centre));
+        let zero = velocity.x.zero();
+        rates[5].moment = Vector3::new(velocity.y, -velocity.x, zero);
+        rates
+    }
+
+    /// The equations that depend on one of these hardpoints, at some pose.
+    pub(crate) fn rows_holding(
+        &self,
+        mechanism: &Mechanism,
+        design: &[Vector3<T>],
+        points: &[PointId],
+    ) -> RowSet {
+        let origin = design[mechanism.origin.0];
+        let like = origin.x.one();
+        let at = Posture {
+            mechanism,
+            design,
+            pose: Pose {
+                origin,
+                rotation: Matrix3::identity(like),
+            },
+            rack: like.zero(),
+            steering: None,
+        };
+        let drivers = [
+            Driver::Travel(like.zero()),
+            Driver::ArmAngle {
+                sine: like.zero(),
+                cosine: like,
+            },
+        ];
+        let mut set = RowSet(0);
+        let mut touches = Touches {
+            points,
+            found: false,
+        };
+        for (number, row) in self.rows.iter().enumerate() {
+            touches.found = false;
+            row.differential(&at, like, &mut touches);
+            set.0 |= u8::from(touches.found) << number;
+        }
+        for driver in drivers {
+            // The angle of an arm is a drive only where there is an arm.
+            if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
+                continue;
+            }
+            touches.found = false;
+            driver.differential(&at, like, &mut touches);
+            set.0 |= u8::from(touches.found) << driver.row();
+        }
+        set
+    }
+
+    /// Adds `weights` times the differentials of some of the six equations to the sink. Out of line, as
+    /// [`Closure::residuals`].
+    #[inline(never)]
+    pub(crate) fn differential(
+        &self,
+        rows: RowSet,
+        at: &Posture<T>,
+        driver: Driver<T>,
+        weights: &Vector6<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        self.differential_inlined(rows, at, driver, weights, sink);
+    }
+
+    /// As [`Closure::differential`], for SIMD lanes.
+    #[inline(always)]
+    pub(crate) fn differential_inlined(
+        &self,
+        rows: RowSet,
+        at: &Posture<T>,
+        driver: Driver<T>,
+        weights: &Vector6<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        for (number, (row, weight)) in self.rows.iter().zip(weights).enumerate() {
+            if rows.holds(number) {
+                row.differential(at, *weight, sink);
+            }
+        }
+        if rows.holds(driver.row()) {
+            driver.differential(at, weights[5], sink);
+        }
+    }
+}
+
+impl Closure<f64> {
+    /// One Newton step from a pose: the corrected pose, the size of the correction as a length (the
+    /// rotation counted at the distance `size`), and the factorised Jacobian it was made with.
+    pub(crate) fn newton_step(
+        &self,
+        at: &Posture<f64>,
+        driver: Driver<f64>,
+        size: f64,
+    ) -> Option<(Pose<f64>, f64, Lu6<f64>)> {
+        let lu = Lu6::new(self.jacobian(at, driver), size)?;
+        let [x, y, z, a, b, c] = lu.solve(self.residuals(at, driver)).map(|v| -v);
+        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        let pose = at.pose.moved(shift, turn * 0.5);
+        Some((pose, shift.norm().max(turn.norm() * size), lu))
+    }
+}
+
+impl<T> Driver<T> {
+    /// The number of its equation in a [`RowSet`].
+    #[inline]
+    fn row(&self) -> usize {
+        match self {
+            Driver::Travel(_) => 5,
+            Driver::ArmAngle { .. } => 6,
+        }
+    }
+}
+
+impl<T: Real> Driver<T> {
+    /// The drive over another kind of number.
+    #[inline]
+    pub(crate) fn map<U>(self, mut f: impl FnMut(T) -> U) -> Driver<U> {
+        match self {
+            Driver::Travel(travel) => Driver::Travel(f(travel)),
+            Driver::ArmAngle { sine, cosine } => Driver::ArmAngle {
+                sine: f(sine),
+                cosine: f(cosine),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn residual(&self, at: &Posture<T>) -> T {
+        match *self {
+            Driver::Travel(travel) => {
+                let centre = at.mechanism.wheel_centre;
+                at.carried(centre).z - at.designed(centre).z - travel
+            }
+            Driver::ArmAngle { sine, cosine } => ArmAngle { sine, cosine }.residual(at),
+        }
+    }
+
+    #[inline(always)]
+    fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+        match *self {
+            Driver::Travel(_) => {
+                let centre = at.mechanism.wheel_centre;
+                let zero = weight.zero();
+                let up = Vector3::new(zero, zero, weight);
+                at.push_carried(centre, up, sink);
+                sink.hardpoint(centre, -up);
+            }
+            Driver::ArmAngle { sine, cosine } => {
+                ArmAngle { sine, cosine }.differential(at, weight, sink);
+            }
+        }
+    }
+}

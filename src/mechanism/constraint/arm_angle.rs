@@ -1,0 +1,125 @@
+//! An arm held at an angle.
+//!
+//! With a0 and a from the axis to the outer joint, in the design position and now, and e the unit axis,
+//!
+//! ```text
+//! r^2 sin = e.(a0 x a),   r^2 cos = a.a0 - (a.e)(a0.e)
+//! F = (cos(wanted) r^2 sin - sin(wanted) r^2 cos)/r = r sin(angle - wanted)
+//! ```
+//!
+//! The axis is taken so that a positive angle raises the outer joint, whichever way round its two
+//! points are named.
+
+use crate::mechanism::DEGENERATE;
+use crate::mechanism::Posture;
+use crate::mechanism::pose::Sink;
+use crate::model::{Arm, PointId};
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// The wanted angle of the mechanism's first arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ArmAngle<T> {
+    pub sine: T,
+    pub cosine: T,
+}
+
+/// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
+#[inline]
+pub(crate) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (PointId, PointId) {
+    if sense(arm, design) > 0.0 {
+        (arm.rear, arm.front)
+    } else {
+        (arm.front, arm.rear)
+    }
+}
+
+/// 1 where a positive turn about the axis from rear to front raises the outer joint, else -1.
+#[inline]
+fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
+    way(arm, design).z.sign()
+}
+
+/// The way of the outer joint in a turn about the axis from rear to front.
+#[inline]
+fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
+    let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+    (front - rear).cross(outer - rear)
+}
+
+/// Whether an arm raises its outer joint in one direction of its turn and lowers it in the other. At dead
+/// centre the joint goes level at first, and which turn is positive would be a matter of rounding.
+pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
+    let way = way(arm, design);
+    way.z.abs() > DEGENERATE * way.norm()
+}
+
+impl<T: Real> ArmAngle<T> {
+    #[inline]
+    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+        let arm = Turned::of(at);
+        (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
+    }
+
+    #[inline]
+    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+        let arm = Turned::of(at);
+        let (e, from, to) = (arm.axis, arm.designed, arm.now);
+        let weight = weight * arm.inverse_radius;
+        let (c, s) = (self.cosine * weight, self.sine * weight);
+        let along = (e.dot(from), e.dot(to));
+        let by_now = e.cross(from) * c - (from - e * along.0) * s;
+        let by_designed = to.cross(e) * c - (to - e * along.1) * s;
+        let by_axis = from.cross(to) * c + (to * along.0 + from * along.1) * s;
+        let by_base = (by_axis - e * e.dot(by_axis)) * arm.inverse_base;
+        let Arm { front, rear, outer } = at.mechanism.arms[0];
+        at.push_point(outer, by_now, sink);
+        sink.hardpoint(outer, by_designed);
+        sink.hardpoint(rear, -(by_now + by_designed + by_base));
+        sink.hardpoint(front, by_base);
+    }
+}
+
+/// The first arm in the design and now, about its axis.
+struct Turned<T> {
+    /// e
+    axis: Vector3<T>,
+    /// a0, from the rear point of the axis
+    designed: Vector3<T>,
+    /// a, from there as well
+    now: Vector3<T>,
+    /// 1 over the distance of the two points of the axis, negative if it runs from front to rear.
+    inverse_base: T,
+    /// 1/r, held fixed: it only scales the row.
+    inverse_radius: T,
+}
+
+impl<T: Real> Turned<T> {
+    #[inline]
+    fn of(at: &Posture<T>) -> Self {
+        let arm = at.mechanism.arms[0];
+        let rear = at.designed(arm.rear);
+        let base = at.designed(arm.front) - rear;
+        let inverse_base = sense(arm, at.design) / base.norm();
+        let axis = base * inverse_base;
+        let designed = at.designed(arm.outer) - rear;
+        let radius = (designed - axis * axis.dot(designed)).norm();
+        Turned {
+            axis,
+            designed,
+            now: at.point(arm.outer) - rear,
+            inverse_base,
+            inverse_radius: radius.one() / radius,
+        }
+    }
+
+    #[inline]
+    fn sine(&self) -> T {
+        self.axis.dot(self.designed.cross(self.now))
+    }
+
+    #[inline]
+    fn cosine(&self) -> T {
+        self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)
+    }
+}

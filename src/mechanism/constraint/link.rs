@@ -1,0 +1,74 @@
+//! A rod between two ball joints.
+//!
+//! With d from the inner to the outer joint and d0 its design value,
+//!
+//! ```text
+//! F  = (d.d - d0.d0)/(2 |d0|)
+//! dF = d.(d outer - d inner)/|d0| - d0.(d outer0 - d inner0)/|d0|
+//! ```
+//!
+//! Without a root F is quadratic in the pose and has no singular point; the factor 1/|d0| makes it a
+//! length and is held fixed (where F = 0 it does not matter).
+
+use crate::mechanism::pose::Sink;
+use crate::mechanism::{Posture, Twist, Wrench};
+use crate::model::{Body, PointId};
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// The equation of one rod.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link<T> {
+    pub inner: PointId,
+    pub outer: PointId,
+    half_squared_length: T,
+    /// 1/|d0|
+    scale: T,
+}
+
+impl<T: Real> Link<T> {
+    #[inline(always)]
+    pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
+        let squared = (design[outer.0] - design[inner.0]).norm_squared();
+        Link {
+            inner,
+            outer,
+            half_squared_length: squared.scaled(0.5),
+            scale: squared.one() / squared.sqrt(),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+        let d = at.carried(self.outer) - at.grounded(self.inner);
+        (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
+    }
+
+    #[inline(always)]
+    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+        let (inner, outer) = (self.inner, self.outer);
+        let weight = weight * self.scale;
+        let now = (at.carried(outer) - at.grounded(inner)) * weight;
+        let designed = (at.designed(outer) - at.designed(inner)) * weight;
+        at.push_carried(outer, now, sink);
+        at.push_grounded(inner, -now, sink);
+        sink.hardpoint(outer, -designed);
+        sink.hardpoint(inner, designed);
+    }
+
+    #[inline(always)]
+    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        let lever = at.pose.rotation.apply(at.designed_lever(self.outer));
+        let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.scale;
+        let lever_rate = along.turn.cross(lever);
+        let d_rate = (along.shift + lever_rate) * self.scale;
+        Wrench {
+            force: d_rate,
+            moment: lever_rate.cross(d) + lever.cross(d_rate),
+            rack: match at.mechanism.body(self.inner) {
+                Body::Rack => -d_rate.y,
+                _ => d_rate.y.zero(),
+            },
+        }
+    }
+}

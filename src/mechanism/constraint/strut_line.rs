@@ -1,0 +1,87 @@
+//! A telescopic strut: its mount stays on a line fixed in the knuckle.
+//!
+//! With n one of two normals of the line, fixed in the knuckle, and g = top - origin,
+//!
+//! ```text
+//! F  = R n . g - n . g0
+//! dF = R n . (d top - d origin) + (R n x g) . d(rotation) - n . (d top0 - d origin0) - c n . du
+//! ```
+//!
+//! u is the direction of the line and turns its normal with it, dn = -u (n.du); c = R u . g - u . g0 is
+//! how far the knuckle has slid along the line.
+
+use super::normals;
+use crate::mechanism::pose::Sink;
+use crate::mechanism::{Posture, Twist, Wrench};
+use crate::model::PointId;
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// One of a strut's two equations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrutLine<T> {
+    pub top: PointId,
+    lower: PointId,
+    upper: Option<PointId>,
+    /// n
+    pub normal: Vector3<T>,
+    /// u
+    along: Vector3<T>,
+    /// 1 over the design distance of the two points that give the direction.
+    inverse_base: T,
+}
+
+impl<T: Real> StrutLine<T> {
+    pub(crate) fn both(
+        top: PointId,
+        lower: PointId,
+        upper: Option<PointId>,
+        design: &[Vector3<T>],
+    ) -> [Self; 2] {
+        let base = design[upper.unwrap_or(top).0] - design[lower.0];
+        let inverse_base = base.x.one() / base.norm();
+        let along = base * inverse_base;
+        normals(along).map(|normal| StrutLine {
+            top,
+            lower,
+            upper,
+            normal,
+            along,
+            inverse_base,
+        })
+    }
+
+    #[inline]
+    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+        let gap = at.point(self.top) - at.pose.origin;
+        at.pose.rotation.apply(self.normal).dot(gap) - self.normal.dot(at.designed_lever(self.top))
+    }
+
+    #[inline]
+    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+        let StrutLine { top, normal, .. } = *self;
+        let gap = at.point(top) - at.pose.origin;
+        let turned = at.pose.rotation.apply(normal) * weight;
+        sink.wrench(-turned, turned.cross(gap));
+        at.push_point(top, turned, sink);
+        sink.hardpoint(top, -(normal * weight));
+        sink.hardpoint(at.mechanism.origin, normal * weight);
+        let slid =
+            at.pose.rotation.apply(self.along).dot(gap) - self.along.dot(at.designed_lever(top));
+        let by_direction = normal * (-(slid * weight) * self.inverse_base);
+        sink.hardpoint(self.upper.unwrap_or(top), by_direction);
+        sink.hardpoint(self.lower, -by_direction);
+    }
+
+    #[inline]
+    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+        let gap = at.point(self.top) - at.pose.origin;
+        let turned = at.pose.rotation.apply(self.normal);
+        let turned_rate = along.turn.cross(turned);
+        Wrench {
+            force: -turned_rate,
+            moment: turned_rate.cross(gap) - turned.cross(along.shift),
+            rack: gap.x.zero(),
+        }
+    }
+}

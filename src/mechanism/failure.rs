@@ -1,0 +1,254 @@
+//! Why there is no pose, or no design.
+
+use crate::attia;
+use crate::attia::Refusal;
+use crate::model::Rod;
+use crate::model::{Drive, Mechanism, PointId};
+use std::fmt;
+
+/// Why a station has no pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure {
+    /// The drive cannot get there: the mechanism folds at `limit`.
+    Unreachable {
+        /// What drives.
+        drive: Drive,
+        /// The value at the fold.
+        limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
+    },
+    /// The rack cannot get there, at zero travel.
+    RackUnreachable {
+        /// The displacement at the fold, towards the kernel's +y.
+        limit: f64,
+        /// Why it goes no further.
+        cause: LimitCause,
+    },
+    /// The pose was reached, but its derivatives do not exist there.
+    Singular,
+    /// A proof was asked for and there is none.
+    Uncertified(Unproven),
+    /// The pose was reached, but a rocker that something asked for reads is at toggle there, or was before.
+    Toggle(Rod),
+    /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
+    DeadCentre,
+    /// The formulation in point coordinates found no pose.
+    PointCoordinates {
+        /// What drives.
+        drive: attia::Drive,
+        /// Why there is none; the value of the drive in it is as the study counts it.
+        refusal: attia::Refusal,
+    },
+}
+
+/// Why a mechanism goes no further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitCause {
+    /// The arm stands so steep that its outer joint no longer raises (or lowers) the wheel centre.
+    ArmVertical,
+    /// The strut is square to the steering axis and lets the knuckle swing.
+    StrutSquare,
+    /// The upper arm is in line with the steering axis and lets the knuckle swing.
+    UpperArmStraight,
+    /// The tie rod has come into the plane of the steering axis and its own inner joint: it no longer
+    /// holds the wheel's heading.
+    TieRodToggle,
+    /// The links have come to a dead centre; which of them is not told apart for this topology.
+    DeadCentre,
+    /// The path could not be followed: it meets another assembly, or comes closer to one than rounding
+    /// can tell apart. The limit is the last value that was reached.
+    Unresolved,
+}
+
+impl fmt::Display for LimitCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LimitCause::ArmVertical => "the arm is too steep to move the wheel centre any further",
+            LimitCause::StrutSquare => "the strut is square to the steering axis",
+            LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
+            LimitCause::TieRodToggle => "the tie rod is at toggle",
+            LimitCause::DeadCentre => "the links are at a dead centre",
+            LimitCause::Unresolved => "the path meets another assembly there",
+        })
+    }
+}
+
+/// A toggle of a rocker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Toggle {
+    /// The travel, to 1e-9 of the mechanism's size.
+    pub travel: f64,
+    /// The rod that is in line with its lever: of the rocker, or of one that turns it.
+    pub rod: Rod,
+}
+
+/// Why nothing could be proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unproven {
+    /// The pose is singular, or as good as singular in double precision.
+    Singular,
+    /// The residual is too large against the distance to the next solution: the inequality fails.
+    TooClose,
+    /// The pose is proved, but not that it lies on the branch of the design position.
+    Branch,
+}
+
+impl fmt::Display for Unproven {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Unproven::Singular => "the pose is singular in double precision",
+            Unproven::TooClose => "another assembly is too close to tell apart in double precision",
+            Unproven::Branch => "the path from the design position could not be proved",
+        })
+    }
+}
+
+/// Why a design cannot be solved at all.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DesignFault {
+    /// A coordinate is not a finite number.
+    NotFinite(PointId),
+    /// The outer joint of an arm lies on the arm's axis.
+    ArmWithoutRadius {
+        /// The joint.
+        outer: PointId,
+    },
+    /// A tie rod whose inner end is on the steering axis cannot steer.
+    NoSteering {
+        /// The end that lies on the axis.
+        end: PointId,
+    },
+    /// The tie rod is in line with the plane it should turn the knuckle out of.
+    Toggle,
+    /// The strut has no length above the ball joint.
+    NoStrutLength,
+    /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
+    UpperArmInLine {
+        /// The upper ball joint.
+        outer: PointId,
+    },
+    /// Two points that a rod, a strut axis or the wheel's spin axis runs between coincide.
+    Coincident {
+        /// One.
+        first: PointId,
+        /// The other.
+        second: PointId,
+    },
+    /// The coordinates are so large, or the points so close to each other for their distance from the
+    /// origin, that double precision cannot tell them apart.
+    OutOfScale,
+    /// The seed paper's drive is singular in the design position.
+    DeadCentre {
+        /// The outer joint of the arm.
+        outer: PointId,
+    },
+    /// The formulation in point coordinates cannot describe the design.
+    PointCoordinates(attia::Refusal),
+    /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
+    Singular,
+}
+
+impl DesignFault {
+    /// The fault in words, with the names of the points.
+    pub fn describe(&self, mechanism: &Mechanism) -> String {
+        let name = |id: &PointId| mechanism.name(*id).to_owned();
+        match self {
+            DesignFault::NotFinite(id) => format!("{} is not a finite point", name(id)),
+            DesignFault::ArmWithoutRadius { outer } => {
+                format!("{} lies on the axis of its arm, so the arm cannot move it", name(outer))
+            }
+            DesignFault::NoSteering { end } => format!(
+                "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
+                name(end)
+            ),
+            DesignFault::Coincident { first, second } => format!(
+                "{} and {} coincide, but what runs between them needs a length",
+                name(first),
+                name(second)
+            ),
+            DesignFault::OutOfScale => "the points are too far from the origin, or too large or small, \
+                 for double precision to tell them apart"
+                .to_owned(),
+            DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
+                 plane with the steering axis"
+                .to_owned(),
+            DesignFault::NoStrutLength => {
+                "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
+                    .to_owned()
+            }
+            DesignFault::UpperArmInLine { outer } => format!(
+                "the upper arm is in line with the steering axis, so it does not hold {}",
+                name(outer)
+            ),
+            DesignFault::DeadCentre { outer } => format!(
+                "{} is at the highest or lowest point of its arm's circle, where the drive \
+                 \"paper_theta\" is singular",
+                name(outer)
+            ),
+            DesignFault::PointCoordinates(refusal) => format!(
+                "the design position cannot be solved in point coordinates: {refusal}"
+            ),
+            DesignFault::Singular => {
+                "the design position is singular: the drive cannot move the wheel from it".to_owned()
+            }
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Unreachable {
+                drive: Drive::Travel,
+                limit,
+                cause,
+            } => write!(f, "the wheel travel ends at {limit:.6}: {cause}"),
+            Failure::Unreachable {
+                drive: Drive::ArmAngle,
+                limit,
+                cause,
+            } => write!(
+                f,
+                "the arm turns no further than {:.6} deg: {cause}",
+                limit.to_degrees()
+            ),
+            Failure::RackUnreachable { limit, cause } => {
+                write!(
+                    f,
+                    "the rack moves no further than {:.6}: {cause}",
+                    limit.abs()
+                )
+            }
+            Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
+            Failure::Toggle(rod) => write!(
+                f,
+                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
+                rod.turns()
+            ),
+            Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
+            Failure::DeadCentre => write!(
+                f,
+                "theta takes the arm to its highest or lowest position or beyond, where this drive \
+                 is singular"
+            ),
+            Failure::PointCoordinates {
+                drive,
+                refusal: Refusal::Unreachable { value, limit },
+            } => match drive {
+                attia::Drive::Travel => {
+                    write!(f, "the wheel travel ends at {value:.6}: {limit}")
+                }
+                attia::Drive::ArmAngle => {
+                    let value = value.to_degrees();
+                    write!(f, "the arm turns no further than {value:.6} deg: {limit}")
+                }
+                attia::Drive::PaperTheta => {
+                    let value = value.to_degrees();
+                    write!(f, "theta gets no further than {value:.6} deg: {limit}")
+                }
+            },
+            Failure::PointCoordinates { refusal, .. } => refusal.fmt(f),
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! The pose of a mechanism and where it puts every point.
+
+use crate::model::{Arm, Body, Mechanism, PointId};
+use crate::number::Dual;
+use crate::number::Real;
+use crate::number::{Matrix3, Vector3};
+use std::ops::Neg;
+
+/// Position and rotation of the knuckle, relative to the design position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose<T> {
+    /// Position of the knuckle's origin (a hardpoint, see [`Mechanism::origin`]).
+    pub origin: Vector3<T>,
+    /// Rotation from the design position.
+    pub rotation: Matrix3<T>,
+}
+
+impl<T: Real> Pose<T> {
+    /// The pose over another kind of number.
+    #[inline]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Pose<U> {
+        Pose {
+            origin: self.origin.map(&mut f),
+            rotation: self.rotation.map(&mut f),
+        }
+    }
+
+    /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
+    #[inline]
+    pub(crate) fn moved(&self, shift: Vector3<T>, half_turn: Vector3<T>) -> Self {
+        Pose {
+            origin: self.origin + shift,
+            rotation: self.rotation.turned(half_turn),
+        }
+    }
+}
+
+/// A design in one pose.
+#[derive(Clone, Copy)]
+pub struct Posture<'a, T> {
+    /// Structure.
+    pub mechanism: &'a Mechanism,
+    /// Design position of every point.
+    pub design: &'a [Vector3<T>],
+    /// Pose of the knuckle.
+    pub pose: Pose<T>,
+    /// Displacement of the rack, towards the kernel's +y.
+    pub rack: T,
+    /// The knuckle's velocity per unit of rack displacement, the drive held. Known where the mechanism
+    /// has an instantaneous steering axis and something that reads it was asked for.
+    pub steering: Option<Twist<T>>,
+}
+
+/// A velocity of the knuckle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist<T> {
+    /// Of its origin.
+    pub shift: Vector3<T>,
+    /// Angular.
+    pub turn: Vector3<T>,
+}
+
+impl<T: Real> Neg for Twist<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Twist {
+            shift: -self.shift,
+            turn: -self.turn,
+        }
+    }
+}
+
+impl<T> Twist<T> {
+    /// From the six components, the shift first.
+    #[inline(always)]
+    pub(crate) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
+        Twist {
+            shift: Vector3::new(x, y, z),
+            turn: Vector3::new(a, b, c),
+        }
+    }
+
+    /// The six components, the shift first.
+    pub(crate) fn into_array(self) -> [T; 6] {
+        let (v, w) = (self.shift, self.turn);
+        [v.x, v.y, v.z, w.x, w.y, w.z]
+    }
+}
+
+/// Where the derivative of something by the pose and by the hardpoints is collected.
+///
+/// A derivative by the pose is a wrench on the knuckle: the force is the derivative by the position of
+/// its origin, the moment the derivative by its rotation.
+pub(crate) trait Sink<T> {
+    /// Adds a wrench at the knuckle's origin.
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
+    /// Adds a derivative by a hardpoint at fixed pose.
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>);
+    /// Adds a derivative by the displacement of the rack at fixed pose.
+    #[inline]
+    fn rack(&mut self, _gradient: T) {}
+}
+
+/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
+/// pose. With it the force along the rack, which is the derivative by the rack's displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrench<T> {
+    /// Derivative by the position of the knuckle's origin.
+    pub force: Vector3<T>,
+    /// Derivative by its rotation.
+    pub moment: Vector3<T>,
+    /// Derivative by the displacement of the rack.
+    pub rack: T,
+}
+
+impl<T: Real> Wrench<T> {
+    #[inline(always)]
+    pub(crate) fn zero(like: T) -> Self {
+        let zero = Vector3::new(like, like, like).zero();
+        Wrench {
+            force: zero,
+            moment: zero,
+            rack: zero.x,
+        }
+    }
+
+    pub(crate) fn to_row(self) -> [T; 6] {
+        let (f, m) = (self.force, self.moment);
+        [f.x, f.y, f.z, m.x, m.y, m.z]
+    }
+}
+
+impl<T: Real> Sink<T> for Wrench<T> {
+    #[inline(always)]
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        self.force = self.force + force;
+        self.moment = self.moment + moment;
+    }
+    #[inline(always)]
+    fn hardpoint(&mut self, _: PointId, _: Vector3<T>) {}
+    #[inline(always)]
+    fn rack(&mut self, gradient: T) {
+        self.rack = self.rack + gradient;
+    }
+}
+
+impl<'a, T: Real> Posture<'a, T> {
+    /// Design position of a point.
+    #[inline(always)]
+    pub fn designed(&self, id: PointId) -> Vector3<T> {
+        self.design[id.0]
+    }
+
+    /// From the knuckle's origin to a knuckle point, in the design position.
+    #[inline(always)]
+    pub fn designed_lever(&self, id: PointId) -> Vector3<T> {
+        self.designed(id) - self.designed(self.mechanism.origin)
+    }
+
+    /// Present position of a point.
+    #[inline(always)]
+    pub fn point(&self, id: PointId) -> Vector3<T> {
+        match T::IN_REGISTERS {
+            true => self.point_here(id),
+            false => self.point_apart(id),
+        }
+    }
+
+    /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
+    #[inline]
+    fn point_apart(&self, id: PointId) -> Vector3<T> {
+        self.point_here(id)
+    }
+
+    #[inline(always)]
+    fn point_here(&self, id: PointId) -> Vector3<T> {
+        match self.mechanism.body(id) {
+            Body::Chassis | Body::Rack => self.grounded(id),
+            Body::Knuckle => self.carried(id),
+            Body::StrutRod(top) => {
+                let top = self.designed(top);
+                top + self.pose.rotation.apply(self.designed(id) - top)
+            }
+            Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
+            Body::Rocker(rocker) => self.rocker_point(rocker, self.designed(id)),
+        }
+    }
+
+    /// Present position of a point of the chassis or the rack.
+    #[inline(always)]
+    pub(crate) fn grounded(&self, id: PointId) -> Vector3<T> {
+        let p = self.designed(id);
+        match self.mechanism.body(id) {
+            Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
+            _ => p,
+        }
+    }
+
+    /// Adds the derivative of `gradient . grounded(id)` to the sink.
+    #[inline(always)]
+    pub(crate) fn push_grounded(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        sink.hardpoint(id, gradient);
+        if self.mechanism.body(id) == Body::Rack {
+            sink.rack(gradient.y);
+        }
+    }
+
+    /// Present position of the knuckle's point that was at this one in the design position.
+    #[inline(always)]
+    pub(crate) fn carried(&self, id: PointId) -> Vector3<T> {
+        if id == self.mechanism.origin {
+            return self.pose.origin;
+        }
+        self.pose.origin + self.pose.rotation.apply(self.designed_lever(id))
+    }
+
+    /// Adds the derivative of `gradient . carried(id)` to the sink.
+    #[inline(always)]
+    pub(crate) fn push_carried(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        if id == self.mechanism.origin {
+            return sink.wrench(gradient, gradient.zero());
+        }
+        let in_knuckle = self.pose.rotation.apply_transposed(gradient);
+        let lever = self.pose.rotation.apply(self.designed_lever(id));
+        sink.wrench(gradient, lever.cross(gradient));
+        sink.hardpoint(id, in_knuckle);
+        sink.hardpoint(self.mechanism.origin, -in_knuckle);
+    }
+
+    /// Adds the derivative of `gradient . point(id)` to the sink.
+    #[inline(always)]
+    pub(crate) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        match T::IN_REGISTERS {
+            true => self.push_point_here(id, gradient, sink),
+            false => self.push_point_apart(id, gradient, sink),
+        }
+    }
+
+    #[inline]
+    fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        self.push_point_here(id, gradient, sink);
+    }
+
+    #[inline(always)]
+    fn push_point_here(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        match self.mechanism.body(id) {
+            Body::Chassis | Body::Rack => self.push_grounded(id, gradient, sink),
+            Body::Knuckle => self.push_carried(id, gradient, sink),
+            Body::StrutRod(top) => {
+                let in_knuckle = self.pose.rotation.apply_transposed(gradient);
+                let lever = self.point(id) - self.designed(top);
+                sink.wrench(gradient.zero(), lever.cross(gradient));
+                sink.hardpoint(id, in_knuckle);
+                sink.hardpoint(top, gradient - in_knuckle);
+            }
+            Body::Arm(arm) => self.push_arm_point(self.mechanism.arms[arm.0], id, gradient, sink),
+            Body::Rocker(rocker) => {
+                let by_point = self.push_rocker_point(rocker, self.designed(id), gradient, sink);
+                sink.hardpoint(id, by_point);
+            }
+        }
+    }
+
+    /// Out of line: it is rare, and large.
+    #[inline(never)]
+    fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        let by = gradient_by(self.arm_inputs(arm, id), gradient, arm_point);
+        for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
+            sink.hardpoint(hardpoint, by);
+        }
+        self.push_carried(arm.outer, by[4], sink);
+    }
+
+    #[inline(never)]
+    fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
+        arm_point(self.arm_inputs(arm, id))
+    }
+
+    /// Present position and velocity of a point that stands on no rocker, from the velocity of the knuckle.
+    /// For SIMD lanes.
+    #[inline(always)]
+    pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
+        let carried = |id: PointId| {
+            let now = self.carried(id);
+            let rate = motion.shift + motion.turn.cross(now - self.pose.origin);
+            [now, rate]
+        };
+        match self.mechanism.body(id) {
+            Body::Knuckle => carried(id),
+            Body::StrutRod(top) => {
+                let lever = self
+                    .pose
+                    .rotation
+                    .apply(self.designed(id) - self.designed(top));
+                [self.designed(top) + lever, motion.turn.cross(lever)]
+            }
+            Body::Arm(arm) => {
+                let arm = self.mechanism.arms[arm.0];
+                let now = arm_point(self.arm_inputs(arm, id));
+                let front = self.designed(arm.front);
+                let axis = self.designed(arm.rear) - front;
+                let [outer, outer_rate] = carried(arm.outer);
+                // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
+                let across = axis.cross(outer - front);
+                let turn = across.dot(outer_rate) / across.norm_squared();
+                [now, axis.cross(now - front) * turn]
+            }
+            Body::Chassis | Body::Rack | Body::Rocker(_) => {
+                let now = self.grounded(id);
+                [now, now.zero()]
+            }
+        }
+    }
+
+    /// What [`arm_point`] reads.
+    #[inline(always)]
+    fn arm_inputs(&self, arm: Arm, id: PointId) -> [Vector3<T>; 5] {
+        [
+            self.designed(arm.front),
+            self.designed(arm.rear),
+            self.designed(arm.outer),
+            self.designed(id),
+            self.carried(arm.outer),
+        ]
+    }
+}
+
+/// A point fixed in an arm, turned about the arm's axis as far as its outer joint is.
+///
+/// `[front, rear, outer, point, outer now]`: with e the unit axis and r the part of `outer - front`
+/// normal to it, cos = r.r'/r^2 and sin = e.(r x r')/r^2.
+#[inline(always)]
+fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -> Vector3<T> {
+    let axis = (rear - front).normalised();
+    let across = |p: Vector3<T>| {
+        let from_front = p - front;
+        from_front - axis * axis.dot(from_front)
+    };
+    let (radius, radius_now, lever) = (across(outer), across(outer_now), across(point));
+    let inverse = axis.x.one() / radius.norm_squared();
+    let cosine = radius.dot(radius_now) * inverse;
+    let sine = axis.dot(radius.cross(radius_now)) * inverse;
+    point - lever + lever * cosine + axis.cross(lever) * sine
+}
+
+/// The derivative of `gradient . image(inputs)` by each of the inputs.
+pub(crate) fn gradient_by<T: Real, const K: usize>(
+    inputs: [Vector3<T>; K],
+    gradient: Vector3<T>,
+    image: impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
+) -> [Vector3<T>; K] {
+    std::array::from_fn(|k| {
+        let mut seeded = inputs.map(|p| p.map(Dual::constant));
+        let p = inputs[k];
+        seeded[k] = Vector3::new(
+            Dual::input(p.x, 0),
+            Dual::input(p.y, 1),
+            Dual::input(p.z, 2),
+        );
+        let image = image(seeded);
+        let along = |i: usize| {
+            gradient.x * image.x.partials[i]
+                + gradient.y * image.y.partials[i]
+                + gradient.z * image.z.partials[i]
+        };
+        Vector3::from([0, 1, 2].map(along))
+    })
+}

@@ -1,0 +1,428 @@
+//! Where a rocker has turned to.
+//!
+//! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod, l in the
+//! design position, which keeps its length. With c the foot of the rod's inner end on the axis, r the lever from
+//! there to that end in the design position, t = e x r, d the way the rod's outer end has gone and q from where
+//! it is to c, the angle obeys
+//!
+//! ```text
+//! |q + r cos + t sin| = |l| = |q + r + d|
+//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2
+//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H,   H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)
+//! ```
+//!
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
+//! the rod about the axis times |l|: |w|/(|r| |l|) is the rod's *leverage*, 1 where it stands square to the lever,
+//! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
+//! derivatives do not exist there.
+
+use super::pose::{Posture, Sink, Twist, gradient_by};
+use crate::mechanism::DEGENERATE;
+use crate::mechanism::DesignFault;
+use crate::model::{Body, Drive, Mechanism, PointId};
+use crate::model::{Rocker, RockerId, Rod};
+use crate::number::Bundle;
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::Vector3;
+use crate::solve::Solver;
+use std::cell::Cell;
+
+/// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
+/// position, and the outer end now.
+type Ends<T> = [Vector3<T>; 5];
+
+/// A turn about an axis.
+struct Turn<T> {
+    first: Vector3<T>,
+    axis: Vector3<T>,
+    cosine: T,
+    sine: T,
+    /// 1 or -1: the sign of the turn by which the rod pushes its inner end.
+    pushed: T,
+    /// w^2/(r.r l.l)
+    leverage_squared: T,
+}
+
+impl<T: Real> Turn<T> {
+    #[inline(always)]
+    fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
+        let axis = (second - first).normalised();
+        let from_first = inner - first;
+        let lever = from_first - axis * axis.dot(from_first);
+        let centre = inner - lever;
+        let turned = axis.cross(lever);
+        let rod = inner - outer;
+        let (q, way) = (centre - outer_now, outer_now - outer);
+        let (a, b) = (q.dot(lever), q.dot(turned));
+        let e = rod.dot(way) - way.norm_squared().scaled(0.5);
+        let h = a * a + b * b;
+        let square = b * b - e * (a + a + e);
+        // B of the design position is t.l.
+        let pushed = turned.dot(rod).sign();
+        let w = -(pushed * square.sqrt());
+        let inverse = h.one() / h;
+        Turn {
+            first,
+            axis,
+            cosine: (a * (a + e) - b * w) * inverse,
+            sine: (b * e + a * (b + w)) * inverse,
+            pushed,
+            leverage_squared: square / (lever.norm_squared() * rod.norm_squared()),
+        }
+    }
+
+    /// Where a point of the rocker has come to.
+    #[inline(always)]
+    fn moved(&self, point: Vector3<T>) -> Vector3<T> {
+        let from_first = point - self.first;
+        let lever = from_first - self.axis * self.axis.dot(from_first);
+        point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
+    }
+
+    /// The angle, positive as a rod of this kind turns it from the design position: pushed, or pulled by a
+    /// pullrod.
+    #[inline(always)]
+    fn angle(&self, rod: Rod) -> T {
+        (self.sine * self.sense(rod)).atan2(self.cosine)
+    }
+
+    /// 1 or -1: the sign of the turn that counts as positive.
+    #[inline(always)]
+    fn sense(&self, rod: Rod) -> T {
+        match rod {
+            Rod::Pushrod | Rod::DropLink => self.pushed,
+            Rod::Pullrod => -self.pushed,
+        }
+    }
+}
+
+/// A rocker that turns.
+struct Turning<T> {
+    rocker: Rocker,
+    turn: Turn<T>,
+    /// How fast, about its axis.
+    speed: T,
+    /// The least w^2/(r.r l.l) of this rocker and those that turn it.
+    leverage_squared: T,
+}
+
+/// A point on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingPoint<T> {
+    /// Where it is.
+    pub now: Vector3<T>,
+    /// Its velocity.
+    pub rate: Vector3<T>,
+    /// The square of the least leverage of the rockers it moves with; 1 without any.
+    pub leverage_squared: T,
+}
+
+/// A rocker's angle on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingAngle<T> {
+    /// As [`Posture::rocker_angle`] has it.
+    pub now: T,
+    /// Its derivative.
+    pub rate: T,
+    /// The square of the least leverage of this rocker and those that turn it.
+    pub leverage_squared: T,
+}
+
+/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: everything
+/// inline, nothing recursive.
+impl<B: Bundle> Posture<'_, B> {
+    #[inline(always)]
+    fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+        let mechanism = self.mechanism;
+        let before = |depth: usize| {
+            let carrying = mechanism.rockers_moving(mechanism.rocker(id).outer);
+            std::iter::once(id).chain(carrying).nth(depth)
+        };
+        let mut depth = 0;
+        while before(depth + 1).is_some() {
+            depth += 1;
+        }
+        let mut rocker = mechanism.rocker(before(depth).unwrap_or(id));
+        let [mut outer, mut rate] = self.moving_below_rockers(rocker.outer, motion);
+        let mut least = outer.x.one();
+        loop {
+            let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
+            let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
+            let turn = Turn::of([first, second, inner, designed, outer]);
+            // The rod keeps its length: its ends have the same velocity along it.
+            let end = turn.moved(inner);
+            let rod = end - outer;
+            let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
+            // So that NaN is kept.
+            least = B::select(
+                least.less(turn.leverage_squared),
+                least,
+                turn.leverage_squared,
+            );
+            if depth == 0 {
+                return Turning {
+                    rocker,
+                    turn,
+                    speed,
+                    leverage_squared: least,
+                };
+            }
+            depth -= 1;
+            rocker = mechanism.rocker(before(depth).unwrap_or(id));
+            outer = turn.moved(self.designed(rocker.outer));
+            rate = turn.axis.cross(outer - first) * speed;
+        }
+    }
+
+    /// Present position and velocity of a point.
+    #[inline(always)]
+    pub fn moving_point(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
+        match self.mechanism.body(id) {
+            Body::Rocker(rocker) => {
+                let Turning {
+                    turn,
+                    speed,
+                    leverage_squared,
+                    ..
+                } = self.turning(rocker, motion);
+                let now = turn.moved(self.designed(id));
+                MovingPoint {
+                    now,
+                    rate: turn.axis.cross(now - turn.first) * speed,
+                    leverage_squared,
+                }
+            }
+            _ => {
+                let [now, rate] = self.moving_below_rockers(id, motion);
+                MovingPoint {
+                    now,
+                    rate,
+                    leverage_squared: now.x.one(),
+                }
+            }
+        }
+    }
+
+    /// Angle of a rocker and its derivative.
+    #[inline(always)]
+    pub fn moving_rocker(&self, id: RockerId, motion: &Twist<B>) -> MovingAngle<B> {
+        let Turning {
+            rocker,
+            turn,
+            speed,
+            leverage_squared,
+        } = self.turning(id, motion);
+        MovingAngle {
+            now: turn.angle(rocker.rod),
+            rate: speed * turn.sense(rocker.rod),
+            leverage_squared,
+        }
+    }
+}
+
+/// Whether six digits of a derivative would be left of this w^2/(r.r l.l), which is known to a few units of
+/// the last place. Written so that NaN has not.
+#[inline]
+fn is_enough(leverage_squared: f64) -> bool {
+    leverage_squared > DEGENERATE
+}
+
+/// Whether a rocker is away from its toggle in the design position, so that its rod can turn it.
+pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
+    let outer = design[rocker.outer.0];
+    let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
+    is_enough(Turn::of([first, second, inner, outer, outer]).leverage_squared)
+}
+
+impl<T: Real> Posture<'_, T> {
+    #[inline]
+    fn ends(&self, rocker: Rocker) -> Ends<T> {
+        let [first, second, inner, outer] =
+            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
+        [first, second, inner, outer, self.point(rocker.outer)]
+    }
+
+    /// Present position of a point of a rocker. Out of line: it is rare, and large.
+    #[inline(never)]
+    pub(crate) fn rocker_point(&self, id: RockerId, designed: Vector3<T>) -> Vector3<T> {
+        Turn::of(self.ends(self.mechanism.rocker(id))).moved(designed)
+    }
+
+    /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
+    /// it. NaN beyond a toggle.
+    #[inline(never)]
+    pub fn rocker_angle(&self, id: RockerId) -> T {
+        let rocker = self.mechanism.rocker(id);
+        Turn::of(self.ends(rocker)).angle(rocker.rod)
+    }
+
+    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, but for that by the place of
+    /// the point in the design, which is returned.
+    #[inline(never)]
+    pub(crate) fn push_rocker_point(
+        &self,
+        id: RockerId,
+        designed: Vector3<T>,
+        gradient: Vector3<T>,
+        sink: &mut impl Sink<T>,
+    ) -> Vector3<T> {
+        let rocker = self.mechanism.rocker(id);
+        let [first, second, inner, outer, now] = self.ends(rocker);
+        let inputs = [first, second, inner, outer, now, designed];
+        let [by @ .., by_point] = gradient_by(inputs, gradient, |[ends @ .., point]| {
+            Turn::of(ends).moved(point)
+        });
+        self.push_ends(rocker, by, sink);
+        by_point
+    }
+
+    /// Adds the derivative of `gradient * rocker_angle(id)` to the sink.
+    #[inline(never)]
+    pub(crate) fn push_rocker_angle(&self, id: RockerId, gradient: T, sink: &mut impl Sink<T>) {
+        let rocker = self.mechanism.rocker(id);
+        let zero = gradient.zero();
+        let by = gradient_by(
+            self.ends(rocker),
+            Vector3::new(gradient, zero, zero),
+            |ends| {
+                let angle = Turn::of(ends).angle(rocker.rod);
+                Vector3::new(angle, angle.zero(), angle.zero())
+            },
+        );
+        self.push_ends(rocker, by, sink);
+    }
+
+    fn push_ends(&self, rocker: Rocker, by: Ends<T>, sink: &mut impl Sink<T>) {
+        let designed = [rocker.first, rocker.second, rocker.inner, rocker.outer];
+        for (id, gradient) in designed.into_iter().zip(by) {
+            sink.hardpoint(id, gradient);
+        }
+        self.push_point(rocker.outer, by[4], sink);
+    }
+}
+
+impl Posture<'_, f64> {
+    /// The rod that keeps a rocker from turning here: its own, or that of a rocker which turns it.
+    pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
+        let before = self
+            .mechanism
+            .rockers_moving(self.mechanism.rocker(id).outer);
+        let stuck = std::iter::once(id).chain(before).filter(|id| {
+            let ends = self.ends(self.mechanism.rocker(*id));
+            !is_enough(Turn::of(ends).leverage_squared)
+        });
+        stuck.last().map(|id| self.mechanism.rocker(id).rod)
+    }
+
+    /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
+    pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<f64>, force: Vector3<f64>) -> f64 {
+        let rocker = self.mechanism.rocker(id);
+        let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
+        let axis = second - first;
+        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
+        let moment = |at: Vector3<f64>, force: Vector3<f64>| axis.dot((at - first).cross(force));
+        -moment(at, force) / moment(inner, (outer - inner).normalised())
+    }
+}
+
+/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. What happens
+/// between two stations is not seen.
+#[derive(Clone, Debug, Default)]
+pub struct Toggles {
+    watched: Vec<RockerId>,
+    /// The rockers at or beyond toggle where the march began, by number.
+    at_start: Cell<Stuck>,
+    past: Cell<Past>,
+}
+
+/// A set of rockers, by number.
+type Stuck = u32;
+
+/// Where the march was last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    value: f64,
+    stuck: Stuck,
+}
+
+impl Toggles {
+    /// Watches these rockers of a mechanism, and those that turn them.
+    pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
+        let mut watched: Vec<RockerId> = Vec::new();
+        for rocker in rockers {
+            let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);
+            watched.extend(before.chain([rocker]));
+        }
+        watched.sort_by_key(|id| id.0);
+        watched.dedup();
+        Toggles {
+            watched,
+            ..Toggles::default()
+        }
+    }
+
+    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
+    pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
+        if self.watched.is_empty() {
+            return Ok(());
+        }
+        // Without a pose to begin with there will be none to note.
+        let stuck = match solver.placed(drive, rack)? {
+            Ok((pose, point)) => self.stuck(&solver.posture(&pose, point.rack), 0, |c| c),
+            Err(_) => 0,
+        };
+        self.begin_with(stuck);
+        Ok(())
+    }
+
+    /// Makes ready for a march that begins in this pose.
+    pub fn begin_at<const N: usize>(&self, at: &Posture<Jet<f64, N>>) {
+        self.begin_with(self.stuck(at, 0, |c| c[0]));
+    }
+
+    fn begin_with(&self, stuck: Stuck) {
+        self.at_start.set(stuck);
+        self.past.set(Past { value: 0.0, stuck });
+    }
+
+    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
+    /// returns the first rocker that has come to a toggle there or before.
+    pub fn note<const N: usize>(&self, at: &Posture<Jet<f64, N>>, value: f64) -> Option<Rod> {
+        if self.watched.is_empty() {
+            return None;
+        }
+        let past = self.past.get();
+        // Else the march has turned to the other side of its beginning.
+        let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
+        let before = match goes_on {
+            true => past.stuck,
+            false => self.at_start.get(),
+        };
+        let stuck = self.stuck(at, before, |c| c[0]);
+        self.past.set(Past { value, stuck });
+        let first = self.watched.iter().find(|id| self.holds(**id));
+        first.map(|id| at.mechanism.rocker(*id).rod)
+    }
+
+    /// Whether a rocker is at or beyond a toggle at the station last noted.
+    pub fn holds(&self, rocker: RockerId) -> bool {
+        self.past.get().stuck & 1 << rocker.0 != 0
+    }
+
+    /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
+    /// a one turns.
+    fn stuck<T: Real>(&self, at: &Posture<T>, before: Stuck, now: impl Fn(T) -> f64) -> Stuck {
+        let mechanism = at.mechanism;
+        let mut stuck = before;
+        for rocker in &self.watched {
+            let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
+            let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
+            let leverage = Turn::of(at.ends(mechanism.rocker(*rocker))).leverage_squared;
+            if is_carried || !is_enough(now(leverage)) {
+                stuck |= 1 << rocker.0;
+            }
+        }
+        stuck
+    }
+}

@@ -1,0 +1,75 @@
+//! What was done: counts of the steps that cost time.
+//!
+//! They say more than a clock: the same on every machine, and a study that asks for less must show it.
+
+use serde::{Deserialize, Serialize};
+use std::cell::Cell;
+
+/// Counts of what was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Work {
+    /// Poses taken from the closed form.
+    pub closed_form_solves: u64,
+    /// Times the closed form was evaluated to find them.
+    pub closed_form_evaluations: u64,
+    /// Newton iterations on closure equations, of either formulation.
+    pub newton_iterations: u64,
+    /// Factorisations of a Jacobian.
+    pub factorisations: u64,
+    /// Right-hand sides solved with the factors of a Jacobian or of its transpose, a power series
+    /// counted by its coefficients.
+    pub right_hand_sides: u64,
+    /// Closure equations differentiated by the hardpoints, for sensitivities.
+    pub gradient_rows: u64,
+    /// Values of characteristics, each with its derivatives by the drive.
+    pub characteristic_evaluations: u64,
+    /// Gradients of characteristics by what they read.
+    pub characteristic_gradients: u64,
+}
+
+impl Work {
+    /// One iteration of Newton's method.
+    pub(crate) fn note_newton(&mut self) {
+        self.newton_iterations += 1;
+        self.factorisations += 1;
+        self.right_hand_sides += 1;
+    }
+}
+
+impl std::ops::Add for Work {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Work {
+            closed_form_solves: self.closed_form_solves + other.closed_form_solves,
+            closed_form_evaluations: self.closed_form_evaluations + other.closed_form_evaluations,
+            newton_iterations: self.newton_iterations + other.newton_iterations,
+            factorisations: self.factorisations + other.factorisations,
+            right_hand_sides: self.right_hand_sides + other.right_hand_sides,
+            gradient_rows: self.gradient_rows + other.gradient_rows,
+            characteristic_evaluations: self.characteristic_evaluations
+                + other.characteristic_evaluations,
+            characteristic_gradients: self.characteristic_gradients
+                + other.characteristic_gradients,
+        }
+    }
+}
+
+/// A count that goes on while what it counts is only read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally(Cell<Work>);
+
+impl Tally {
+    /// Counts.
+    #[inline]
+    pub(crate) fn note(&self, count: impl FnOnce(&mut Work)) {
+        let mut work = self.0.get();
+        count(&mut work);
+        self.0.set(work);
+    }
+
+    /// What was counted so far.
+    pub(crate) fn work(&self) -> Work {
+        self.0.get()
+    }
+}

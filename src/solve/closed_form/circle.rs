@@ -1,0 +1,65 @@
+//! The circle on which an arm's outer joint moves.
+
+use crate::model::Arm;
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// Centre, radius vector in the design position, and that turned forward by a right angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Circle<T> {
+    pub centre: Vector3<T>,
+    pub radius: Vector3<T>,
+    pub turned: Vector3<T>,
+}
+
+impl<T: Real> Circle<T> {
+    #[inline(always)]
+    pub fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
+        let [front, rear, outer] = [design[arm.front.0], design[arm.rear.0], design[arm.outer.0]];
+        // About this axis a positive turn raises the joint (as `axis_ends` has it for one number).
+        let lift = (front - rear).cross(outer - rear).z;
+        let axis = (front - rear).normalised() * lift.sign();
+        let centre = rear + axis * (outer - rear).dot(axis);
+        let radius = outer - centre;
+        Circle {
+            centre,
+            radius,
+            turned: axis.cross(radius),
+        }
+    }
+
+    #[inline(always)]
+    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
+        Circle {
+            centre: self.centre.map(&mut f),
+            radius: self.radius.map(&mut f),
+            turned: self.turned.map(&mut f),
+        }
+    }
+
+    /// The joint at an angle.
+    #[inline(always)]
+    pub fn at(&self, cosine: T, sine: T) -> Vector3<T> {
+        self.centre
+            .plus_scaled(self.radius, cosine)
+            .plus_scaled(self.turned, sine)
+    }
+}
+
+impl Circle<f64> {
+    /// The angle of a point on the circle.
+    pub fn angle(&self, point: Vector3<f64>) -> f64 {
+        let from_centre = point - self.centre;
+        let (cosine, sine) = (from_centre.dot(self.radius), from_centre.dot(self.turned));
+        sine.atan2(cosine)
+    }
+
+    /// Tangent of half the angle of a point on the circle.
+    pub fn half_tangent(&self, point: Vector3<f64>) -> f64 {
+        let from_centre = point - self.centre;
+        let squared = self.radius.norm_squared();
+        let cosine = from_centre.dot(self.radius) / squared;
+        let sine = from_centre.dot(self.turned) / squared;
+        sine / (1.0 + cosine)
+    }
+}

@@ -1,0 +1,483 @@
+//! Strut and double wishbone in closed form: pose of the knuckle from the angle of the lower arm.
+//!
+//! All vectors start at the lower ball joint; subscript 0 is the design position.
+//!
+//! ```text
+//! r(th)  = c + rv cos th + rw sin th     the ball joint on its circle about the arm's axis
+//! d, g, n = d x g                        to the upper end of the steering axis, to the tie rod's inner end
+//! ```
+//!
+//! *Upper end.* [`Upper`] gives d and the knuckle vector v that is carried onto it. What is left is a
+//! turn about d, the steering axis.
+//!
+//! *Tie rod.* Its outer end t obeys t.d = t0.v, t.t = t0.t0 and |t - g| = L, so that
+//! t = al d + be g + ga n with al, be from the 2x2 Gram system and
+//! ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga says on which side of the plane through steering
+//! axis and rack joint the rod's end lies; it cannot change but where ga = 0 (toggle).
+//!
+//! *Any knuckle vector* x0: with v carried onto d and t0 onto t,
+//! x = a d + b t + k (d x t), a, b from x0.v, x0.t0 and k from x0.(v x t0).
+//!
+//! What can vanish is G = |n|^2 (tie rod does not steer), E = |d x t|^2 (outer end on the steering axis),
+//! ga (toggle) and the margin of the upper end.
+
+mod adjoint;
+mod circle;
+mod conditioning;
+mod roles;
+mod series;
+mod upper;
+mod velocity;
+
+pub(crate) use adjoint::{Adjoint, Members};
+pub(crate) use circle::Circle;
+pub(crate) use roles::Roles;
+use upper::Upper;
+
+use crate::mechanism::DesignFault;
+use crate::mechanism::Pose;
+use crate::model::Mechanism;
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::{Matrix3, Vector3};
+
+/// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
+/// u x t0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carried<T> {
+    by_m: T,
+    by_u: T,
+    by_t: T,
+    by_mt: T,
+    by_ut: T,
+}
+
+/// Makes [`Carried`] vectors of one design.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Carrier<T> {
+    m: Vector3<T>,
+    u: Vector3<T>,
+    tie: Vector3<T>,
+    foot_tie: Vector3<T>,
+    slide_tie: Vector3<T>,
+}
+
+impl<T: Real> Carrier<T> {
+    /// A vector of the knuckle in the design position.
+    #[inline(always)]
+    pub(crate) fn carried(&self, x: Vector3<T>) -> Carried<T> {
+        Carried {
+            by_m: x.dot(self.m),
+            by_u: x.dot(self.u),
+            by_t: x.dot(self.tie),
+            by_mt: x.dot(self.foot_tie),
+            by_ut: x.dot(self.slide_tie),
+        }
+    }
+}
+
+/// The constants of one design.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClosedForm<T> {
+    ball_joint: Circle<T>,
+    upper: Upper<T>,
+    tie_rod_inner: Vector3<T>,
+    tie_squared: T,
+    tie_by_m: T,
+    tie_by_u: T,
+    /// (t0.t0 - L^2)/2
+    tie_difference: T,
+    /// +1 or -1: the assembly the design is in.
+    side: T,
+    wheel_centre: Carried<T>,
+    /// u
+    line: Carried<T>,
+    basis: [Carried<T>; 3],
+    /// Design height of the wheel centre.
+    wheel_height: T,
+}
+
+/// The mechanism at one arm angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State<T> {
+    ball_joint: Vector3<T>,
+    d: Vector3<T>,
+    g: Vector3<T>,
+    n: Vector3<T>,
+    dd: T,
+    gg: T,
+    dg: T,
+    /// s of v = m + s u
+    slide: T,
+    tau: T,
+    al: T,
+    be: T,
+    ga: T,
+    tie_squared: T,
+    /// G
+    gram: T,
+    /// E
+    e: T,
+    inverse_e: T,
+    /// ga^2 G
+    toggle_square: T,
+    upper_margin: T,
+}
+
+impl ClosedForm<f64> {
+    /// The constants of a design, if its mechanism has a closed form and the design is not degenerate.
+    pub(crate) fn of(
+        mechanism: &Mechanism,
+        design: &[Vector3<f64>],
+    ) -> Result<Option<Self>, DesignFault> {
+        let Some(roles) = Roles::of(mechanism) else {
+            return Ok(None);
+        };
+        let form = ClosedForm::new(&roles, design);
+        form.check(&roles, design)?;
+        Ok(Some(form))
+    }
+
+    /// Tangent of half the arm angle of a pose.
+    pub(crate) fn half_tangent(&self, pose: &Pose<f64>) -> f64 {
+        self.ball_joint.half_tangent(pose.origin)
+    }
+}
+
+impl<T: Real> ClosedForm<T> {
+    /// The constants of a design.
+    #[inline(always)]
+    pub(crate) fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
+        ClosedForm::with_carrier(roles, design).0
+    }
+
+    /// The constants of a design, and what carries further vectors of its knuckle.
+    #[inline(always)]
+    pub(crate) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
+        let ball_joint = design[roles.lower_arm.outer.0];
+        let (upper, to_upper) = Upper::new(roles, design);
+        let (m, u) = upper.knuckle_vector(to_upper);
+        let inner = design[roles.tie_rod_inner.0];
+        let tie = design[roles.tie_rod_outer.0] - ball_joint;
+        let rod = design[roles.tie_rod_outer.0] - inner;
+        let carrier = Carrier {
+            m,
+            u,
+            tie,
+            foot_tie: m.cross(tie),
+            slide_tie: u.cross(tie),
+        };
+        let [x, y, z] = Matrix3::identity(tie.x).columns;
+        let orientation = tie.dot(to_upper.cross(inner - ball_joint));
+        let form = ClosedForm {
+            ball_joint: Circle::of(roles.lower_arm, design),
+            upper,
+            tie_rod_inner: inner,
+            tie_squared: tie.norm_squared(),
+            tie_by_m: tie.dot(m),
+            tie_by_u: tie.dot(u),
+            tie_difference: (tie.norm_squared() - rod.norm_squared()).scaled(0.5),
+            side: orientation.sign(),
+            wheel_centre: carrier.carried(design[roles.wheel_centre.0] - ball_joint),
+            line: carrier.carried(u),
+            basis: [carrier.carried(x), carrier.carried(y), carrier.carried(z)],
+            wheel_height: design[roles.wheel_centre.0].z,
+        };
+        (form, carrier)
+    }
+
+    /// The constants over another kind of number.
+    #[inline]
+    pub(crate) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> ClosedForm<U> {
+        ClosedForm {
+            ball_joint: self.ball_joint.map(&mut f),
+            upper: self.upper.map(&mut f),
+            tie_rod_inner: self.tie_rod_inner.map(&mut f),
+            tie_squared: f(self.tie_squared),
+            tie_by_m: f(self.tie_by_m),
+            tie_by_u: f(self.tie_by_u),
+            tie_difference: f(self.tie_difference),
+            side: f(self.side),
+            wheel_centre: self.wheel_centre.map(&mut f),
+            line: self.line.map(&mut f),
+            basis: self.basis.map(|b| b.map(&mut f)),
+            wheel_height: f(self.wheel_height),
+        }
+    }
+
+    /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
+    /// mechanism cannot be assembled the state holds NaN.
+    #[inline(always)]
+    pub(crate) fn at(&self, cosine: T, sine: T, rack: T) -> State<T> {
+        let ball_joint = self.ball_joint.at(cosine, sine);
+        let (d, slide, upper_margin) = self.upper.at(ball_joint);
+        let mut g = self.tie_rod_inner - ball_joint;
+        g.y = g.y + rack;
+        let n = d.cross(g);
+        let (dd, gg, dg) = (d.norm_squared(), g.norm_squared(), d.dot(g));
+        let tau = self.tie_by_m.plus_product(self.tie_by_u, slide);
+        let kappa = self.tie_difference.plus_product(gg, gg.lit(0.5));
+        let gram = (dd * gg).minus_product(dg, dg);
+        let e = (dd * self.tie_squared).minus_product(tau, tau);
+        let inverse = dd.one() / (gram * e);
+        let (inverse_gram, inverse_e) = (inverse * e, inverse * gram);
+        let al = (gg * tau).minus_product(dg, kappa) * inverse_gram;
+        let be = (dd * kappa).minus_product(dg, tau) * inverse_gram;
+        let rest = self
+            .tie_squared
+            .minus_product(al, tau)
+            .minus_product(be, kappa);
+        State {
+            ball_joint,
+            d,
+            g,
+            n,
+            dd,
+            gg,
+            dg,
+            slide,
+            tau,
+            al,
+            be,
+            ga: self.side * (rest * inverse_gram).sqrt(),
+            tie_squared: self.tie_squared,
+            gram,
+            e,
+            inverse_e,
+            toggle_square: rest,
+            upper_margin,
+        }
+    }
+
+    /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
+    #[inline(always)]
+    pub(crate) fn at_half_tangent(&self, tangent: T, rack: T) -> State<T> {
+        let inverse = tangent.one() / (tangent.one() + tangent.squared());
+        let cosine = inverse + inverse - tangent.one();
+        self.at(cosine, (tangent + tangent) * inverse, rack)
+    }
+
+    /// A number in the shape of the constants.
+    #[inline(always)]
+    pub(crate) fn like(&self) -> T {
+        self.wheel_height
+    }
+
+    /// Height of the wheel centre above its design position.
+    #[inline(always)]
+    pub(crate) fn travel(&self, state: &State<T>) -> T {
+        let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
+        let rise = (by_d * state.d.z)
+            .plus_product(by_g, state.g.z)
+            .plus_product(by_n, state.n.z);
+        state.ball_joint.z - self.wheel_height + rise
+    }
+
+    /// The pose of the knuckle, two of its axes carried and the third across them.
+    #[inline(always)]
+    pub(crate) fn pose_by_two(&self, state: &State<T>) -> Pose<T> {
+        let (x, y) = (state.carry(&self.basis[0]), state.carry(&self.basis[1]));
+        Pose {
+            origin: state.ball_joint,
+            rotation: Matrix3 {
+                columns: [x, y, x.cross(y)],
+            },
+        }
+    }
+
+    /// The pose of the knuckle.
+    #[inline]
+    pub(crate) fn pose(&self, state: &State<T>) -> Pose<T> {
+        Pose {
+            origin: state.ball_joint,
+            rotation: Matrix3 {
+                columns: [
+                    state.carry(&self.basis[0]),
+                    state.carry(&self.basis[1]),
+                    state.carry(&self.basis[2]),
+                ],
+            },
+        }
+    }
+}
+
+impl<T: Real> ClosedForm<T> {
+    /// The same design with its upper end on the other side (a strut the other way up, the mount below the
+    /// foot; or w of the other sign), the tie rod's end on the other side of its plane, or both: the other
+    /// assemblies of the same lengths.
+    pub(crate) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
+        let mut form = *self;
+        if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
+            *side = -*side;
+        } else if upper_across {
+            form.tie_by_u = -form.tie_by_u;
+            let vectors = [&mut form.wheel_centre, &mut form.line];
+            for vector in form.basis.iter_mut().chain(vectors) {
+                vector.by_u = -vector.by_u;
+                vector.by_ut = -vector.by_ut;
+            }
+        }
+        if tie_rod_across {
+            form.side = -form.side;
+        }
+        form
+    }
+
+    /// The same state by a better value of ga^2 G than it was formed with.
+    pub(crate) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
+        State {
+            ga: self.side * (square / state.gram).sqrt(),
+            toggle_square: square,
+            ..state
+        }
+    }
+
+    /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
+    /// and of the tie-rod end's distance from its plane.
+    pub(crate) fn squares(&self, state: &State<T>) -> [T; 2] {
+        [
+            self.upper.square(state.ball_joint),
+            state.toggle_square / state.tie_squared,
+        ]
+    }
+}
+
+impl State<f64> {
+    /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
+    /// for rounding.
+    pub(crate) fn at_toggle_if_beyond(&mut self) {
+        if self.ga.is_nan() {
+            self.ga = 0.0;
+        }
+    }
+
+    /// Whether the closed form loses no more than four digits here: the squared sines between steering
+    /// arm and steering plane, and between steering axis and rack joint, and the margin of the upper end,
+    /// are what it divides by.
+    #[inline]
+    pub(crate) fn is_ordinary(&self) -> bool {
+        let gram = self.n.norm_squared();
+        self.toggle_square > 1e-4 * self.tie_squared
+            && self.upper_margin > 1e-3
+            && gram > 1e-4 * self.dd * self.g.norm_squared()
+    }
+}
+
+impl State<Jet<f64, 2>> {
+    /// The state without its derivatives.
+    #[inline]
+    pub(crate) fn now(&self) -> State<f64> {
+        let vector = |v: Vector3<Jet<f64, 2>>| v.map(|c| c[0]);
+        State {
+            ball_joint: vector(self.ball_joint),
+            d: vector(self.d),
+            g: vector(self.g),
+            n: vector(self.n),
+            dd: self.dd[0],
+            gg: self.gg[0],
+            dg: self.dg[0],
+            slide: self.slide[0],
+            tau: self.tau[0],
+            al: self.al[0],
+            be: self.be[0],
+            ga: self.ga[0],
+            tie_squared: self.tie_squared[0],
+            inverse_e: self.inverse_e[0],
+            toggle_square: self.toggle_square[0],
+            gram: self.gram[0],
+            e: self.e[0],
+            upper_margin: self.upper_margin[0],
+        }
+    }
+}
+
+impl<T: Real> State<T> {
+    /// What may not vanish on a path: distance from the tie rod's toggle (as a square), and of the upper end
+    /// from where it can no longer be reached (the length of a strut from the foot of the ball joint's
+    /// perpendicular to the mount, or a lever of the upper arm).
+    #[inline]
+    pub(crate) fn margins(&self) -> [T; 2] {
+        [self.toggle_square, self.upper_margin]
+    }
+
+    /// The squares that the closed form divides by or takes the root of, each with what makes it the
+    /// squared sine of an angle: of the steering arm against the plane through steering axis and rack
+    /// joint, of the rack joint and of the steering arm against the steering axis.
+    #[inline(always)]
+    pub(crate) fn squares(&self) -> [(T, T); 3] {
+        [
+            (self.toggle_square, self.tie_squared),
+            (self.gram, self.dd * self.gg),
+            (self.e, self.dd * self.tie_squared),
+        ]
+    }
+
+    /// ga^2 G
+    pub(crate) fn toggle_square(&self) -> T {
+        self.toggle_square
+    }
+
+    /// The margin of the upper end (see [`State::margins`]).
+    #[inline(always)]
+    pub(crate) fn upper_margin(&self) -> T {
+        self.upper_margin
+    }
+
+    /// The lower end of the steering axis.
+    #[inline(always)]
+    pub(crate) fn ball_joint(&self) -> Vector3<T> {
+        self.ball_joint
+    }
+
+    /// From the lower end of the steering axis to the upper.
+    #[inline(always)]
+    pub(crate) fn steering_axis(&self) -> Vector3<T> {
+        self.d
+    }
+
+    /// From the lower ball joint to the tie rod's outer end: t.
+    #[inline(always)]
+    fn tie_rod_outer(&self) -> Vector3<T> {
+        (self.d * self.al)
+            .plus_scaled(self.g, self.be)
+            .plus_scaled(self.n, self.ga)
+    }
+
+    /// The image of a knuckle vector.
+    #[inline(always)]
+    pub(crate) fn carry(&self, x: &Carried<T>) -> Vector3<T> {
+        let (by_d, by_g, by_n) = self.image(x);
+        (self.d * by_d)
+            .plus_scaled(self.g, by_g)
+            .plus_scaled(self.n, by_n)
+    }
+
+    /// The image of a knuckle vector, in d, g and n.
+    #[inline(always)]
+    fn image(&self, x: &Carried<T>) -> (T, T, T) {
+        let by_v = x.by_m.plus_product(self.slide, x.by_u);
+        let a = (self.tie_squared * by_v).minus_product(self.tau, x.by_t) * self.inverse_e;
+        let b = (self.dd * x.by_t).minus_product(self.tau, by_v) * self.inverse_e;
+        let k = x.by_mt.plus_product(self.slide, x.by_ut) * self.inverse_e;
+        // d x t = be n + ga d x n, and d x n = (d.g) d - (d.d) g.
+        (
+            a.plus_product(b, self.al)
+                .plus_product(k * self.ga, self.dg),
+            (b * self.be).minus_product(k * self.ga, self.dd),
+            (b * self.ga).plus_product(k, self.be),
+        )
+    }
+}
+
+impl<T: Real> Carried<T> {
+    #[inline]
+    fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Carried<U> {
+        Carried {
+            by_m: f(self.by_m),
+            by_u: f(self.by_u),
+            by_t: f(self.by_t),
+            by_mt: f(self.by_mt),
+            by_ut: f(self.by_ut),
+        }
+    }
+}

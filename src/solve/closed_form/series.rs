@@ -1,0 +1,64 @@
+//! The pose along the motion from the closed form, without linear algebra.
+//!
+//! With t the tangent of half the arm's angle, one evaluation on series in t gives the travel
+//! z(t0 + d) = z0 + z1 d + z2 d^2 + ... and the pose likewise. Along the motion z(t0 + d(s)) = z(s), so
+//! that the coefficients of d(s) follow one after the other,
+//!
+//! ```text
+//! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1
+//! ```
+//!
+//! where the bracket has only the coefficients below d_k in it; the pose along the motion is its own series
+//! at d(s).
+
+use super::ClosedForm;
+use crate::derive::MotionPoint;
+use crate::mechanism::Pose;
+use crate::model::Drive;
+use crate::number::Jet;
+use crate::number::Real;
+
+impl ClosedForm<f64> {
+    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle.
+    /// `None` where the series does not exist.
+    pub(crate) fn pose_series<const N: usize>(
+        &self,
+        tangent: f64,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Option<Pose<Jet<f64, N>>> {
+        if motion.rack.0[1..].iter().any(|c| *c != 0.0) {
+            return None;
+        }
+        let lifted = self.map(Jet::constant);
+        let series = match motion.drive {
+            Drive::ArmAngle => {
+                let (sine, cosine) = motion.value.scaled(0.5).sin_cos();
+                lifted.pose(&lifted.at_half_tangent(sine / cosine, motion.rack))
+            }
+            Drive::Travel => {
+                let state = lifted.at_half_tangent(Jet::variable(tangent), motion.rack);
+                let rise = lifted.travel(&state);
+                let mut along = Jet::constant(0.0);
+                for k in 1..N {
+                    let known = composed(rise, along)[k];
+                    along.0[k] = (motion.value[k] - known) / rise[1];
+                }
+                lifted.pose(&state).map(|c| composed(c, along))
+            }
+        };
+        let origin = series.origin;
+        let is_finite = origin.x.0.iter().all(|c| c.is_finite());
+        is_finite.then_some(series)
+    }
+}
+
+/// The series at another one, whose constant is zero.
+#[inline]
+fn composed<const N: usize>(outer: Jet<f64, N>, inner: Jet<f64, N>) -> Jet<f64, N> {
+    let mut sum = Jet::constant(outer[N - 1]);
+    for coefficient in outer.0[..N - 1].iter().rev() {
+        sum = sum * inner;
+        sum.0[0] += coefficient;
+    }
+    sum
+}

@@ -1,0 +1,194 @@
+//! The upper end of the steering axis: a strut's mount or an upper arm's ball joint.
+//!
+//! Given the lower ball joint r, it yields d from there to the upper end, and the knuckle vector
+//! v = m + s u that is carried onto d.
+//!
+//! *Strut.* u is the direction of the strut line in the knuckle and m leads from the ball joint to the
+//! foot of its perpendicular on the line. The mount p is fixed: d = p - r, and |m + s u| = |d| gives the
+//! strut length s = sqrt(d.d - m.m). Nothing divides by |m|: a ball joint on the strut axis is an
+//! ordinary case. s = 0 is the mount at the foot.
+//!
+//! *Upper arm.* v = m is the design value of d. The upper joint moves on a circle, c + a cos + b sin with
+//! |a| = |b|, and keeps its distance from r. With q = c - r:
+//!
+//! ```text
+//! A cos + B sin = C,   A = q.a, B = q.b, C = (m.m - q.q - a.a)/2
+//! cos = (A C - B w)/H, sin = (B C + A w)/H,   H = A^2 + B^2, w^2 = H - C^2
+//! ```
+//!
+//! w, which is B cos - A sin up to its sign, is the lever by which the upper arm holds the knuckle;
+//! w = 0 is arm and steering axis in line, seen along the axis of the arm. The design, with cos = 1 and
+//! sin = 0, has w = -B.
+
+use super::circle::Circle;
+use super::roles::{Roles, UpperRoles};
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// The constants of the upper end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Upper<T> {
+    Strut {
+        top: Vector3<T>,
+        /// m
+        foot: Vector3<T>,
+        /// u
+        line: Vector3<T>,
+        /// m.m
+        foot_squared: T,
+        /// 1/|d0|
+        scale: T,
+    },
+    Arm {
+        circle: Circle<T>,
+        /// (m.m - a.a)/2
+        half_difference: T,
+        /// The sign of w.
+        side: T,
+        /// 1/(|m| |a|)
+        scale: T,
+    },
+}
+
+impl<T: Real> Upper<T> {
+    /// The constants of a design, and d in the design position.
+    #[inline(always)]
+    pub(crate) fn new(roles: &Roles, design: &[Vector3<T>]) -> (Self, Vector3<T>) {
+        let ball_joint = design[roles.lower_arm.outer.0];
+        match roles.upper {
+            UpperRoles::Strut { top, lower, upper } => {
+                let to_top = design[top.0] - ball_joint;
+                let line = (design[upper.unwrap_or(top).0] - design[lower.0]).normalised();
+                let along = line.dot(to_top);
+                let upward = along.sign();
+                let (line, along) = (line * upward, along * upward);
+                let foot = to_top - line * along;
+                let strut = Upper::Strut {
+                    top: design[top.0],
+                    foot,
+                    line,
+                    foot_squared: foot.norm_squared(),
+                    scale: along.one() / to_top.norm(),
+                };
+                (strut, to_top)
+            }
+            UpperRoles::Arm(arm) => {
+                let circle = Circle::of(arm, design);
+                let to_joint = design[arm.outer.0] - ball_joint;
+                let (mm, aa) = (to_joint.norm_squared(), circle.radius.norm_squared());
+                let lever = (circle.centre - ball_joint).dot(circle.turned);
+                let arm = Upper::Arm {
+                    circle,
+                    half_difference: (mm - aa).scaled(0.5),
+                    side: -lever.sign(),
+                    scale: mm.one() / (mm * aa).sqrt(),
+                };
+                (arm, to_joint)
+            }
+        }
+    }
+
+    /// m and u of v = m + s u.
+    #[inline(always)]
+    pub(crate) fn knuckle_vector(&self, designed: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
+        match *self {
+            Upper::Strut { foot, line, .. } => (foot, line),
+            Upper::Arm { .. } => (designed, designed.zero()),
+        }
+    }
+
+    /// d, s and a margin that vanishes where there is no d. NaN beyond.
+    #[inline(always)]
+    pub(crate) fn at(&self, ball_joint: Vector3<T>) -> (Vector3<T>, T, T) {
+        match self {
+            Upper::Strut {
+                top,
+                foot_squared,
+                scale,
+                ..
+            } => {
+                let d = *top - ball_joint;
+                let length = (d.norm_squared() - *foot_squared).sqrt();
+                (d, length, length * *scale)
+            }
+            Upper::Arm {
+                circle,
+                half_difference,
+                side,
+                scale,
+            } => {
+                let q = circle.centre - ball_joint;
+                let (a, b) = (q.dot(circle.radius), q.dot(circle.turned));
+                let c = *half_difference - q.norm_squared().scaled(0.5);
+                let h = (a * a).plus_product(b, b);
+                let lever = h.minus_product(c, c).sqrt();
+                let (w, inverse) = (*side * lever, h.one() / h);
+                let cosine = (a * c).minus_product(b, w) * inverse;
+                let sine = (b * c).plus_product(a, w) * inverse;
+                let d = q
+                    .plus_scaled(circle.radius, cosine)
+                    .plus_scaled(circle.turned, sine);
+                (d, c.zero(), lever * *scale)
+            }
+        }
+    }
+
+    /// The lever by which the upper end holds the knuckle against turning about the lower one: s of a
+    /// strut, |d| w/(|m| |a|) of an arm.
+    #[inline]
+    pub(crate) fn lever(&self, state: &crate::solve::closed_form::State<T>) -> T {
+        match self {
+            Upper::Strut { .. } => state.slide,
+            Upper::Arm { .. } => state.upper_margin * state.dd.sqrt(),
+        }
+    }
+
+    /// What the upper end takes a square root of: of the strut's length, or of the arm's lever.
+    pub(crate) fn square(&self, ball_joint: Vector3<T>) -> T {
+        match self {
+            Upper::Strut {
+                top, foot_squared, ..
+            } => (*top - ball_joint).norm_squared() - *foot_squared,
+            Upper::Arm {
+                circle,
+                half_difference,
+                ..
+            } => {
+                let q = circle.centre - ball_joint;
+                let (a, b) = (q.dot(circle.radius), q.dot(circle.turned));
+                let c = *half_difference - q.norm_squared().scaled(0.5);
+                a * a + b * b - c * c
+            }
+        }
+    }
+
+    #[inline]
+    pub(crate) fn map<U>(&self, f: &mut impl FnMut(T) -> U) -> Upper<U> {
+        match self {
+            Upper::Strut {
+                top,
+                foot,
+                line,
+                foot_squared,
+                scale,
+            } => Upper::Strut {
+                top: top.map(&mut *f),
+                foot: foot.map(&mut *f),
+                line: line.map(&mut *f),
+                foot_squared: f(*foot_squared),
+                scale: f(*scale),
+            },
+            Upper::Arm {
+                circle,
+                half_difference,
+                side,
+                scale,
+            } => Upper::Arm {
+                circle: circle.map(&mut *f),
+                half_difference: f(*half_difference),
+                side: f(*side),
+                scale: f(*scale),
+            },
+        }
+    }
+}

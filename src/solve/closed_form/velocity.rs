@@ -1,0 +1,119 @@
+//! Velocities in a pose of the closed form.
+//!
+//! They all have one factor in common, so that nothing is divided before it is known by what they are to be
+//! derivatives. With the arm turning, the ball joint moves along its circle with r' and the upper end with
+//! d' + r'. The knuckle vector v = m + s u is carried onto d, so
+//!
+//! ```text
+//! d' = w x d + s' u        w = (d x (d' - s' u))/|d|^2 + k d
+//! ```
+//!
+//! up to a turn k about the steering axis, which the tie rod fixes: with t its outer end and l = t - g,
+//!
+//! ```text
+//! l.(w x t) + l.r' = 0     k = -(l.r' + l.((w - k d) x t))/(l.(d x t)),   l.(d x t) = ga |n|^2
+//! ```
+//!
+//! What turns d is normal to it, and is -r' but for what the upper end is free to do, along some f:
+//!
+//! ```text
+//! d' - s' u = f (d.r')/(d.f) - r'
+//! ```
+//!
+//! *Strut.* The mount is fixed, d' = -r', and the knuckle slides along its line: f = u, d.u = s.
+//! *Upper arm.* s' = 0, and the joint moves along its own circle: f is the tangent there.
+
+use super::circle::Circle;
+use super::upper::Upper;
+use super::{Carried, ClosedForm, State};
+use crate::number::Real;
+use crate::number::Vector3;
+
+/// How a pose changes, at a rate of its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Velocity<T> {
+    /// Of the lower ball joint.
+    pub ball_joint: Vector3<T>,
+    /// Angular velocity of the knuckle.
+    pub turn: Vector3<T>,
+    /// Of the vector along the steering axis.
+    pub steering_axis: Vector3<T>,
+    /// Of the height of the wheel centre.
+    pub rise: T,
+    /// Of the arm's angle.
+    pub arm_angle: T,
+}
+
+impl<T: Real> Velocity<T> {
+    /// The same at another rate.
+    #[inline(always)]
+    pub(crate) fn scaled(&self, factor: T) -> Self {
+        Velocity {
+            ball_joint: self.ball_joint * factor,
+            turn: self.turn * factor,
+            steering_axis: self.steering_axis * factor,
+            rise: self.rise * factor,
+            arm_angle: self.arm_angle * factor,
+        }
+    }
+}
+
+impl<T: Real> ClosedForm<T> {
+    /// How a state changes, the arm's angle given by the tangent of its half.
+    #[inline(always)]
+    pub(crate) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
+        let (d, g) = (state.d, state.g);
+        let (free, lever) = self.upper.free(state, &self.line);
+        let tie_rod_lever = state.ga * state.gram;
+        let joint = self.ball_joint.velocity(tangent);
+
+        // Times the lever, times d.d as well, and in the end times that of the tie rod.
+        let across = free * d.dot(joint) - joint * lever;
+        let twofold = state.dd * lever;
+        let joint_twofold = joint * twofold;
+        let held = d.cross(across);
+        let tie_rod_outer = state.tie_rod_outer();
+        let needed = (tie_rod_outer - g).dot(joint_twofold + held.cross(tie_rod_outer));
+        let turn = (held * tie_rod_lever).plus_scaled(d, -needed);
+        let ball_joint = joint_twofold * tie_rod_lever;
+        let wheel_centre = state.carry(&self.wheel_centre);
+        let one = tangent.one();
+        Velocity {
+            ball_joint,
+            turn,
+            steering_axis: match self.upper {
+                Upper::Strut { .. } => -ball_joint,
+                Upper::Arm { .. } => across * (state.dd * tie_rod_lever),
+            },
+            rise: ball_joint
+                .z
+                .plus_product(turn.x, wheel_centre.y)
+                .minus_product(turn.y, wheel_centre.x),
+            arm_angle: twofold * tie_rod_lever * one.plus_product(tangent, tangent),
+        }
+    }
+}
+
+impl<T: Real> Circle<T> {
+    /// Derivative of the joint's position by the arm angle, times 1 + tangent^2.
+    #[inline(always)]
+    fn velocity(&self, tangent: T) -> Vector3<T> {
+        self.turned * (tangent.one() - tangent * tangent) - self.radius * (tangent + tangent)
+    }
+}
+
+impl<T: Real> Upper<T> {
+    /// f and d.f
+    #[inline(always)]
+    pub(crate) fn free(&self, state: &State<T>, line: &Carried<T>) -> (Vector3<T>, T) {
+        match self {
+            Upper::Strut { .. } => (state.carry(line), state.slide),
+            Upper::Arm { circle, .. } => {
+                let normal = circle.radius.cross(circle.turned);
+                let from_centre = state.ball_joint + state.d - circle.centre;
+                let along_circle = normal.cross(from_centre);
+                (along_circle, state.d.dot(along_circle))
+            }
+        }
+    }
+}

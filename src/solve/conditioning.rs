@@ -1,0 +1,146 @@
+//! How much of double precision is left in a pose.
+//!
+//! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries
+//! of about one and k = |J| |J^-1| (maximum norm) is its condition number. Residuals are computed to a
+//! few rounding units e, hence
+//!
+//! ```text
+//! |error of the pose|                ~ k e
+//! |relative error of J^-1|           ~ k |dJ| ~ k (k e)
+//! ```
+//!
+//! since J moves with the pose. Rates and sensitivities are J^-1 applied to something, so their relative
+//! error is of the order of k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from
+//! the nearest singular matrix; times the size it is a length: the mechanism is singular no closer than
+//! that.
+
+use super::path::Solver;
+use crate::derive::Linearised;
+use crate::derive::{Lifted, MotionPoint};
+use crate::linear::lu::Lu6;
+use crate::mechanism::Failure;
+use crate::mechanism::Pose;
+use crate::mechanism::Posture;
+use crate::number::Jet;
+
+/// The condition of one pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Condition number of the closure equations, in sizes; infinite at a singular pose.
+    pub number: f64,
+    /// Distance to singularity, as a length.
+    pub distance: f64,
+}
+
+impl Conditioning {
+    const SINGULAR: Conditioning = Conditioning {
+        number: f64::INFINITY,
+        distance: 0.0,
+    };
+
+    /// Numbers above this are never estimates, so that what is said of lost digits is not either.
+    pub const ESTIMATED: f64 = 1e3;
+
+    /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
+    pub fn digits(&self) -> f64 {
+        rate_digits(self.number)
+    }
+
+    /// Whether fewer than six digits are left in rates and sensitivities.
+    pub fn is_poor(&self) -> bool {
+        self.digits() < LEAST_DIGITS
+    }
+
+    /// From the factors of the Jacobian: about as much work again as making them.
+    pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
+        // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
+        let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
+            norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
+        });
+        let inverse = lu.inverse();
+        let [shifts, turns] = [&inverse[..3], &inverse[3..]].map(|rows| {
+            let sums = rows.iter().map(|row| magnitude(row));
+            sums.fold(0.0, f64::max)
+        });
+        let inverse_norm = shifts.max(turns * size);
+        let number = norm * inverse_norm;
+        if !number.is_finite() {
+            return Conditioning::SINGULAR;
+        }
+        Conditioning {
+            number,
+            distance: size / inverse_norm,
+        }
+    }
+}
+
+fn magnitude(row: &[f64]) -> f64 {
+    row.iter().map(|c| c.abs()).sum()
+}
+
+/// Decimal digits that rates and sensitivities can be trusted to where the equations have this condition
+/// number, at most 15.
+pub fn rate_digits(number: f64) -> f64 {
+    (-(number * number * f64::EPSILON).log10()).clamp(0.0, 15.0)
+}
+
+/// Rates and sensitivities with fewer digits are flagged.
+pub const LEAST_DIGITS: f64 = 6.0;
+
+impl Solver<'_> {
+    /// The condition of a pose found by this solver.
+    pub fn conditioning(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Conditioning {
+        let lu = self.factorise(pose, point);
+        lu.map_or(Conditioning::SINGULAR, |lu| {
+            Conditioning::of(&lu, self.size())
+        })
+    }
+
+    /// As [`Solver::conditioning`], or where the closed form gave the pose and is far from any singularity
+    /// an estimate that costs next to nothing, and is right to within a factor of ten
+    /// ([`Conditioning::ESTIMATED`]).
+    pub fn estimated_conditioning(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Conditioning {
+        match self.formed_condition(pose, point) {
+            // Written so that NaN is computed anew.
+            Some(number) if number < Conditioning::ESTIMATED => Conditioning {
+                number,
+                distance: self.size() / number,
+            },
+            _ => self.conditioning(pose, point),
+        }
+    }
+
+    /// As [`Solver::posture_series`], with the condition: from the factors of the Jacobian where it had to
+    /// be factorised, else as [`Solver::estimated_conditioning`].
+    pub fn conditioned_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<(Posture<'a, Jet<f64, N>>, Conditioning), Failure> {
+        let estimated = || self.estimated_conditioning(pose, &motion.value_point());
+        if let Some(series) = self.formed_series(lifted, pose, motion) {
+            return Ok((
+                lifted.at(self.mechanism(), series, motion.rack),
+                estimated(),
+            ));
+        }
+        let (posture, factors) = self.factorised_series(lifted, pose, motion, false)?;
+        let condition = match factors {
+            Some(lu) => Conditioning::of(&lu, self.size()),
+            None => estimated(),
+        };
+        Ok((posture, condition))
+    }
+}
+
+impl<const N: usize> Linearised<'_, N> {
+    /// The condition of the pose of a mechanism of this size (see [`Solver::size`]).
+    pub fn conditioning(&self, size: f64) -> Conditioning {
+        Conditioning::of(self.factors(), size)
+    }
+}

@@ -1,0 +1,586 @@
+//! A path of the mechanism by its arc length: through folds, where the drive turns back.
+//!
+//! While the drive (or the rack) moves, its value q and the pose x form a curve F(x, q) = 0 in seven
+//! dimensions. With every quantity measured in sizes of the mechanism,
+//!
+//! ```text
+//! A = [F_x  F_q]     6x7, of full rank except where two paths cross
+//! A t = 0, |t| = 1   tangent; its sign is chosen so that det [A; t] keeps its sign
+//! ```
+//!
+//! [A; t] is regular at a fold, where F_x is not, so one step is as easy there as anywhere: predict along
+//! the Taylor series in the arc length, correct in the plane normal to the tangent. Where two paths
+//! nearly meet, a step that is too long lands on the other one; there the sign of the determinant gives
+//! the tangent the opposite direction, and the step is refused.
+//!
+//! A fold is where q' = 0 by the arc length. Newton's method with the q'' of the series finds it, and
+//! since q is stationary there, its value is exact to rounding.
+
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::Closure;
+use crate::mechanism::GOOD_PREDICTION;
+use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Tally, Work};
+use crate::model::{Drive, Mechanism};
+use crate::number::Jet;
+use crate::number::Vector3;
+use std::cmp::Ordering;
+
+/// What moves while the rest is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Moving {
+    /// The drive.
+    Drive,
+    /// The rack.
+    Rack,
+}
+
+/// The curve of one design.
+pub(crate) struct Curve<'a> {
+    pub mechanism: &'a Mechanism,
+    pub design: &'a [Vector3<f64>],
+    pub closure: &'a Closure<f64>,
+    pub lifted: &'a Lifted<3>,
+    pub size: f64,
+    /// Rounding of the equations, in sizes.
+    pub rounding: f64,
+    pub work: &'a Tally,
+    pub moving: Moving,
+    /// Kind of drive and the value of what is held.
+    pub held: MotionPoint<f64>,
+}
+
+/// A point of the curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CurvePoint {
+    /// The pose as a series in the arc length.
+    pub series: Pose<Jet<f64, 3>>,
+    /// The moving quantity, likewise.
+    pub moved: Jet<f64, 3>,
+    /// Tangent: shift, turn, moving quantity, in sizes.
+    tangent: [f64; 7],
+    factors: Lu7,
+    /// Sign given to the determinant of the matrix with the tangent as its last row.
+    orientation: f64,
+    /// What the rounding of the equations makes of the point, in sizes.
+    noise: f64,
+}
+
+/// How a path ended before its target.
+#[derive(Clone, Debug)]
+pub(crate) enum PathEnd {
+    /// It turns back here.
+    Fold(Box<CurvePoint>),
+    /// It could not be followed beyond this value: it meets another path, or nearly.
+    Unresolved(f64),
+}
+
+/// The longest step, in sizes (or rad).
+const LONGEST_STEP: f64 = 0.1;
+/// The shortest: less than this is lost in the rounding of the pose.
+const SHORTEST_STEP: f64 = 1e-12;
+/// The curve of a mechanism is a few dozen sizes long; a sharp turn costs some forty halvings.
+const MOST_STEPS: usize = 5000;
+/// Cosine of the largest turn of the tangent in a step.
+const STRAIGHT: f64 = 0.9;
+/// A corrector settles when its corrections are rounding; it may only do so once they are below this.
+const CLOSE: f64 = 1e-9;
+
+impl CurvePoint {
+    pub(crate) fn pose(&self) -> Pose<f64> {
+        self.series.map(|c| c[0])
+    }
+
+    /// The moving quantity.
+    pub(crate) fn value(&self) -> f64 {
+        self.moved[0]
+    }
+}
+
+impl Curve<'_> {
+    /// Follows the curve from a point of it towards `target` (which may be infinite): the point of it
+    /// with that value, or how it ended before.
+    pub(crate) fn to(
+        &self,
+        pose: &Pose<f64>,
+        value: f64,
+        target: f64,
+    ) -> Result<CurvePoint, PathEnd> {
+        let direction = if target >= value { 1.0 } else { -1.0 };
+        let mut here = self
+            .at(pose, value, None, direction)
+            .ok_or(PathEnd::Unresolved(value))?;
+        // Where the path is known badly, a correction may take it to before its start.
+        let unresolved = |at: &CurvePoint| {
+            let gone = direction * (at.value() - value);
+            PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
+        };
+        let mut step = LONGEST_STEP;
+        for _ in 0..MOST_STEPS {
+            let next = self.step(&here, step).filter(|(next, missed)| {
+                *missed <= GOOD_PREDICTION * step + here.noise
+                    && dot(&here.tangent, &next.tangent) > STRAIGHT
+                    && !self.may_turn_twice(&here, next, step)
+            });
+            let Some((next, missed)) = next else {
+                step *= 0.5;
+                if step < SHORTEST_STEP {
+                    return Err(unresolved(&here));
+                }
+                continue;
+            };
+            let past = |p: &CurvePoint| direction * (p.value() - target) >= 0.0;
+            if direction * next.moved[1] <= 0.0 {
+                match self.fold(&here, &next, step) {
+                    Some(fold) if past(&fold) => {
+                        if let Some(found) = self.before_fold(&fold, target) {
+                            return Ok(found);
+                        }
+                    }
+                    Some(fold) => return Err(PathEnd::Fold(Box::new(fold))),
+                    None => {}
+                }
+                step *= 0.5;
+                if step < SHORTEST_STEP {
+                    return Err(unresolved(&here));
+                }
+                continue;
+            }
+            if past(&next) {
+                if let Some(found) = self.settle(&next, target, step) {
+                    return Ok(found);
+                }
+                step *= 0.5;
+                if step < SHORTEST_STEP {
+                    return Err(unresolved(&here));
+                }
+                continue;
+            }
+            here = next;
+            if missed < 0.1 * GOOD_PREDICTION * step {
+                step = (2.0 * step).min(LONGEST_STEP);
+            }
+        }
+        Err(unresolved(&here))
+    }
+
+    /// The multipliers m of the six equations with m A = (0, ..., 0, 1) at a fold: the value there
+    /// changes by -m . dF when the design does.
+    pub(crate) fn fold_multipliers(&self, fold: &CurvePoint) -> [f64; 6] {
+        let m = fold
+            .factors
+            .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        // Equations are measured in sizes, the value in its unit.
+        std::array::from_fn(|i| m[i] * self.unit() / self.size)
+    }
+
+    /// The motion point at a value of the moving quantity.
+    pub(crate) fn motion(&self, value: f64) -> MotionPoint<f64> {
+        match self.moving {
+            Moving::Drive => MotionPoint { value, ..self.held },
+            Moving::Rack => MotionPoint {
+                rack: value,
+                ..self.held
+            },
+        }
+    }
+
+    fn lifted_motion(&self, moved: Jet<f64, 3>) -> MotionPoint<Jet<f64, 3>> {
+        let (value, rack) = match self.moving {
+            Moving::Drive => (moved, Jet::constant(self.held.rack)),
+            Moving::Rack => (Jet::constant(self.held.value), moved),
+        };
+        MotionPoint {
+            drive: self.held.drive,
+            value,
+            rack,
+        }
+    }
+
+    /// What the moving quantity is measured in.
+    fn unit(&self) -> f64 {
+        match (self.moving, self.held.drive) {
+            (Moving::Drive, Drive::ArmAngle) => 1.0,
+            _ => self.size,
+        }
+    }
+
+    /// [F_x  F_q] in sizes.
+    fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
+        let motion = self.motion(value);
+        let at = Posture {
+            mechanism: self.mechanism,
+            design: self.design,
+            pose: *pose,
+            rack: motion.rack,
+            steering: None,
+        };
+        let jacobian = self.closure.jacobian(&at, motion.driver());
+        let by_value = self.lifted.residuals(
+            self.mechanism,
+            &pose.map(Jet::constant),
+            &self.lifted_motion(Jet::variable(value)),
+        );
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| match j {
+                0..3 => jacobian[i][j],
+                3..6 => jacobian[i][j] / self.size,
+                _ => by_value[i][1] * self.unit() / self.size,
+            })
+        })
+    }
+
+    /// A point of the curve with its tangent and series. The tangent continues with `orientation`, or,
+    /// at the first point, so that the value moves in `direction`.
+    fn at(
+        &self,
+        pose: &Pose<f64>,
+        value: f64,
+        orientation: Option<f64>,
+        direction: f64,
+    ) -> Option<CurvePoint> {
+        let matrix = self.matrix(pose, value);
+        let mut tangent = null_vector(matrix)?;
+        let turned = match orientation {
+            Some(orientation) => Lu7::bordered(&matrix, &tangent)?.determinant * orientation < 0.0,
+            None => tangent[6] * direction < 0.0,
+        };
+        if turned {
+            tangent = tangent.map(|c| -c);
+        }
+        self.work.note(|w| {
+            w.factorisations += 2;
+            w.right_hand_sides += 2;
+        });
+        let factors = Lu7::bordered(&matrix, &tangent)?;
+        let mut series = pose.map(Jet::constant);
+        let mut moved = Jet::constant(value);
+        for k in 1..3 {
+            let residuals =
+                self.lifted
+                    .residuals(self.mechanism, &series, &self.lifted_motion(moved));
+            let y = factors.solve(std::array::from_fn(|i| match i {
+                0..6 => -residuals[i][k] / self.size,
+                _ if k == 1 => 1.0,
+                _ => 0.0,
+            }));
+            let term = |value: f64| {
+                let mut coefficients = [0.0; 3];
+                coefficients[k] = value;
+                Jet(coefficients)
+            };
+            series = series.moved(
+                Vector3::new(y[0], y[1], y[2]).map(|v| term(v * self.size)),
+                Vector3::new(y[3], y[4], y[5]).map(|v| term(0.5 * v)),
+            );
+            moved.0[k] += y[6] * self.unit();
+        }
+        Some(CurvePoint {
+            series,
+            moved,
+            tangent,
+            orientation: factors.determinant.signum(),
+            noise: self.rounding * factors.inverse_norm().max(1.0),
+            factors,
+        })
+    }
+
+    /// The point about `length` further along the curve, and by how much the prediction missed it.
+    fn step(&self, from: &CurvePoint, length: f64) -> Option<(CurvePoint, f64)> {
+        let mut pose = crate::solve::path::predict(&from.series, length);
+        let [q, first, second] = from.moved.0;
+        let mut value = q + length * (first + length * second);
+        let (mut missed, mut last) = (0.0, f64::INFINITY);
+        for iteration in 0..12 {
+            let motion = self.motion(value);
+            let at = Posture {
+                mechanism: self.mechanism,
+                design: self.design,
+                pose,
+                rack: motion.rack,
+                steering: None,
+            };
+            let residuals = self.closure.residuals(&at, motion.driver());
+            self.work.note(Work::note_newton);
+            let factors = Lu7::bordered(&self.matrix(&pose, value), &from.tangent)?;
+            let y = factors.solve(std::array::from_fn(|i| match i {
+                0..6 => -residuals[i] / self.size,
+                _ => 0.0,
+            }));
+            pose = pose.moved(
+                Vector3::new(y[0], y[1], y[2]) * self.size,
+                Vector3::new(y[3], y[4], y[5]) * 0.5,
+            );
+            value += y[6] * self.unit();
+            let correction = dot(&y, &y).sqrt();
+            if iteration == 0 {
+                missed = correction;
+            }
+            // Written so that NaN is refused.
+            let shrinks = correction < 0.5 * last;
+            if correction <= self.rounding || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
+                pose.rotation = pose.rotation.orthonormalised();
+                let found = self.at(&pose, value, Some(from.orientation), 1.0)?;
+                return Some((found, missed));
+            }
+            if !shrinks {
+                return None;
+            }
+            last = correction;
+        }
+        None
+    }
+
+    /// Whether the value may turn back and forth again between two points where it moves the same way.
+    fn may_turn_twice(&self, here: &CurvePoint, next: &CurvePoint, step: f64) -> bool {
+        let within = |s: f64| s > 0.0 && s < step;
+        here.moved[1] * next.moved[1] > 0.0
+            && within(-0.5 * here.moved[1] / here.moved[2])
+            && within(0.5 * next.moved[1] / next.moved[2])
+    }
+
+    /// The fold between two points where the value moves opposite ways.
+    fn fold(&self, before: &CurvePoint, after: &CurvePoint, step: f64) -> Option<CurvePoint> {
+        // By the secant from whichever is nearer.
+        let part = before.moved[1] / (before.moved[1] - after.moved[1]);
+        let mut point = if part < 0.5 { *before } else { *after };
+        let mut last = f64::INFINITY;
+        for _ in 0..40 {
+            let length = -0.5 * point.moved[1] / point.moved[2];
+            if length.is_nan() || length.abs() > step {
+                return None;
+            }
+            // An error e in the arc length is one of order e^2 in the value, but e in the gradient.
+            if length.abs() <= point.noise || (length.abs() >= 0.5 * last && last <= 1e-7) {
+                return Some(point);
+            }
+            point = self.step(&point, length)?.0;
+            last = length.abs();
+        }
+        None
+    }
+
+    /// The point with the target's value on the near side of a fold.
+    fn before_fold(&self, fold: &CurvePoint, target: f64) -> Option<CurvePoint> {
+        let squared = (target - fold.value()) / fold.moved[2];
+        let length = -squared.max(0.0).sqrt();
+        if length.abs() <= f64::EPSILON {
+            return Some(*fold);
+        }
+        if length.abs() > LONGEST_STEP {
+            return None;
+        }
+        let (start, missed) = self.step(fold, length)?;
+        if missed > 0.1 * length.abs() {
+            return None;
+        }
+        self.settle(&start, target, 0.5 * length.abs())
+    }
+
+    /// The point with the target's value, from one nearby.
+    fn settle(&self, near: &CurvePoint, target: f64, reach: f64) -> Option<CurvePoint> {
+        let rounding = near.noise * target.abs().max(self.unit());
+        let (mut point, mut last) = (*near, f64::INFINITY);
+        for _ in 0..40 {
+            let [q, first, second] = point.moved.0;
+            let short = target - q;
+            // q + first s + second s^2 = target, by the root without cancellation. Close to a fold
+            // there may be none by rounding alone: then its double root.
+            let discriminant = (first * first + 4.0 * second * short).max(0.0);
+            let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
+            // Beside a fold a value that is right to rounding is not enough: the way still to go must be
+            // rounding too. Written so that NaN, at the fold itself, is no way to go.
+            let is_there = short.abs() <= 0.5 * rounding
+                && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
+            if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {
+                return Some(point);
+            }
+            if length.is_nan() || length.abs() > 1.5 * reach || length.abs() >= last {
+                return None;
+            }
+            point = self.step(&point, length)?.0;
+            last = length.abs();
+        }
+        None
+    }
+}
+
+fn dot(a: &[f64; 7], b: &[f64; 7]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The unit vector that six rows are normal to, by elimination with complete pivoting.
+fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
+    let mut order: [usize; 7] = std::array::from_fn(|j| j);
+    for k in 0..6 {
+        let (mut row, mut column, mut largest) = (k, k, 0.0);
+        for (i, line) in a.iter().enumerate().skip(k) {
+            for (j, entry) in line.iter().enumerate().skip(k) {
+                if entry.abs() > largest {
+                    (row, column, largest) = (i, j, entry.abs());
+                }
+            }
+        }
+        if largest == 0.0 {
+            return None;
+        }
+        a.swap(k, row);
+        for line in &mut a {
+            line.swap(k, column);
+        }
+        order.swap(k, column);
+        let pivot_row = a[k];
+        for line in a.iter_mut().skip(k + 1) {
+            let factor = line[k] / pivot_row[k];
+            for j in k..7 {
+                line[j] -= factor * pivot_row[j];
+            }
+        }
+    }
+    let mut x = [0.0; 7];
+    x[6] = 1.0;
+    for k in (0..6).rev() {
+        let sum: f64 = (k + 1..7).map(|j| a[k][j] * x[j]).sum();
+        x[k] = -sum / a[k][k];
+    }
+    let norm = dot(&x, &x).sqrt();
+    if !norm.is_finite() {
+        return None;
+    }
+    let mut null = [0.0; 7];
+    for (place, component) in order.iter().zip(x) {
+        null[*place] = component / norm;
+    }
+    Some(null)
+}
+
+/// Factors of a 7x7 matrix, with partial pivoting.
+#[derive(Clone, Copy, Debug)]
+struct Lu7 {
+    factors: [[f64; 7]; 7],
+    order: [usize; 7],
+    determinant: f64,
+}
+
+impl Lu7 {
+    /// Of six rows and a last one below them; `None` where it is singular.
+    fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Self> {
+        let mut a: [[f64; 7]; 7] = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
+        let mut order: [usize; 7] = std::array::from_fn(|i| i);
+        let mut determinant = 1.0;
+        for k in 0..7 {
+            let mut pivot = k;
+            for i in k + 1..7 {
+                if a[i][k].abs() > a[pivot][k].abs() {
+                    pivot = i;
+                }
+            }
+            if pivot != k {
+                a.swap(k, pivot);
+                order.swap(k, pivot);
+                determinant = -determinant;
+            }
+            let pivot_row = a[k];
+            determinant *= pivot_row[k];
+            for line in a.iter_mut().skip(k + 1) {
+                let factor = line[k] / pivot_row[k];
+                line[k] = factor;
+                for j in k + 1..7 {
+                    line[j] -= factor * pivot_row[j];
+                }
+            }
+        }
+        (determinant.is_finite() && determinant != 0.0).then_some(Lu7 {
+            factors: a,
+            order,
+            determinant,
+        })
+    }
+
+    /// The largest row sum of the inverse.
+    fn inverse_norm(&self) -> f64 {
+        let mut sums = [0.0; 7];
+        for k in 0..7 {
+            let column = self.solve(std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
+            for (sum, c) in sums.iter_mut().zip(column) {
+                *sum += c.abs();
+            }
+        }
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
+    fn solve(&self, b: [f64; 7]) -> [f64; 7] {
+        let mut x: [f64; 7] = std::array::from_fn(|i| b[self.order[i]]);
+        for i in 1..7 {
+            for j in 0..i {
+                x[i] -= self.factors[i][j] * x[j];
+            }
+        }
+        for i in (0..7).rev() {
+            for j in i + 1..7 {
+                x[i] -= self.factors[i][j] * x[j];
+            }
+            x[i] /= self.factors[i][i];
+        }
+        x
+    }
+
+    fn solve_transposed(&self, b: [f64; 7]) -> [f64; 7] {
+        let mut y = b;
+        for i in 0..7 {
+            for j in 0..i {
+                y[i] -= self.factors[j][i] * y[j];
+            }
+            y[i] /= self.factors[i][i];
+        }
+        for i in (0..7).rev() {
+            for j in i + 1..7 {
+                y[i] -= self.factors[j][i] * y[j];
+            }
+        }
+        let mut x = y;
+        for i in 0..7 {
+            x[self.order[i]] = y[i];
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: [[f64; 7]; 6] = [
+        [0.0, 2.0, 1.0, -1.0, 0.5, 3.0, 1.0],
+        [1.0, 0.0, -2.0, 4.0, 1.0, 0.0, -1.0],
+        [3.0, 1.0, 0.0, 0.5, -1.0, 2.0, 0.0],
+        [-1.0, 5.0, 2.0, 0.0, 1.0, 1.0, 2.0],
+        [2.0, -2.0, 1.0, 1.0, 0.0, -3.0, 0.5],
+        [0.5, 1.0, 4.0, -1.0, 2.0, 0.0, 0.0],
+    ];
+
+    #[test]
+    fn the_null_vector_is_normal_to_every_row() {
+        let null = null_vector(ROWS).unwrap();
+        assert!((dot(&null, &null) - 1.0).abs() < 1e-15);
+        for row in ROWS {
+            assert!(dot(&row, &null).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn solves_both_ways() {
+        let last = null_vector(ROWS).unwrap();
+        let lu = Lu7::bordered(&ROWS, &last).unwrap();
+        let matrix: [[f64; 7]; 7] = std::array::from_fn(|i| if i < 6 { ROWS[i] } else { last });
+        let x = [1.0, -2.0, 3.0, 0.5, 4.0, -1.0, 2.0];
+        let straight = std::array::from_fn(|i| dot(&matrix[i], &x));
+        let transposed = std::array::from_fn(|j| (0..7).map(|i| matrix[i][j] * x[i]).sum());
+        for (found, found_transposed) in [(lu.solve(straight), lu.solve_transposed(transposed))] {
+            for k in 0..7 {
+                assert!((found[k] - x[k]).abs() < 1e-13);
+                assert!((found_transposed[k] - x[k]).abs() < 1e-13);
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Poses that are connected to the design position.
+//!
+//! The [`Solver`] walks from the design position to every station; a [`Batch`] does the same for as many
+//! designs as a processor has lanes.
+
+mod accuracy;
+pub(crate) mod cause;
+pub(crate) mod closed_form;
+mod conditioning;
+pub(crate) mod continuation;
+mod path;
+mod tracker;
+pub(crate) mod trial;
+
+pub use accuracy::PoseError;
+pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
+pub(crate) use path::Station;
+pub use path::{March, Solver};
+pub use tracker::{
+    Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose, LaneRates,
+    Visit,
+};
+
+/// Whether poses of this mechanism come from a closed form; else from six equations.
+pub fn has_closed_form(mechanism: &crate::model::Mechanism) -> bool {
+    closed_form::Roles::of(mechanism).is_some()
+}

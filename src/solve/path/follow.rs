@@ -1,0 +1,219 @@
+//! Following the closure equations with steps small enough that Newton's method cannot leave the branch.
+
+use super::{Place, Settled, Solver};
+use crate::derive::MotionPoint;
+use crate::linear::lu::Lu6;
+use crate::mechanism::Driver;
+use crate::mechanism::Failure;
+use crate::mechanism::LimitCause;
+use crate::mechanism::Pose;
+use crate::mechanism::Work;
+use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
+use crate::number::Jet;
+use crate::solve::PoseError;
+use crate::solve::continuation::{Moving, PathEnd};
+
+/// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
+pub(crate) const LONGEST_TURN: f64 = 0.2;
+/// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
+/// shorter the path turns sharply, and is followed by its arc length.
+const SHORTEST_STEP: f64 = 1.0 / 16.0;
+impl Solver<'_> {
+    /// Follows the closure equations from one place to a motion point: in steps of the drive, accepted
+    /// only where a second-order prediction was good and the determinant has not changed much; where
+    /// that takes many, by the arc length of the path, which passes folds and finds them.
+    pub(crate) fn follow(
+        &mut self,
+        from: &Place,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        self.lift();
+        let lifted = self.lifted.as_ref().expect("just made");
+        let start = from.point;
+        let between = |t: f64| MotionPoint {
+            drive: to.drive,
+            value: start.value + (to.value - start.value) * t,
+            rack: start.rack + (to.rack - start.rack) * t,
+        };
+        let (mut reached, mut step, mut pose) = (0.0, 1.0_f64, from.pose);
+        let mut lu = self.factorise(&pose, &start);
+        while reached < 1.0 {
+            let target = if reached + step >= 1.0 {
+                1.0
+            } else {
+                reached + step
+            };
+            let here = between(reached);
+            let direction = MotionPoint {
+                drive: to.drive,
+                value: Jet([here.value, to.value - start.value, 0.0]),
+                rack: Jet([here.rack, to.rack - start.rack, 0.0]),
+            };
+            let accepted = lu.as_ref().and_then(|lu| {
+                self.work.note(|w| w.right_hand_sides += 2);
+                let series = lifted.series(self.mechanism, lu, &pose, &direction);
+                let predicted = predict(&series, target - reached);
+                let point = if target == 1.0 { *to } else { between(target) };
+                self.correct(&pose, &predicted, &point, lu.determinant())
+            });
+            match accepted {
+                Some((found, factors)) => {
+                    pose = found;
+                    lu = Some(factors);
+                    reached = target;
+                    step *= 2.0;
+                }
+                None => {
+                    step = 0.5 * (target - reached);
+                    if step < SHORTEST_STEP {
+                        return self.follow_arc(&pose, &here, to);
+                    }
+                }
+            }
+        }
+        if let Some(factors) = lu {
+            self.settled = Some(Settled {
+                pose,
+                point: *to,
+                factors,
+            });
+        }
+        Ok(pose)
+    }
+
+    /// Follows the path by its arc length; drive or rack move, not both.
+    pub(crate) fn follow_arc(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let (moving, value, target) = if to.rack != from.rack {
+            (Moving::Rack, from.rack, to.rack)
+        } else {
+            (Moving::Drive, from.value, to.value)
+        };
+        let curve = self.curve(moving, *to);
+        let (limit, cause) = match curve.to(pose, value, target) {
+            Ok(found) => return Ok(found.pose()),
+            Err(PathEnd::Fold(fold)) => (fold.value(), curve.cause(&fold)),
+            Err(PathEnd::Unresolved(limit)) => (limit, LimitCause::Unresolved),
+        };
+        Err(match moving {
+            Moving::Rack => Failure::RackUnreachable { limit, cause },
+            Moving::Drive => Failure::Unreachable {
+                drive: to.drive,
+                limit,
+                cause,
+            },
+        })
+    }
+
+    /// Whether a pose obeys the closure equations to within their rounding.
+    pub(crate) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
+        let at = self.posture(pose, point.rack);
+        let residuals = self.closure.residuals(&at, point.driver());
+        // Each is formed of a dozen products and sums of lengths within the reach.
+        residuals
+            .iter()
+            .all(|r| r.abs() <= 16.0 * ROUNDING * self.reach)
+    }
+
+    /// Newton's method from a pose that is close already; `None` where it does not settle.
+    pub(crate) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
+        let (mut pose, mut last) = (*pose, f64::INFINITY);
+        for _ in 0..60 {
+            let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
+            let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
+            if correction >= last || correction.is_nan() {
+                // Corrections that no longer shrink are rounding, amplified by the condition.
+                return (last <= 1e-6 * self.size).then_some(pose);
+            }
+            pose = next;
+            pose.rotation = pose.rotation.orthonormalised();
+            last = correction;
+        }
+        None
+    }
+
+    /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
+    /// changed much (or changed sign) or the iteration did not settle.
+    pub(crate) fn correct(
+        &self,
+        before: &Pose<f64>,
+        predicted: &Pose<f64>,
+        point: &MotionPoint<f64>,
+        determinant: f64,
+    ) -> Option<(Pose<f64>, Lu6<f64>)> {
+        let moved = distance(before, predicted, self.size);
+        if moved.is_nan() || moved > LONGEST_TURN * self.size {
+            return None;
+        }
+        let driver: Driver<f64> = point.driver();
+        let mut pose = *predicted;
+        let mut last = f64::INFINITY;
+        for iteration in 0..12 {
+            let at = self.posture(&pose, point.rack);
+            self.work.note(Work::note_newton);
+            let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
+            let rounding = ROUNDING * self.reach;
+            if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
+                return None;
+            }
+            // What a correction leaves shrinks faster than the corrections did.
+            let left = correction * (correction / last);
+            let left = PoseError {
+                length: 2.0 * left,
+                angle: left / self.size,
+            };
+            let modest = iteration > 0 && left.times_in(self.demand.allowed) >= 1.0;
+            if modest {
+                self.demand.note(left);
+            }
+            // Rounding level: the corrections no longer shrink.
+            if modest
+                || correction <= rounding
+                || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
+            {
+                let settled = Pose {
+                    origin: next.origin,
+                    rotation: next.rotation.orthonormalised(),
+                };
+                let lu = self.factorise(&settled, point)?;
+                let steady = lu.determinant() / determinant;
+                return (steady > 0.25 && steady < 4.0).then_some((settled, lu));
+            }
+            if correction > last {
+                return None;
+            }
+            pose = next;
+            last = correction;
+        }
+        None
+    }
+}
+
+/// The pose a part of the way along its series.
+pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
+    let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
+    let pose = series.map(along);
+    // The truncated series is a rotation to second order only.
+    let rotation = pose.rotation.orthonormalised().orthonormalised();
+    Pose {
+        origin: pose.origin,
+        rotation: rotation.orthonormalised(),
+    }
+}
+
+/// How far apart two poses are, the rotation counted at the distance `size`.
+pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
+    let turned = a
+        .rotation
+        .columns
+        .iter()
+        .zip(b.rotation.columns)
+        .map(|(p, q)| (*p - q).norm())
+        .fold(0.0, f64::max);
+    (a.origin - b.origin).norm().max(turned * size)
+}

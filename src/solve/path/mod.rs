@@ -1,0 +1,406 @@
+//! Poses that are connected to the design position.
+//!
+//! A mechanism has many assemblies; the one meant is the one reached from the design position by moving
+//! it. So every pose is found by walking: the rack first, at zero travel, then the drive, station by
+//! station outward. A step is taken by the closed form where there is one and nothing is close to
+//! changing (slope, toggle), else by following the closure equations with steps small enough that
+//! Newton's method cannot leave the branch.
+
+mod closed_step;
+
+mod follow;
+mod series;
+mod stations;
+
+pub use crate::mechanism::{DesignFault, Failure};
+pub(crate) use follow::predict;
+pub use stations::March;
+
+use super::accuracy::{Demand, PoseError};
+use super::closed_form::ClosedForm;
+use super::continuation::{Curve, Moving};
+use crate::derive::{Lifted, MotionPoint};
+use crate::linear::lu::{Lu6, Matrix6};
+use crate::mechanism::Closure;
+use crate::mechanism::{DEGENERATE, ROUNDING};
+use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Tally, Work};
+use crate::model::{Drive, Mechanism, PointId};
+use crate::number::Jet;
+use crate::number::{Matrix3, Vector3};
+use closed_step::Quick;
+use std::ops::ControlFlow;
+
+/// Sizes whose eighth powers, and their inverses, are ordinary doubles.
+const SIZES: std::ops::Range<f64> = 1e-30..1e30;
+
+/// Finds the poses of one design after another.
+#[derive(Clone, Debug)]
+pub struct Solver<'m> {
+    mechanism: &'m Mechanism,
+    design: Vec<Vector3<f64>>,
+    pub(crate) closure: Closure<f64>,
+    form: Option<ClosedForm<f64>>,
+    /// The same over series.
+    series: Option<ClosedForm<Jet<f64, 2>>>,
+    /// For the predictor of the step-by-step path; made when first needed.
+    lifted: Option<Lifted<3>>,
+    lifted_is_current: bool,
+    size: f64,
+    /// The largest coordinate, at least the size: what positions are rounded at.
+    reach: f64,
+    /// The last pose that Newton's method settled at, with its factors.
+    settled: Option<Settled>,
+    /// The last pose that is one of the closed form's.
+    formed: Option<Formed>,
+    pub(crate) work: Tally,
+    demand: Demand,
+}
+
+/// A pose whose Jacobian is factorised already.
+#[derive(Clone, Copy, Debug)]
+struct Settled {
+    pose: Pose<f64>,
+    point: MotionPoint<f64>,
+    factors: Lu6<f64>,
+}
+
+/// A pose of the closed form.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Formed {
+    pose: Pose<f64>,
+    point: MotionPoint<f64>,
+    /// Tangent of half the arm's angle.
+    tangent: f64,
+    /// About its condition number; not known in the design position.
+    condition: Option<f64>,
+}
+
+/// A pose with the motion point it was found at.
+pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
+
+/// A place on the path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    point: MotionPoint<f64>,
+    pose: Pose<f64>,
+    quick: Option<Quick>,
+}
+
+impl<'m> Solver<'m> {
+    /// A solver for this mechanism, at first for this design.
+    pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
+        let mut solver = Solver {
+            mechanism,
+            design: design.to_vec(),
+            closure: Closure::new(mechanism, design),
+            form: None,
+            series: None,
+            lifted: None,
+            lifted_is_current: false,
+            size: 1.0,
+            reach: 1.0,
+            settled: None,
+            formed: None,
+            work: Tally::default(),
+            demand: Demand::default(),
+        };
+        solver.prepare(design)?;
+        Ok(solver)
+    }
+
+    /// Takes over another design of the same mechanism.
+    pub fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
+        self.design.copy_from_slice(design);
+        for (i, p) in design.iter().enumerate() {
+            if !(p.x.is_finite() && p.y.is_finite() && p.z.is_finite()) {
+                return Err(DesignFault::NotFinite(PointId(i)));
+            }
+        }
+        self.size = self.mechanism.size(design);
+        self.reach = self.mechanism.reach(design);
+        self.lifted_is_current = false;
+        self.settled = None;
+        self.formed = None;
+        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
+        // leave six digits of the size. Written so that NaN, from an overflow, is refused.
+        if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
+            return Err(DesignFault::OutOfScale);
+        }
+        self.check_distinct()?;
+        for arm in &self.mechanism.arms {
+            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+            let axis = (rear - front).normalised();
+            let radius = axis.cross(outer - front).norm();
+            if radius.is_nan() || radius <= DEGENERATE * self.size {
+                return Err(DesignFault::ArmWithoutRadius { outer: arm.outer });
+            }
+        }
+        self.closure.prepare(self.mechanism, design);
+        self.form = ClosedForm::of(self.mechanism, design)?;
+        self.series = self.form.as_ref().map(|form| form.map(Jet::constant));
+        Ok(())
+    }
+
+    /// Refuses rods and axes without a length, or so short that rounding of the coordinates leaves fewer
+    /// than six digits of their direction.
+    fn check_distinct(&self) -> Result<(), DesignFault> {
+        let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.reach);
+        let distinct = |first: PointId, second: PointId| {
+            let apart = self.design[second.0] - self.design[first.0];
+            if apart.norm_squared() > shortest * shortest {
+                Ok(())
+            } else {
+                Err(DesignFault::Coincident { first, second })
+            }
+        };
+        let mut pairs = self.mechanism.lengths();
+        pairs.try_for_each(|(first, second)| distinct(first, second))
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &'m Mechanism {
+        self.mechanism
+    }
+
+    /// Asks for less than full double precision: poses that are off by no more than this.
+    pub fn with_accuracy(mut self, allowed: PoseError) -> Self {
+        self.demand = Demand::new(allowed);
+        self
+    }
+
+    /// A bound on the error of every pose found so far.
+    pub fn error_bound(&self) -> PoseError {
+        self.demand.bound(self.reach, self.size)
+    }
+
+    /// What was done since the solver was made.
+    pub fn work(&self) -> Work {
+        self.work.work()
+    }
+
+    /// The design being solved.
+    pub fn design(&self) -> &[Vector3<f64>] {
+        &self.design
+    }
+
+    /// The pose of the knuckle in the design position.
+    pub fn design_pose(&self) -> Pose<f64> {
+        Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(0.0),
+        }
+    }
+
+    /// The size of the mechanism: the largest distance of a point from the knuckle's origin.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
+    /// from the design position; `visit` gets the station's number and its pose or the reason there is
+    /// none, and may break off the march.
+    pub fn march(
+        &mut self,
+        drive: Drive,
+        march: &March,
+        rack: f64,
+        mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
+    ) -> Result<(), DesignFault> {
+        let start = self.rack_placed(drive, rack)?;
+        for side in [&march.up, &march.down] {
+            let mut place = start;
+            for &station in side {
+                if let Ok(from) = place {
+                    let value = march.values[station];
+                    place = self.advance(
+                        &from,
+                        MotionPoint {
+                            value,
+                            ..from.point
+                        },
+                    );
+                }
+                let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                self.formed = place.ok().and_then(|at| {
+                    let quick = at.quick?;
+                    // Newton's pose agrees with the closed form's to less than all digits.
+                    let is_design = at.point.value == 0.0 && at.point.rack == 0.0;
+                    // Near a fold rates lose digits: there the factors of the Jacobian tell how many.
+                    let is_steep =
+                        at.point.drive == Drive::Travel && quick.slope.abs() * self.size > STEEP;
+                    if quick.before.is_none() && !is_design || is_steep {
+                        return None;
+                    }
+                    Some(Formed {
+                        pose: at.pose,
+                        point: at.point,
+                        tangent: quick.tangent,
+                        condition: quick.condition,
+                    })
+                });
+                if visit(self, station, found).is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The place at zero drive with the rack displaced.
+    fn rack_placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<Place, Failure>, DesignFault> {
+        let start = self.start(drive)?;
+        Ok(match rack {
+            0.0 => Ok(start),
+            _ => self.advance(
+                &start,
+                MotionPoint {
+                    rack,
+                    ..start.point
+                },
+            ),
+        })
+    }
+
+    /// Pose and motion point at zero drive with the rack displaced.
+    pub(crate) fn placed(
+        &mut self,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Result<Station, Failure>, DesignFault> {
+        let place = self.rack_placed(drive, rack)?;
+        Ok(place.map(|place| (place.pose, place.point)))
+    }
+
+    /// Pose and motion point of the design position.
+    pub(crate) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
+        let pose = self.design_pose();
+        let point = MotionPoint {
+            drive,
+            value: 0.0,
+            rack: 0.0,
+        };
+        (pose, point)
+    }
+
+    /// The pose at `to`, followed from the one at `from`.
+    pub(crate) fn pose_towards(
+        &mut self,
+        pose: &Pose<f64>,
+        from: &MotionPoint<f64>,
+        to: &MotionPoint<f64>,
+    ) -> Result<Pose<f64>, Failure> {
+        let place = Place {
+            point: *from,
+            pose: *pose,
+            quick: None,
+        };
+        self.follow(&place, to)
+    }
+
+    /// The path on which `moving` moves and the rest is held as at `held`.
+    pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
+        self.lift();
+        Curve {
+            mechanism: self.mechanism,
+            design: &self.design,
+            closure: &self.closure,
+            lifted: self.lifted.as_ref().expect("just made"),
+            size: self.size,
+            rounding: ROUNDING * self.reach / self.size,
+            work: &self.work,
+            moving,
+            held,
+        }
+    }
+
+    /// Brings the lifted design up to date.
+    fn lift(&mut self) {
+        if !self.lifted_is_current {
+            match &mut self.lifted {
+                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
+                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
+            }
+            self.lifted_is_current = true;
+        }
+    }
+
+    /// The design position, if the drive can move the mechanism from there.
+    fn start(&mut self, drive: Drive) -> Result<Place, DesignFault> {
+        let (pose, point) = self.design_place(drive);
+        let lu = self
+            .factorise(&pose, &point)
+            .filter(|lu| lu.determinant().abs() > DEGENERATE)
+            .ok_or(DesignFault::Singular)?;
+        debug_assert!(lu.determinant().is_finite());
+        self.settled = Some(Settled {
+            pose,
+            point,
+            factors: lu,
+        });
+        Ok(Place {
+            point,
+            pose,
+            quick: self.quick_from(&pose, &point),
+        })
+    }
+
+    pub(crate) fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
+        Posture {
+            mechanism: self.mechanism,
+            design: &self.design,
+            pose: *pose,
+            rack,
+            steering: None,
+        }
+    }
+
+    pub(crate) fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
+        match self.factors_at(pose, point) {
+            Some(factors) => Some(*factors),
+            None => self.factorised(pose, point).map(|(_, lu)| lu),
+        }
+    }
+
+    /// The factors of the Jacobian, where they are known.
+    fn factors_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Lu6<f64>> {
+        let settled = self.settled.as_ref()?;
+        (settled.pose == *pose && settled.point == *point).then_some(&settled.factors)
+    }
+
+    /// The Jacobian and its factors.
+    pub(crate) fn factorised(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
+        let at = self.posture(pose, point.rack);
+        let jacobian = self.closure.jacobian(&at, point.driver());
+        self.work.note(|w| w.factorisations += 1);
+        Some((jacobian, Lu6::new(jacobian, self.size)?))
+    }
+
+    fn advance(&mut self, from: &Place, to: MotionPoint<f64>) -> Result<Place, Failure> {
+        if to == from.point {
+            return Ok(*from);
+        }
+        match self.step_by_closed_form(from, &to) {
+            Some(place) => Ok(place),
+            None => {
+                let pose = self.follow(from, &to)?;
+                Ok(Place {
+                    point: to,
+                    pose,
+                    quick: self.quick_from(&pose, &to),
+                })
+            }
+        }
+    }
+}
+
+/// Slope of the half tangent by the travel, in sizes, beyond which a fold is near.
+const STEEP: f64 = 50.0;

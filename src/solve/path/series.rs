@@ -1,0 +1,94 @@
+//! What is known of a pose once it is found: its derivatives, its condition, the loads it carries.
+
+use super::{Formed, Solver};
+use crate::derive::Factorised;
+use crate::derive::Linearised;
+use crate::derive::{Lifted, MotionPoint};
+use crate::mechanism::Failure;
+use crate::mechanism::{Pose, Posture};
+use crate::number::Jet;
+
+impl Solver<'_> {
+    /// The posture in a pose found by this solver, as a power series along the motion.
+    pub fn posture_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
+        if let Some(series) = self.formed_series(lifted, pose, motion) {
+            return Ok(lifted.at(self.mechanism, series, motion.rack));
+        }
+        let (posture, _) = self.factorised_series(lifted, pose, motion, false)?;
+        Ok(posture)
+    }
+
+    /// The posture with the factors of its Jacobian, if there was a need for them; with `linearise` there
+    /// is.
+    pub(crate) fn factorised_series<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+        linearise: bool,
+    ) -> Result<Factorised<'a, N>, Failure> {
+        let known = self.factors_at(pose, &motion.value_point());
+        lifted
+            .posture(
+                self.mechanism,
+                &self.closure,
+                &self.design,
+                pose,
+                motion,
+                known,
+                &self.work,
+                linearise,
+            )
+            .ok_or(Failure::Singular)
+    }
+
+    /// The series of a pose that the closed form gave, by the closed form.
+    pub(crate) fn formed_series<const N: usize>(
+        &self,
+        lifted: &Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Option<Pose<Jet<f64, N>>> {
+        if N == 1 || lifted.is_steered() {
+            return None;
+        }
+        let formed = self.formed_at(pose, &motion.value_point())?;
+        self.work.note(|w| {
+            w.closed_form_evaluations += 1;
+            w.right_hand_sides += N as u64 - 1;
+        });
+        self.form.as_ref()?.pose_series(formed.tangent, motion)
+    }
+
+    /// What the closed form knows of a pose that it gave.
+    fn formed_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Formed> {
+        let formed = self.formed.as_ref()?;
+        (formed.pose == *pose && formed.point == *point).then_some(formed)
+    }
+
+    /// About the condition number of a pose that the closed form gave, where it is known.
+    pub(crate) fn formed_condition(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<f64> {
+        self.formed_at(pose, point)?.condition
+    }
+
+    /// As [`Solver::posture_series`], ready for sensitivities.
+    pub fn linearised<'a, const N: usize>(
+        &'a self,
+        lifted: &'a Lifted<N>,
+        pose: &Pose<f64>,
+        motion: &MotionPoint<Jet<f64, N>>,
+    ) -> Result<Linearised<'a, N>, Failure> {
+        let (posture, factors) = self.factorised_series(lifted, pose, motion, true)?;
+        let factors = factors.ok_or(Failure::Singular)?;
+        Ok(lifted.linearised(posture, factors, motion, &self.work))
+    }
+}

@@ -1,0 +1,341 @@
+//! One unknown: the tangent of half the angle of the lower arm, by the closed form.
+
+use super::route::{Leg, Place};
+use super::{
+    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
+    within_half,
+};
+use crate::derive::Gradient;
+use crate::mechanism::{Posture, Wrench};
+use crate::model::{Drive, Mechanism, SteeringAxis};
+use crate::number::Bundle;
+use crate::number::Jet;
+use crate::number::Vector3;
+use crate::solve::closed_form::Roles;
+use crate::solve::closed_form::{Adjoint, Members};
+use crate::solve::closed_form::{Carrier, ClosedForm, State};
+
+/// How designs of a mechanism with a closed form are solved.
+#[derive(Clone, Debug)]
+pub(crate) struct ByArm {
+    roles: Roles,
+    /// Slope of the half tangent by the drive, in the base design.
+    slope: f64,
+    /// The steepest it may get.
+    steepest: f64,
+}
+
+/// The constants of a design in each lane.
+#[derive(Clone, Copy)]
+pub(crate) struct ArmDesign<'d, B> {
+    mechanism: &'d Mechanism,
+    design: &'d [Vector3<B>],
+    form: ClosedForm<B>,
+    pub(crate) carrier: Carrier<B>,
+}
+
+/// A pose, by the state of the closed form.
+struct ArmPose<'f, B> {
+    roles: &'f Roles,
+    design: &'f ArmDesign<'f, B>,
+    state: State<B>,
+    tangent: B,
+    drive: Drive,
+}
+
+impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
+    #[inline(always)]
+    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
+        match &vector.0 {
+            InKnuckle::Carried(vector) => self.state.carry(vector),
+            InKnuckle::Designed(_) => unreachable!("a vector of a design with a closed form"),
+        }
+    }
+
+    #[inline(always)]
+    fn origin(&self) -> Vector3<B> {
+        self.state.ball_joint()
+    }
+
+    #[inline(always)]
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
+        let state = &self.state;
+        let everywhere = self.tangent.everywhere();
+        (state.ball_joint(), state.steering_axis(), everywhere)
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> LaneRates<B> {
+        let velocity = self.design.form.velocity(&self.state, self.tangent);
+        let one = self.tangent.one();
+        let velocity = velocity.scaled(match self.drive {
+            Drive::Travel => one / velocity.rise,
+            Drive::ArmAngle => one / velocity.arm_angle,
+        });
+        LaneRates {
+            origin: velocity.ball_joint,
+            turn: velocity.turn,
+            steering_axis: velocity.steering_axis,
+        }
+    }
+
+    /// By the travel, the slope of the arm has been looked at; by its angle, nothing turns fast.
+    #[inline(always)]
+    fn knows(&self, _: &LaneRates<B>) -> B::Mask {
+        self.tangent.everywhere()
+    }
+
+    #[inline(always)]
+    fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
+        (rates.origin, rates.steering_axis)
+    }
+
+    #[inline(always)]
+    fn posture(&self, rack: B) -> Posture<'_, B> {
+        Posture {
+            mechanism: self.design.mechanism,
+            design: self.design.design,
+            pose: self.design.form.pose_by_two(&self.state),
+            rack,
+            steering: None,
+        }
+    }
+
+    #[inline(always)]
+    fn adjoint<'p>(
+        &'p self,
+        members: &'p LaneMembers<B>,
+        at: &'p Posture<'p, B>,
+        rates: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p {
+        let LaneMembers(Some(members)) = members else {
+            unreachable!("the members of a design with a closed form")
+        };
+        let (roles, form) = (self.roles, &self.design.form);
+        Adjoint::of(
+            roles,
+            members,
+            form,
+            &self.state,
+            at,
+            rates.origin,
+            rates.turn,
+        )
+    }
+}
+
+impl<B: Bundle> LaneAdjoint<B> for Adjoint<'_, B> {
+    #[inline(always)]
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
+        Adjoint::subtract(self, wrench, gradient);
+    }
+}
+
+/// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
+/// one. Beyond, a fold is near: rounding grows with the slope, and in rates with its cube.
+const STEEPEST: f64 = 3.0;
+/// Pairs of corrections a lane may take to settle.
+const MOST_ROUNDS: usize = 4;
+
+impl ByArm {
+    /// For a mechanism with these roles in a closed form; `None` where `base` is no start.
+    pub(crate) fn of(
+        roles: Roles,
+        base: &[Vector3<f64>],
+        drive: Drive,
+        size: f64,
+    ) -> Option<ByArm> {
+        let (slope, steepest) = match drive {
+            Drive::Travel => {
+                let form = ClosedForm::new(&roles, base).map(Jet::<f64, 2>::constant);
+                let state = form.at_half_tangent(Jet::variable(0.0), Jet::constant(0.0));
+                (1.0 / form.travel(&state)[1], STEEPEST / size)
+            }
+            Drive::ArmAngle => (0.5, f64::INFINITY),
+        };
+        slope.is_finite().then_some(ByArm {
+            roles,
+            slope,
+            steepest,
+        })
+    }
+
+    /// The steering axis, through the two joints.
+    pub(crate) fn steering_axis(&self) -> SteeringAxis {
+        let (lower, upper) = (self.roles.ball_joint(), self.roles.upper_end());
+        SteeringAxis::Through { lower, upper }
+    }
+
+    #[inline(always)]
+    pub(crate) fn design<'d, B: Bundle>(
+        &self,
+        mechanism: &'d Mechanism,
+        design: &'d [Vector3<B>],
+    ) -> ArmDesign<'d, B> {
+        let (form, carrier) = ClosedForm::with_carrier(&self.roles, design);
+        ArmDesign {
+            mechanism,
+            design,
+            form,
+            carrier,
+        }
+    }
+
+    /// The members of a design that bear forces.
+    #[inline(always)]
+    pub(crate) fn members<B: Bundle>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
+        Members::of(&self.roles, &design.form, design.design)
+    }
+
+    /// Visits every place; says which lanes are right throughout.
+    #[inline(always)]
+    pub(crate) fn march<B: Bundle>(
+        &self,
+        design: &ArmDesign<'_, B>,
+        drive: Drive,
+        places: &[Place],
+        tolerance: f64,
+        history: &mut [B],
+        visit: &mut impl Visit<B>,
+    ) -> B::Mask {
+        let form = &design.form;
+        let like = form.like();
+        let zero = like.zero();
+        let tolerance = like.lit(tolerance);
+
+        let mut sound = like.everywhere();
+        let slope = like.lit(self.slope);
+        let mut last = [Watch {
+            tangent: zero,
+            rate: slope,
+            margin: zero,
+        }; 2];
+        history[0] = zero;
+        for (number, place) in places.iter().enumerate() {
+            let target = like.lit(place.value);
+            let rack = like.lit(place.rack);
+            // By the arm angle there is nothing to solve: every residual will do.
+            let (mut tangent, mut slope_here, tolerance) = match drive {
+                Drive::ArmAngle => {
+                    let tangent = like.lit((0.5 * place.value).tan());
+                    (tangent, zero, like.lit(f64::INFINITY))
+                }
+                Drive::Travel => {
+                    let tangent = weighted::<1, _, B>(&place.prediction, history, 0, like);
+                    let tangent = tangent + like.lit(self.slope * place.along_slope);
+                    let slope = match &place.slope {
+                        Some(stencil) => weighted::<1, _, B>(stencil, history, 0, like),
+                        None => slope,
+                    };
+                    (tangent, slope, tolerance)
+                }
+            };
+            let mut settled = zero.less(zero);
+            let mut round = 1;
+            loop {
+                // Two at a time: a correction is always needed, and a branch that cannot be foreseen
+                // would cost more than the second. A lane that has settled stays where it is.
+                let missed = form.travel(&form.at_half_tangent(tangent, rack)) - target;
+                let step = B::select(settled, zero, -(missed * slope_here));
+                let corrected = tangent + step;
+                let state = form.at_half_tangent(corrected, rack);
+                let miss = form.travel(&state) - target;
+                settled = miss.abs().less(tolerance);
+                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                    slope_here = B::select(settled, slope_here, step / (miss - missed));
+                    let next = corrected - miss * slope_here;
+                    tangent = B::select(settled, corrected, next);
+                    round += 1;
+                    continue;
+                }
+                let tangent = corrected;
+                history[number] = tangent;
+                sound = sound & settled & Watch::is_sound(&state, tangent);
+                if place.leg == Leg::Rack {
+                    let watch = Watch::start(&state, tangent, slope);
+                    if number > 0 {
+                        sound = sound & watch.continues(&last[0]);
+                    }
+                    last = [watch; 2];
+                } else {
+                    let before = last[place.leg.side()];
+                    let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
+                    let ahead = watch.rate + (watch.rate - before.rate);
+                    let is_flat = ahead.abs().less(like.lit(self.steepest));
+                    sound = sound & watch.continues(&before) & is_flat;
+                    last[place.leg.side()] = watch;
+                }
+                if let Some(station) = place.station {
+                    let pose = ArmPose {
+                        roles: &self.roles,
+                        design,
+                        state,
+                        tangent,
+                        drive,
+                    };
+                    visit.pose(station, &pose);
+                }
+                break;
+            }
+        }
+        sound
+    }
+}
+
+/// What is watched along the path.
+#[derive(Clone, Copy)]
+struct Watch<B> {
+    tangent: B,
+    /// Slope of the tangent by the drive over the last step.
+    rate: B,
+    /// The product of all that the closed form divides by or takes the root of.
+    margin: B,
+}
+
+impl<B: Bundle> Watch<B> {
+    /// The least squared sine of an angle that the closed form divides by.
+    const LEAST: f64 = 0.0625;
+    /// The least margin of the upper end, a sine as well.
+    const LEAST_UPPER: f64 = 0.25;
+    /// The farthest the arm may be turned, as a tangent of half the angle, and in one step.
+    const FARTHEST: f64 = 0.7;
+    const LONGEST: f64 = 0.1;
+
+    /// At the first place.
+    #[inline(always)]
+    fn start(state: &State<B>, tangent: B, rate: B) -> Self {
+        let [a, b, c] = state.squares();
+        Watch {
+            tangent,
+            rate,
+            margin: (a.0 * (b.0 * c.0)) * state.upper_margin(),
+        }
+    }
+
+    /// At the place after this one, a step of the drive further on.
+    #[inline(always)]
+    fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
+        Watch::start(state, tangent, (tangent - self.tangent) * inverse_step)
+    }
+
+    /// Whether the closed form is well conditioned here. False for NaN.
+    #[inline(always)]
+    fn is_sound(state: &State<B>, tangent: B) -> B::Mask {
+        let least = tangent.lit(Self::LEAST);
+        let [a, b, c] = state.squares();
+        (a.1 * least).less(a.0)
+            & (b.1 * least).less(b.0)
+            & (c.1 * least).less(c.0)
+            & tangent.lit(Self::LEAST_UPPER).less(state.upper_margin())
+            & tangent.abs().less(tangent.lit(Self::FARTHEST))
+    }
+
+    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    #[inline(always)]
+    fn continues(&self, before: &Self) -> B::Mask {
+        let step = (self.tangent - before.tangent).abs();
+        within_half(self.rate, before.rate)
+            & within_half(self.margin, before.margin)
+            & step.less(self.tangent.lit(Self::LONGEST))
+    }
+}

@@ -1,0 +1,727 @@
+//! Six unknowns: where the knuckle is, by the closure equations themselves.
+//!
+//! The unknowns are the displacement of the knuckle's origin and its rotation from the design position, as
+//! tan(angle/2) times the axis. At a prediction, Newton's method on five constraints and the travel
+//!
+//! ```text
+//! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
+//! ```
+//!
+//! leaves an error of second order; the residuals at what it yields say whether that is enough. If so, J takes
+//! away what is left of them, too: rates beside a fold would feel it.
+//!
+//! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
+//!
+//! ```text
+//! J = | A  B |        S = D - C A^-1 B,   det J = det A det S
+//!     | C  D |
+//! ```
+//!
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Two
+//! determinants are then all that may not vanish. A lane where one of them is less than a fourth of the base
+//! design's, or changes by more than half (or doubles) from one place to the next, is lost. Each lane's are those
+//! of the step with which it settled.
+//!
+//! The steering axis, where it is the instantaneous one, is that of the screw J t = -F_r (module `steering`).
+//! Along the motion t' follows from J t' = -(F_r' + J' t).
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the closures of iterators may be left as calls, compiled for no lanes"
+)]
+
+use super::route::{Leg, Place};
+use super::{
+    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
+    within_half,
+};
+use crate::derive::Gradient;
+use crate::derive::sensitivity::HardpointGradient;
+use crate::derive::steering::screw_axis;
+use crate::mechanism::RowSet;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Pose, Posture, Twist, Wrench};
+use crate::model::{Drive, Mechanism};
+use crate::number::Jet;
+use crate::number::Real;
+use crate::number::{Bundle, Piece};
+use crate::number::{Matrix3, Vector3};
+use std::array::from_fn;
+use std::cell::{Cell, Ref, RefCell};
+
+/// Of displacement and rotation.
+pub(crate) const UNKNOWNS: usize = 6;
+/// The least determinant of a block, in those of the base design.
+const LEAST: f64 = 0.25;
+/// The least pivot of the base design.
+const LEAST_PIVOT: f64 = 1e-3;
+/// The largest correction of a prediction, in sizes.
+const LARGEST_CORRECTION: f64 = 0.02;
+/// The farthest the knuckle may turn in one step, as a tangent of half the angle. Together with the bounds on
+/// the determinants this keeps Newton's method on the branch it is on: see `tests/lanes.rs`, where every lane is
+/// compared with the careful path.
+const LONGEST: f64 = 0.1;
+/// The least turn of the knuckle by the rack displaced by one size, squared: the steering axis is that of the
+/// turn.
+const LEAST_STEERING: f64 = 0.25;
+/// The least squared sine of its angle to the level: neither inclination of a steering axis that lies flat can
+/// be told well.
+const LEAST_UPRIGHT: f64 = 0.04;
+/// The fastest turn of the knuckle by a travel of one size, squared.
+const FASTEST_TURN: f64 = 100.0;
+/// Corrections a lane may take to settle.
+const MOST_ROUNDS: usize = 5;
+
+/// How designs of any mechanism are solved.
+#[derive(Clone, Debug)]
+pub(crate) struct ByLinkage {
+    order: Order,
+    size: f64,
+    /// Determinants of A and S in the base design.
+    determinants: [f64; 2],
+    /// Derivatives of the unknowns in the base design by travel and by the rack.
+    by_travel: [f64; UNKNOWNS],
+    by_rack: [f64; UNKNOWNS],
+}
+
+/// An order of rows and columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Order {
+    rows: [usize; 6],
+    columns: [usize; 6],
+    /// Where each row has come to.
+    places: [usize; 6],
+}
+
+/// The constants of a design in each lane.
+#[derive(Clone)]
+pub(crate) struct LinkageDesign<'d, B> {
+    mechanism: &'d Mechanism,
+    design: &'d [Vector3<B>],
+    closure: Closure<B>,
+}
+
+impl<'d, B: Real> LinkageDesign<'d, B> {
+    #[inline(always)]
+    pub(crate) fn new(mechanism: &'d Mechanism, design: &'d [Vector3<B>]) -> Self {
+        LinkageDesign {
+            mechanism,
+            design,
+            closure: Closure::new(mechanism, design),
+        }
+    }
+
+    /// The mechanism with these unknowns.
+    #[inline(always)]
+    fn posture(&self, [x, y, z, a, b, c]: [B; UNKNOWNS], rack: B) -> Posture<'d, B> {
+        let shift = Vector3::new(x, y, z);
+        Posture {
+            mechanism: self.mechanism,
+            design: self.design,
+            pose: Pose {
+                origin: self.design[self.mechanism.origin.0] + shift,
+                rotation: Matrix3::by_half_turn(Vector3::new(a, b, c)),
+            },
+            rack,
+            steering: None,
+        }
+    }
+}
+
+/// The blocks of a Jacobian. They are filled in where they are: to move them about would take a quarter of
+/// the time.
+struct Blocks<B> {
+    order: Order,
+    inverse_size: B,
+    /// Rows of A above those of C,
+    left: [Vector3<B>; 6],
+    /// of B above those of D.
+    right: [Vector3<B>; 6],
+    inverse_a: Inverse<B>,
+    /// Rows of A^-1 B.
+    w: [Vector3<B>; 3],
+    inverse_s: Inverse<B>,
+}
+
+/// The inverse of a matrix of three rows, and the determinant of that.
+#[derive(Clone, Copy)]
+struct Inverse<B> {
+    matrix: Matrix3<B>,
+    determinant: B,
+}
+
+impl<B: Real> Inverse<B> {
+    #[inline(always)]
+    fn of([a, b, c]: [Vector3<B>; 3]) -> Self {
+        let across = b.cross(c);
+        let determinant = a.dot(across);
+        let inverse = determinant.one() / determinant;
+        Inverse {
+            matrix: Matrix3 {
+                columns: [across * inverse, c.cross(a) * inverse, a.cross(b) * inverse],
+            },
+            determinant,
+        }
+    }
+}
+
+/// Three entries of a row, in an order of columns.
+#[inline(always)]
+fn three<B: Copy>(row: &[B; 6], columns: &[usize; 6], first: usize) -> Vector3<B> {
+    Vector3::new(
+        row[columns[first]],
+        row[columns[first + 1]],
+        row[columns[first + 2]],
+    )
+}
+
+/// x a + y b + z c
+#[inline(always)]
+fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B> {
+    (a * x).plus_scaled(b, y).plus_scaled(c, z)
+}
+
+impl<B: Real> Blocks<B> {
+    /// Of a Jacobian of which nothing is known yet.
+    #[inline(always)]
+    fn unformed(order: Order, inverse_size: B) -> Self {
+        let zero = inverse_size.zero();
+        let null = Vector3::new(zero, zero, zero);
+        let unformed = Inverse {
+            matrix: Matrix3 { columns: [null; 3] },
+            determinant: zero,
+        };
+        Blocks {
+            order,
+            inverse_size,
+            left: [null; 6],
+            right: [null; 6],
+            inverse_a: unformed,
+            w: [null; 3],
+            inverse_s: unformed,
+        }
+    }
+
+    /// The square of a turn by a length, given as that by a size.
+    #[inline(always)]
+    fn per_size(&self, square: f64) -> B {
+        self.inverse_size * self.inverse_size * self.inverse_size.lit(square)
+    }
+
+    /// Takes down a row of the Jacobian.
+    #[inline(always)]
+    fn put(&mut self, number: usize, wrench: &Wrench<B>) {
+        let Wrench { force, moment, .. } = *wrench;
+        let m = moment * self.inverse_size;
+        let row = [force.x, force.y, force.z, m.x, m.y, m.z];
+        let place = self.order.places[number];
+        self.left[place] = three(&row, &self.order.columns, 0);
+        self.right[place] = three(&row, &self.order.columns, 3);
+    }
+
+    /// Eliminates, once all rows are there.
+    #[inline(always)]
+    fn eliminate(&mut self) {
+        let [a0, a1, a2, ..] = self.left;
+        self.inverse_a = Inverse::of([a0, a1, a2]);
+        let [p, q, r] = self.inverse_a.matrix.columns;
+        let [b0, b1, b2, d0, d1, d2] = self.right;
+        let b = [b0, b1, b2];
+        let w = [
+            combined(b, p.x, q.x, r.x),
+            combined(b, p.y, q.y, r.y),
+            combined(b, p.z, q.z, r.z),
+        ];
+        let [c0, c1, c2] = self.c();
+        self.inverse_s = Inverse::of([
+            d0 - combined(w, c0.x, c0.y, c0.z),
+            d1 - combined(w, c1.x, c1.y, c1.z),
+            d2 - combined(w, c2.x, c2.y, c2.z),
+        ]);
+        self.w = w;
+    }
+
+    /// Rows of C.
+    #[inline(always)]
+    fn c(&self) -> [Vector3<B>; 3] {
+        let [.., c0, c1, c2] = self.left;
+        [c0, c1, c2]
+    }
+
+    /// The twist (v, w) with J (v, w) = f.
+    #[inline(always)]
+    fn solve(&self, f: [B; 6]) -> Twist<B> {
+        let (above, below) = (
+            three(&f, &self.order.rows, 0),
+            three(&f, &self.order.rows, 3),
+        );
+        let upper = self.inverse_a.matrix.apply(above);
+        let [c0, c1, c2] = self.c();
+        let lower = self.inverse_s.matrix.apply(Vector3::new(
+            below.x - c0.dot(upper),
+            below.y - c1.dot(upper),
+            below.z - c2.dot(upper),
+        ));
+        let upper = upper
+            - Vector3::new(
+                self.w[0].dot(lower),
+                self.w[1].dot(lower),
+                self.w[2].dot(lower),
+            );
+        let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
+        let mut twist = solution;
+        for k in 0..6 {
+            twist[self.order.columns[k]] = solution[k];
+        }
+        let Twist { shift, turn } = Twist::from_array(twist);
+        Twist {
+            shift,
+            turn: turn * self.inverse_size,
+        }
+    }
+
+    /// The multipliers with J^T (...) = wrench.
+    #[inline(always)]
+    fn solve_transposed(&self, wrench: &Wrench<B>) -> [B; 6] {
+        let (force, moment) = (wrench.force, wrench.moment * self.inverse_size);
+        let w = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
+        let (above, below) = (
+            three(&w, &self.order.columns, 0),
+            three(&w, &self.order.columns, 3),
+        );
+        let lower = self
+            .inverse_s
+            .matrix
+            .apply_transposed(below - combined(self.w, above.x, above.y, above.z));
+        let upper = self
+            .inverse_a
+            .matrix
+            .apply_transposed(above - combined(self.c(), lower.x, lower.y, lower.z));
+        let solution = [upper.x, upper.y, upper.z, lower.x, lower.y, lower.z];
+        let mut multipliers = solution;
+        for k in 0..6 {
+            multipliers[self.order.rows[k]] = solution[k];
+        }
+        multipliers
+    }
+
+    #[inline(always)]
+    fn determinants(&self) -> [B; 2] {
+        [self.inverse_a.determinant, self.inverse_s.determinant]
+    }
+}
+
+/// The derivative.
+#[inline(always)]
+fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
+    Vector3::new(vector.x[1], vector.y[1], vector.z[1])
+}
+
+/// What the unknowns become by a twist of the mechanism.
+#[inline(always)]
+fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
+    let [x, y, z, a, b, c] = unknowns;
+    let turned = Vector3::new(a, b, c);
+    let half = turned.x.lit(0.5);
+    let h = twist.turn * half;
+    let r = (turned + h + h.cross(turned)).plus_scaled(turned, turned.dot(h));
+    let v = twist.shift;
+    [x + v.x, y + v.y, z + v.z, r.x, r.y, r.z]
+}
+
+/// A pose of a linkage.
+struct LinkagePose<'p, 'd, B> {
+    linkage: &'p LinkageDesign<'d, B>,
+    at: Posture<'d, B>,
+    travel: B,
+    /// Room for the equations about the pose; whether they are there.
+    linear: &'p RefCell<Linear<B>>,
+    is_linear: Cell<bool>,
+}
+
+/// The closure equations about a posture.
+struct Linear<B> {
+    residuals: [B; 6],
+    /// Derivatives by the rack's displacement.
+    by_rack: [B; 6],
+    blocks: Blocks<B>,
+}
+
+/// Fills in [`Linear`].
+struct Linearising<'p, 'd, B> {
+    linkage: &'p LinkageDesign<'d, B>,
+    at: &'p Posture<'d, B>,
+    travel: B,
+    linear: &'p mut Linear<B>,
+}
+
+impl<B: Bundle> Piece for Linearising<'_, '_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        let driver = Driver::Travel(self.travel);
+        let linear = self.linear;
+        for number in 0..6 {
+            let (residual, wrench) = self.linkage.closure.row(number, self.at, driver);
+            linear.residuals[number] = residual;
+            linear.by_rack[number] = wrench.rack;
+            linear.blocks.put(number, &wrench);
+        }
+        linear.blocks.eliminate();
+    }
+}
+
+impl<B: Bundle> Linear<B> {
+    /// Of which nothing is known yet.
+    #[inline(always)]
+    fn unformed(way: &ByLinkage, like: B) -> Self {
+        let zero = like.zero();
+        Linear {
+            residuals: [zero; 6],
+            by_rack: [zero; 6],
+            blocks: Blocks::unformed(way.order, like.lit(1.0 / way.size)),
+        }
+    }
+
+    /// The twist of the knuckle per unit of rack displacement.
+    #[inline(always)]
+    fn steering(&self) -> Twist<B> {
+        -self.blocks.solve(self.by_rack)
+    }
+}
+
+impl<B: Bundle> LinkagePose<'_, '_, B> {
+    /// The equations about the pose, formed when first asked for.
+    #[inline(always)]
+    fn linear(&self) -> Ref<'_, Linear<B>> {
+        if !self.is_linear.replace(true) {
+            self.travel.apart(Linearising {
+                linkage: self.linkage,
+                at: &self.at,
+                travel: self.travel,
+                linear: &mut self.linear.borrow_mut(),
+            });
+        }
+        self.linear.borrow()
+    }
+}
+
+impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
+    #[inline(always)]
+    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
+        match vector.0 {
+            InKnuckle::Designed(vector) => self.at.pose.rotation.apply(vector),
+            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
+        }
+    }
+
+    #[inline(always)]
+    fn origin(&self) -> Vector3<B> {
+        self.at.pose.origin
+    }
+
+    #[inline(always)]
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
+        let linear = self.linear();
+        let steering = linear.steering();
+        let (point, direction) = screw_axis(self.at.pose.origin, &steering);
+        let (turn, square) = (steering.turn, steering.turn.norm_squared());
+        let is_known = linear.blocks.per_size(LEAST_STEERING).less(square)
+            & (square * turn.z.lit(LEAST_UPRIGHT)).less(turn.z * turn.z);
+        (point, direction, is_known)
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> LaneRates<B> {
+        let mut by_travel = [self.travel.zero(); 6];
+        by_travel[5] = self.travel.one();
+        let twist = self.linear().blocks.solve(by_travel);
+        LaneRates {
+            origin: twist.shift,
+            turn: twist.turn,
+            steering_axis: twist.turn.zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn knows(&self, rates: &LaneRates<B>) -> B::Mask {
+        let fastest = self.linear().blocks.per_size(FASTEST_TURN);
+        rates.turn.norm_squared().less(fastest)
+    }
+
+    #[inline(always)]
+    fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
+        let linear = self.linear();
+        let by_rack = linear.steering();
+        let motion = Twist {
+            shift: rates.origin,
+            turn: rates.turn,
+        };
+        let slopes = self.linkage.closure.wrench_rates(&self.at, &motion);
+        let mut right = [self.travel.zero(); 6];
+        for k in 0..6 {
+            let Wrench {
+                force,
+                moment,
+                rack,
+            } = slopes[k];
+            right[k] = -(rack + force.dot(by_rack.shift) + moment.dot(by_rack.turn));
+        }
+        let rate = linear.blocks.solve(right);
+        let moving = Twist {
+            shift: by_rack.shift.with_rate(rate.shift),
+            turn: by_rack.turn.with_rate(rate.turn),
+        };
+        let (point, direction) = screw_axis(self.at.pose.origin.with_rate(rates.origin), &moving);
+        (slope(point), slope(direction))
+    }
+
+    #[inline(always)]
+    fn posture(&self, _: B) -> Posture<'_, B> {
+        self.at
+    }
+
+    #[inline(always)]
+    fn adjoint<'p>(
+        &'p self,
+        _: &'p LaneMembers<B>,
+        at: &'p Posture<'p, B>,
+        _: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p {
+        LinkageAdjoint {
+            closure: &self.linkage.closure,
+            at,
+            travel: self.travel,
+            linear: self.linear(),
+        }
+    }
+}
+
+/// What gradients take, by the closure equations.
+struct LinkageAdjoint<'p, B> {
+    closure: &'p Closure<B>,
+    at: &'p Posture<'p, B>,
+    travel: B,
+    linear: Ref<'p, Linear<B>>,
+}
+
+impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
+    #[inline(always)]
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
+        let mut multipliers = self.linear.blocks.solve_transposed(wrench);
+        for multiplier in &mut multipliers {
+            *multiplier = -*multiplier;
+        }
+        let driver = Driver::Travel(self.travel);
+        let mut sink = HardpointGradient(gradient);
+        self.closure
+            .differential_inlined(RowSet::ALL, self.at, driver, &multipliers, &mut sink);
+    }
+}
+
+impl ByLinkage {
+    /// For a mechanism driven by its travel; `None` where `base` is no start.
+    pub(crate) fn of(
+        mechanism: &Mechanism,
+        base: &[Vector3<f64>],
+        drive: Drive,
+        size: f64,
+    ) -> Option<ByLinkage> {
+        (drive == Drive::Travel).then_some(())?;
+        let linkage = LinkageDesign::new(mechanism, base);
+        let at = linkage.posture([0.0; UNKNOWNS], 0.0);
+        let wrenches = linkage.closure.wrenches(&at, Driver::Travel(0.0));
+        let mut blocks = Blocks::unformed(Order::of(&wrenches, size)?, 1.0 / size);
+        for (number, wrench) in wrenches.iter().enumerate() {
+            blocks.put(number, wrench);
+        }
+        blocks.eliminate();
+        let slope = |twist: Twist<f64>| moved([0.0; UNKNOWNS], &twist);
+        Some(ByLinkage {
+            order: blocks.order,
+            size,
+            determinants: blocks.determinants(),
+            by_travel: slope(blocks.solve([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])),
+            by_rack: slope(blocks.solve(wrenches.map(|row| -row.rack))),
+        })
+    }
+
+    /// Visits every place; says which lanes are right throughout.
+    #[inline(always)]
+    pub(crate) fn march<B: Bundle>(
+        &self,
+        linkage: &LinkageDesign<'_, B>,
+        places: &[Place],
+        tolerance: f64,
+        history: &mut [B],
+        visit: &mut impl Visit<B>,
+    ) -> B::Mask {
+        let zero = linkage.design[0].x.zero();
+        let tolerance = zero.lit(tolerance);
+        let largest = zero.lit(LARGEST_CORRECTION);
+        let inverse_size = zero.lit(1.0 / self.size);
+        let room = RefCell::new(Linear::unformed(self, zero));
+        let mut sound = zero.everywhere();
+        // Stencils that look at nothing look here, times zero: what another group has left may be NaN.
+        history[..UNKNOWNS].fill(zero);
+        let mut last = [Watch {
+            turned: Vector3::new(zero, zero, zero),
+            determinants: [zero; 2],
+        }; 2];
+        for (number, place) in places.iter().enumerate() {
+            let rack = zero.lit(place.rack);
+            let travel = zero.lit(place.value);
+            let driver = Driver::Travel(travel);
+            let mut unknowns = [zero; UNKNOWNS];
+            for k in 0..UNKNOWNS {
+                let slope =
+                    self.by_travel[k] * place.along_slope + self.by_rack[k] * place.along_rack;
+                unknowns[k] = weighted::<UNKNOWNS, _, B>(&place.prediction, history, k, zero)
+                    + zero.lit(slope);
+            }
+            let mut settled = zero.less(zero);
+            let mut close = sound;
+            let mut determinants = [zero; 2];
+            let mut round = 1;
+            loop {
+                let at = linkage.posture(unknowns, rack);
+                let mut linear = room.borrow_mut();
+                zero.apart(Linearising {
+                    linkage,
+                    at: &at,
+                    travel,
+                    linear: &mut linear,
+                });
+                let twist = -linear.blocks.solve(linear.residuals);
+                let next = moved(unknowns, &twist);
+                if round == 1 {
+                    close =
+                        is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
+                }
+                let at = linkage.posture(next, rack);
+                let missed = linkage.closure.residuals_inlined(&at, driver);
+                let [a, b, c, d, e, g] = missed;
+                let small = is_less(Vector3::new(a, b, c), tolerance)
+                    & is_less(Vector3::new(d, e, g), tolerance);
+                // What is left goes by the Jacobian at hand, for the sake of rates. A lane that has settled
+                // stays where it is.
+                let rest = moved(next, &-linear.blocks.solve(missed));
+                for k in 0..UNKNOWNS {
+                    let next = B::select(small, rest[k], next[k]);
+                    unknowns[k] = B::select(settled, unknowns[k], next);
+                }
+                let [a, s] = linear.blocks.determinants();
+                determinants = [
+                    B::select(settled, determinants[0], a),
+                    B::select(settled, determinants[1], s),
+                ];
+                settled = settled | small;
+                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                    round += 1;
+                    continue;
+                }
+                let first = UNKNOWNS * number;
+                history[first..first + UNKNOWNS].copy_from_slice(&unknowns);
+                let [_, _, _, x, y, z] = unknowns;
+                let watch = Watch {
+                    turned: Vector3::new(x, y, z),
+                    determinants,
+                };
+                sound = sound & settled & close & watch.is_sound(&self.determinants);
+                let side = place.leg.side();
+                if number > 0 {
+                    sound = sound & watch.continues(&last[side]);
+                }
+                match place.leg {
+                    Leg::Rack => last = [watch; 2],
+                    _ => last[side] = watch,
+                }
+                drop(linear);
+                if let Some(station) = place.station {
+                    let pose = LinkagePose {
+                        linkage,
+                        at: linkage.posture(unknowns, rack),
+                        travel,
+                        linear: &room,
+                        is_linear: Cell::new(false),
+                    };
+                    visit.pose(station, &pose);
+                }
+                break;
+            }
+        }
+        sound
+    }
+}
+
+impl Order {
+    /// The order of complete pivoting, moments divided by the size; `None` where the matrix is singular
+    /// or as good as that.
+    fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
+        let mut a = wrenches.map(|row| {
+            let mut row = row.to_row();
+            row[3..].iter_mut().for_each(|moment| *moment /= size);
+            row
+        });
+        let mut order = Order {
+            rows: from_fn(|i| i),
+            columns: from_fn(|i| i),
+            places: from_fn(|i| i),
+        };
+        for k in 0..6 {
+            let entries = (k..6).flat_map(|i| (k..6).map(move |j| (i, j)));
+            let (i, j) = entries.max_by(|p, q| a[p.0][p.1].abs().total_cmp(&a[q.0][q.1].abs()))?;
+            a.swap(k, i);
+            order.rows.swap(k, i);
+            a.iter_mut().for_each(|row| row.swap(k, j));
+            order.columns.swap(k, j);
+            // Written so that NaN is refused.
+            (a[k][k].abs() > LEAST_PIVOT).then_some(())?;
+            let pivot_row = a[k];
+            for row in &mut a[k + 1..] {
+                let factor = row[k] / pivot_row[k];
+                for (entry, above) in row.iter_mut().zip(pivot_row).skip(k) {
+                    *entry -= factor * above;
+                }
+            }
+        }
+        for (place, row) in order.rows.into_iter().enumerate() {
+            order.places[row] = place;
+        }
+        Some(order)
+    }
+}
+
+/// What is watched along the path.
+#[derive(Clone, Copy)]
+struct Watch<B> {
+    /// The knuckle's turn, as tan(angle/2) times the axis.
+    turned: Vector3<B>,
+    determinants: [B; 2],
+}
+
+impl<B: Bundle> Watch<B> {
+    /// Whether the Jacobian is about as well conditioned as in the base design. False for NaN.
+    #[inline(always)]
+    fn is_sound(&self, base: &[f64; 2]) -> B::Mask {
+        let [a, s] = self.determinants;
+        a.lit(LEAST * base[0].abs()).less(a.abs()) & s.lit(LEAST * base[1].abs()).less(s.abs())
+    }
+
+    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    #[inline(always)]
+    fn continues(&self, before: &Self) -> B::Mask {
+        let [a, s] = self.determinants;
+        let longest = a.lit(LONGEST);
+        within_half(a, before.determinants[0])
+            & within_half(s, before.determinants[1])
+            & is_less(self.turned - before.turned, longest)
+    }
+}
+
+/// Whether every component is less than a bound, whatever its sign.
+#[inline(always)]
+fn is_less<B: Bundle>(vector: Vector3<B>, bound: B) -> B::Mask {
+    vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)
+}

@@ -1,0 +1,345 @@
+//! Many designs at a time, one in each lane.
+//!
+//! What the careful path ([`Solver`](crate::solve::Solver)) does for one design, this does for as many as fit
+//! into SIMD registers, provided that nothing is close to changing. A mechanism with a closed form has one
+//! unknown ([`arm`]), any other one six ([`linkage`]). Along the travel the unknowns are predicted from the
+//! places visited; nearly always one correction is all it takes to get to rounding, elsewhere further steps
+//! follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
+//!
+//! A lane is *lost*, and its design left to the careful path, where
+//!
+//! - a rod has no length, or the iteration does not settle,
+//! - the mechanism is less than well conditioned,
+//! - what may not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
+//!   the next: it could vanish in between. Of several factors that is their product, which vanishes with any,
+//! - the mechanism turns far, in one step or from the design position,
+//! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel,
+//! - what is read is not well known: the axis of a knuckle that the rack hardly turns, or about an axis that
+//!   lies flat, the angles of a wheel on its side, a rocker close to its toggle.
+//!
+//! So a lane is either right or lost; which of the two depends on its own design alone.
+
+mod arm;
+mod linkage;
+mod route;
+
+use super::closed_form::{Carried, Members, Roles};
+use super::path::March;
+use crate::derive::Gradient;
+use crate::mechanism::{Posture, Twist, Wrench};
+use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
+use crate::number::Bundle;
+use crate::number::Vector3;
+use arm::{ArmDesign, ByArm};
+use linkage::{ByLinkage, LinkageDesign};
+use route::{Route, Stencil};
+
+/// A way to solve designs of one mechanism in lanes.
+#[derive(Clone, Debug)]
+pub struct Batch<'a> {
+    mechanism: &'a Mechanism,
+    way: Way,
+    drive: Drive,
+    /// One for each displacement of the rack.
+    routes: Vec<Route>,
+    /// Pairs of points whose distance must be a length.
+    distinct: Vec<(PointId, PointId)>,
+    /// The square of the shortest length.
+    shortest: f64,
+    /// How far anything may be from its length.
+    tolerance: f64,
+}
+
+#[derive(Clone, Debug)]
+enum Way {
+    Arm(ByArm),
+    Linkage(ByLinkage),
+}
+
+/// What is read off the poses.
+pub trait Visit<B: Bundle> {
+    /// A pose. Lanes that are lost hold anything, NaN included.
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>);
+}
+
+/// The constants of a design in each lane.
+#[derive(Clone)]
+pub struct LaneDesign<'d, B: Bundle> {
+    form: Form<'d, B>,
+    /// The point of the knuckle that poses tell.
+    origin: Vector3<B>,
+    /// Whether all rods have a length.
+    distinct: B::Mask,
+}
+
+#[derive(Clone)]
+enum Form<'d, B: Bundle> {
+    Arm(ArmDesign<'d, B>),
+    Linkage(LinkageDesign<'d, B>),
+}
+
+/// A vector fixed to the knuckle.
+#[derive(Clone, Copy, Debug)]
+pub struct KnuckleVector<B>(InKnuckle<B>);
+
+#[derive(Clone, Copy, Debug)]
+enum InKnuckle<B> {
+    Carried(Carried<B>),
+    Designed(Vector3<B>),
+}
+
+/// A point fixed to the knuckle.
+#[derive(Clone, Copy, Debug)]
+pub struct KnucklePoint<B>(KnuckleVector<B>);
+
+/// What the gradients in all poses of a design have in common, where there is something.
+pub struct LaneMembers<B>(Option<Members<B>>);
+
+impl<B: Bundle> LaneDesign<'_, B> {
+    /// Whether all rods have a length.
+    #[inline(always)]
+    pub fn is_regular(&self) -> B::Mask {
+        self.distinct
+    }
+
+    /// A vector of the knuckle in the design position.
+    #[inline(always)]
+    pub fn vector(&self, designed: Vector3<B>) -> KnuckleVector<B> {
+        KnuckleVector(match &self.form {
+            Form::Arm(arm) => InKnuckle::Carried(arm.carrier.carried(designed)),
+            Form::Linkage(_) => InKnuckle::Designed(designed),
+        })
+    }
+
+    /// A point of the knuckle in the design position.
+    #[inline(always)]
+    pub fn point(&self, designed: Vector3<B>) -> KnucklePoint<B> {
+        KnucklePoint(self.vector(designed - self.origin))
+    }
+}
+
+/// The mechanism in a pose, in each lane.
+pub trait LanePose<B: Bundle> {
+    /// Where a vector of the knuckle points now.
+    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B>;
+    /// Where the knuckle's origin is now.
+    fn origin(&self) -> Vector3<B>;
+    /// A point of the steering axis, the vector along it, and where both are well known: an instantaneous axis
+    /// takes a knuckle that the rack turns, and about anything but a level.
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
+    /// The derivatives by the drive.
+    fn rates(&self) -> LaneRates<B>;
+    /// Where velocities are well known: the knuckle does not turn fast, as it does beside a fold.
+    fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
+    /// The derivatives of the steering axis by the drive.
+    fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
+
+    /// The same as a posture, with the rack where it is.
+    fn posture(&self, rack: B) -> Posture<'_, B>;
+    /// What gradients take, driven by the travel; from the posture and the rates of this pose.
+    fn adjoint<'p>(
+        &'p self,
+        members: &'p LaneMembers<B>,
+        at: &'p Posture<'p, B>,
+        rates: &LaneRates<B>,
+    ) -> impl LaneAdjoint<B> + 'p;
+
+    /// Where a point of the knuckle is now.
+    #[inline(always)]
+    fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
+        self.origin() + self.vector(&point.0)
+    }
+}
+
+/// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
+pub trait LaneAdjoint<B: Bundle> {
+    /// Subtracts from the gradient of an output, taken at a fixed pose, what the closure equations make of
+    /// its derivative by the pose.
+    fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
+}
+
+/// How the knuckle moves in a pose, by the drive.
+#[derive(Clone, Copy)]
+pub struct LaneRates<B> {
+    origin: Vector3<B>,
+    turn: Vector3<B>,
+    /// Of the vector along the steering axis, where it runs through two joints.
+    steering_axis: Vector3<B>,
+}
+
+impl<B: Bundle> LaneRates<B> {
+    /// Of a vector of the knuckle that points here now.
+    #[inline(always)]
+    pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
+        self.turn.cross(now)
+    }
+
+    /// Of a point of the knuckle that is here now.
+    #[inline(always)]
+    pub fn point(&self, at: &impl LanePose<B>, now: Vector3<B>) -> Vector3<B> {
+        self.origin + self.turn.cross(now - at.origin())
+    }
+
+    /// Angular velocity of the knuckle.
+    #[inline(always)]
+    pub fn turn(&self) -> Vector3<B> {
+        self.turn
+    }
+
+    /// The velocities of the knuckle.
+    #[inline(always)]
+    pub fn twist(&self) -> Twist<B> {
+        Twist {
+            shift: self.origin,
+            turn: self.turn,
+        }
+    }
+}
+
+/// Steps longer than this part of the size are broken up.
+const LONGEST_STEP: f64 = 0.02;
+/// How far anything may be from its length, in parts of the reach: a few roundings. Rates beside a fold feel
+/// whatever is left a thousandfold.
+const TOLERANCE: f64 = 1e-15;
+/// Rods shorter than this part of the reach are left to the careful path.
+const SHORTEST_LENGTH: f64 = 1e-6;
+/// How many sizes from the origin accuracy is kept.
+const FAR: f64 = 100.0;
+
+impl<'a> Batch<'a> {
+    /// For designs of this mechanism that are not far from `base`, with the rack at each of `racks`
+    /// (towards the kernel's +y); `None` where they cannot be solved in lanes.
+    pub fn new(
+        mechanism: &'a Mechanism,
+        base: &[Vector3<f64>],
+        drive: Drive,
+        march: &March,
+        racks: &[f64],
+    ) -> Option<Self> {
+        let (size, reach) = (mechanism.size(base), mechanism.reach(base));
+        let way = match Roles::of(mechanism) {
+            Some(roles) => Way::Arm(ByArm::of(roles, base, drive, size)?),
+            None => Way::Linkage(ByLinkage::of(mechanism, base, drive, size)?),
+        };
+        (reach < FAR * size).then_some(())?;
+        let longest = match drive {
+            Drive::Travel => LONGEST_STEP * size,
+            Drive::ArmAngle => LONGEST_STEP,
+        };
+        Some(Batch {
+            mechanism,
+            way,
+            drive,
+            routes: racks
+                .iter()
+                .map(|rack| Route::through(march, *rack, longest, LONGEST_STEP * size))
+                .collect::<Option<_>>()?,
+            distinct: mechanism.lengths().collect(),
+            shortest: (SHORTEST_LENGTH * reach).powi(2),
+            tolerance: TOLERANCE * reach,
+        })
+    }
+
+    /// What drives.
+    pub fn drive(&self) -> Drive {
+        self.drive
+    }
+
+    /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
+    pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
+        match &self.way {
+            Way::Arm(way) => axis == Some(way.steering_axis()),
+            Way::Linkage(_) => axis == Some(SteeringAxis::Instantaneous),
+        }
+    }
+
+    /// Room for the history of [`Batch::solve`].
+    pub fn history<B: Bundle>(&self, like: B) -> Vec<B> {
+        let places = self.routes.iter().map(|route| route.places.len());
+        let unknowns = match self.way {
+            Way::Arm(_) => 1,
+            Way::Linkage(_) => linkage::UNKNOWNS,
+        };
+        vec![like.zero(); unknowns * places.max().unwrap_or(0)]
+    }
+
+    /// The constants of designs, a point of all lanes after another.
+    #[inline(always)]
+    pub fn design<'d, B: Bundle>(&self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B>
+    where
+        'a: 'd,
+    {
+        let origin = design[self.mechanism.origin.0];
+        let shortest = origin.x.lit(self.shortest);
+        let mut distinct = origin.x.zero().less(shortest);
+        for (first, second) in &self.distinct {
+            let length = (design[second.0] - design[first.0]).norm_squared();
+            distinct = distinct & shortest.less(length);
+        }
+        LaneDesign {
+            form: match &self.way {
+                Way::Arm(way) => Form::Arm(way.design(self.mechanism, design)),
+                Way::Linkage(_) => Form::Linkage(LinkageDesign::new(self.mechanism, design)),
+            },
+            origin,
+            distinct,
+        }
+    }
+
+    /// What the gradients in all poses of designs have in common. The design must be of this batch.
+    #[inline(always)]
+    pub fn members<B: Bundle>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
+        LaneMembers(match (&self.way, &design.form) {
+            (Way::Arm(way), Form::Arm(form)) => Some(way.members(form)),
+            _ => None,
+        })
+    }
+
+    /// Visits every station with the rack at its `rack`-th place; says which lanes are right throughout.
+    /// The design must be of this batch.
+    #[inline(always)]
+    pub fn solve<B: Bundle>(
+        &self,
+        design: &LaneDesign<'_, B>,
+        rack: usize,
+        history: &mut [B],
+        visit: &mut impl Visit<B>,
+    ) -> B::Mask {
+        let places = &self.routes[rack].places;
+        let sound = match (&self.way, &design.form) {
+            (Way::Arm(way), Form::Arm(form)) => {
+                way.march(form, self.drive, places, self.tolerance, history, visit)
+            }
+            (Way::Linkage(way), Form::Linkage(form)) => {
+                way.march(form, places, self.tolerance, history, visit)
+            }
+            _ => unreachable!("a design of another batch"),
+        };
+        design.distinct & sound
+    }
+}
+
+/// A weighted sum of places visited, each with `UNKNOWNS` numbers of which it is the one asked for; the
+/// nearest place, which is known last, is added last.
+#[inline(always)]
+fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: Bundle>(
+    weights: &Stencil<PLACES>,
+    history: &[B],
+    unknown: usize,
+    like: B,
+) -> B {
+    let mut k = weights.len() - 1;
+    let mut sum = history[UNKNOWNS * weights[k].0 + unknown] * like.lit(weights[k].1);
+    while k > 0 {
+        k -= 1;
+        let (place, weight) = weights[k];
+        sum = sum.plus_product(history[UNKNOWNS * place + unknown], like.lit(weight));
+    }
+    sum
+}
+
+/// Whether `now` lies between half of and twice `before`, whatever its sign.
+#[inline(always)]
+fn within_half<B: Bundle>(now: B, before: B) -> B::Mask {
+    ((now - (before + before)) * now.minus_product(before, before.lit(0.5))).less(before.zero())
+}

@@ -1,0 +1,277 @@
+//! The way through the stations, and the weights by which each place is predicted from those before.
+//!
+//! Places are visited outward from the design position, up and down in turn, so that a prediction has
+//! neighbours on both sides of the origin. It is the value at the new place of the polynomial through
+//! the nearest places visited (Lagrange's form), and so is the slope there the slope of one through fewer of
+//! them; the weights depend on the travels alone and are the same for every design.
+
+use crate::number::Jet;
+use crate::solve::March;
+
+/// Places that values are predicted from,
+const NEIGHBOURS: usize = 8;
+/// and slopes: a slope corrects what a prediction misses, so it need not be as good.
+const NEIGHBOURS_OF_SLOPE: usize = 4;
+/// Nothing takes so many steps to get to: it is for the careful path to say so.
+const MOST_STEPS: f64 = 1e4;
+/// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
+pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
+
+/// Where a place lies from the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Leg {
+    /// At zero travel, the rack on its way.
+    Rack,
+    /// Above the design position.
+    Up,
+    /// Below it.
+    Down,
+}
+
+impl Leg {
+    /// The side of the design position: 0 up, 1 down.
+    #[inline(always)]
+    pub(crate) fn side(self) -> usize {
+        usize::from(self == Leg::Down)
+    }
+}
+
+/// A place on the way.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    /// Value of the drive.
+    pub value: f64,
+    /// Displacement of the rack.
+    pub rack: f64,
+    /// The station that lies here; none where a long step is broken up.
+    pub station: Option<usize>,
+    pub leg: Leg,
+    /// From the place before on this leg.
+    pub step: f64,
+    /// Predicts the value here...
+    pub prediction: Stencil<NEIGHBOURS>,
+    /// ... together with this much of the drive along the slope of the base design: the first step has
+    /// nothing else to go by.
+    pub along_slope: f64,
+    /// ... and this much of the rack along the slope by the rack.
+    pub along_rack: f64,
+    /// Predicts the slope by the drive here; none where there is but one place to go by.
+    pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
+}
+
+/// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
+#[derive(Clone, Debug)]
+pub(crate) struct Route {
+    pub places: Vec<Place>,
+}
+
+impl Route {
+    /// The way through the stations of a march with the rack displaced, in steps of the drive and of the
+    /// rack no longer than these; `None` if two stations coincide or one is out of all reach.
+    pub(crate) fn through(
+        march: &March,
+        rack: f64,
+        longest: f64,
+        longest_of_rack: f64,
+    ) -> Option<Route> {
+        let mut design_station = None;
+        let mut stations: Vec<(f64, Option<usize>, Leg, f64)> = Vec::new();
+        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(march.sides()) {
+            let mut before = 0.0;
+            for &station in side {
+                let value = march.values()[station];
+                if value == before {
+                    if value != 0.0 || design_station.is_some() {
+                        return None;
+                    }
+                    design_station = Some(station);
+                    continue;
+                }
+                let steps = steps(before, value, longest)?;
+                let step = (value - before) / steps.len() as f64;
+                let last = steps.len() - 1;
+                for (k, place) in steps.into_iter().enumerate() {
+                    stations.push((place, (k == last).then_some(station), leg, step));
+                }
+                before = value;
+            }
+        }
+        stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
+
+        let at_zero = |rack: f64, step: f64, number: usize| Place {
+            value: 0.0,
+            rack,
+            station: None,
+            leg: Leg::Rack,
+            step,
+            prediction: straight_on(number),
+            along_slope: 0.0,
+            slope: None,
+            along_rack: if number == 1 { rack } else { 0.0 },
+        };
+        let mut places = vec![at_zero(0.0, 0.0, 0)];
+        if rack != 0.0 {
+            let steps = steps(0.0, rack, longest_of_rack)?;
+            let step = rack / steps.len() as f64;
+            for (k, displaced) in steps.into_iter().enumerate() {
+                places.push(at_zero(displaced, step, k + 1));
+            }
+        }
+        let first = places.len() - 1;
+        places[first].station = design_station;
+        let mut visited = Visited::default();
+        for (value, station, leg, step) in stations {
+            let prediction = visited.stencil(value, first, |weight| weight[0]);
+            let slope = visited.stencil(value, first, |weight| weight[1]);
+            let is_first = visited.values.len() == 1;
+            places.push(Place {
+                value,
+                rack,
+                station,
+                leg,
+                step,
+                prediction,
+                along_slope: if is_first { value } else { 0.0 },
+                slope: (!is_first).then_some(slope),
+                along_rack: 0.0,
+            });
+            visited.add(value);
+        }
+        Some(Route { places })
+    }
+}
+
+/// The ends of equal steps from one value to another; `None` for too many.
+fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
+    let count = ((to - from).abs() / longest).ceil().max(1.0);
+    (count <= MOST_STEPS).then_some(())?;
+    let mut steps = Vec::new();
+    let mut step = 1.0;
+    while step < count {
+        steps.push(from + (to - from) * (step / count));
+        step += 1.0;
+    }
+    steps.push(to);
+    Some(steps)
+}
+
+/// The line through the two places before, equally far apart.
+fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
+    let mut stencil = [(0, 0.0); NEIGHBOURS];
+    match number {
+        0 => {}
+        1 => stencil[0] = (0, 1.0),
+        _ => (stencil[0], stencil[1]) = ((number - 1, 2.0), (number - 2, -1.0)),
+    }
+    stencil
+}
+
+/// Values of the drive in the order of the visit, from zero outward on both sides.
+struct Visited {
+    values: Vec<f64>,
+    /// The numbers of those above zero and of those below.
+    sides: [Vec<usize>; 2],
+}
+
+impl Default for Visited {
+    fn default() -> Self {
+        Visited {
+            values: vec![0.0],
+            sides: Default::default(),
+        }
+    }
+}
+
+impl Visited {
+    fn side(value: f64) -> usize {
+        usize::from(value < 0.0)
+    }
+
+    fn add(&mut self, value: f64) {
+        self.sides[Self::side(value)].push(self.values.len());
+        self.values.push(value);
+    }
+
+    /// The places nearest to a value that is farther out than all of them.
+    fn nearest(&self, value: f64, count: usize) -> Vec<usize> {
+        let own = &self.sides[Self::side(value)];
+        let across = &self.sides[1 - Self::side(value)];
+        let latest = own.iter().rev().take(count);
+        let innermost = across.iter().take(count);
+        let mut numbers: Vec<usize> = latest.chain(innermost).copied().chain([0]).collect();
+        numbers.sort_by(|a, b| {
+            let distance = |i: &usize| (self.values[*i] - value).abs();
+            distance(a).total_cmp(&distance(b)).then(a.cmp(b))
+        });
+        numbers.truncate(count);
+        numbers
+    }
+
+    /// Of the weights prod (x - x_m)/(x_j - x_m) and their derivatives by x one `part`; `first` is the number
+    /// of the place at zero.
+    fn stencil<const PLACES: usize>(
+        &self,
+        value: f64,
+        first: usize,
+        part: impl Fn(Jet<f64, 2>) -> f64,
+    ) -> Stencil<PLACES> {
+        let numbers = self.nearest(value, PLACES);
+        let mut stencil = [(0, 0.0); PLACES];
+        for (entry, j) in stencil.iter_mut().zip(&numbers) {
+            let others = numbers.iter().filter(|m| *m != j);
+            let product = others.fold(Jet([1.0, 0.0]), |product, m| {
+                let from = self.values[*m];
+                let width = self.values[*j] - from;
+                product * Jet([(value - from) / width, 1.0 / width])
+            });
+            *entry = (first + *j, part(product));
+        }
+        stencil
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::array::from_fn;
+
+    /// Stencils of n places are exact for polynomials of degree n - 1.
+    #[test]
+    fn stencils_reproduce_polynomials() {
+        let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
+        let route = Route::through(&march, 0.0, 0.3, 1.0).unwrap();
+        let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
+        for (number, place) in route.places.iter().enumerate() {
+            for degree in 0..number.min(NEIGHBOURS) as i32 {
+                let sum = |stencil: &[(usize, f64)]| -> f64 {
+                    let terms = stencil.iter();
+                    terms.map(|(j, w)| w * visited[*j].powi(degree)).sum()
+                };
+                let value = place.value.powi(degree);
+                assert!((sum(&place.prediction) - value).abs() < 1e-9);
+                if let (Some(slope), true) = (&place.slope, degree < NEIGHBOURS_OF_SLOPE as i32) {
+                    let wanted = f64::from(degree) * place.value.powi(degree - 1);
+                    assert!((sum(slope) - wanted).abs() < 1e-9, "{number} {degree}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_station_is_visited_once_and_long_steps_are_broken_up() {
+        let march = March::through(&[-2.0, 0.0, 1.0, 0.1]);
+        let route = Route::through(&march, 0.25, 0.5, 0.1).unwrap();
+        let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
+        stations.sort_unstable();
+        assert_eq!(stations, [0, 1, 2, 3]);
+        let racks: Vec<f64> = route.places.iter().map(|p| p.rack).take(4).collect();
+        assert_eq!(racks[0], 0.0);
+        assert_eq!(racks[3], 0.25);
+        assert_eq!(route.places[3].station, Some(1));
+        assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
+        assert!(Route::through(&March::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
+        // Out of all reach.
+        assert!(Route::through(&March::through(&[1e12]), 0.0, 0.5, 1.0).is_none());
+        assert!(Route::through(&March::through(&[1.0]), 1e12, 0.5, 1.0).is_none());
+    }
+}

@@ -1,0 +1,245 @@
+//! The equations on any number, with any tolerance and any start: for measuring what they cost.
+//!
+//! Production is [`Solver`](crate::solve::Solver), which does more: it looks where it steps. Here the formulas
+//! of closed form and closure equations are run bare, so that one thing at a time can be changed.
+
+use super::closed_form::{ClosedForm, Roles};
+use crate::linear::lu::Lu6;
+use crate::mechanism::{Closure, Driver};
+use crate::mechanism::{Pose, Posture};
+use crate::model::{Mechanism, PointId};
+use crate::number::Dual;
+use crate::number::Jet;
+use crate::number::Scalar;
+use crate::number::{Matrix3, Vector3};
+
+/// Equations for the pose at a wheel travel, to be solved by Newton's method.
+pub(crate) trait Equations<T> {
+    /// What is solved for.
+    type Unknown: Copy;
+    /// Its value in the design position.
+    fn design(&self) -> Self::Unknown;
+    /// One Newton step: the unknown it leads to, and by how much travel the one before it missed.
+    fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
+    /// The weighted sum of earlier solutions.
+    fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;
+    /// The pose.
+    fn pose(&self, at: &Self::Unknown) -> Pose<T>;
+}
+
+/// The most Newton iterations of a solution.
+const MOST_ITERATIONS: usize = 20;
+
+/// Solves until the equations are missed by no more than `tolerance` (a length) or do not get any
+/// better; with the number of times they were evaluated.
+#[inline]
+pub(crate) fn solve<T: Scalar, E: Equations<T>>(
+    equations: &E,
+    start: E::Unknown,
+    travel: T,
+    tolerance: f64,
+) -> (E::Unknown, usize) {
+    let (mut at, mut last) = (start, f64::INFINITY);
+    for iteration in 1..=MOST_ITERATIONS {
+        let (next, missed) = equations.step(&at, travel);
+        // Written so that NaN ends it.
+        let shrinks = missed < last;
+        if missed <= tolerance || !shrinks {
+            return (at, iteration);
+        }
+        (at, last) = (next, missed);
+    }
+    (at, MOST_ITERATIONS)
+}
+
+/// The closed form: one equation in the tangent of half the arm's angle.
+pub(crate) struct OneEquation<T> {
+    form: ClosedForm<T>,
+    series: ClosedForm<Jet<T, 2>>,
+    rack: T,
+}
+
+impl<T: Scalar> OneEquation<T> {
+    /// Of a design whose mechanism has a closed form.
+    pub(crate) fn new(mechanism: &Mechanism, design: &[Vector3<T>], rack: T) -> Option<Self> {
+        let form = ClosedForm::new(&Roles::of(mechanism)?, design);
+        Some(OneEquation {
+            form,
+            series: form.map(Jet::constant),
+            rack,
+        })
+    }
+}
+
+impl<T: Scalar> Equations<T> for OneEquation<T> {
+    type Unknown = T;
+
+    fn design(&self) -> T {
+        self.rack.zero()
+    }
+
+    #[inline]
+    fn step(&self, tangent: &T, travel: T) -> (T, f64) {
+        let rack = Jet::constant(self.rack);
+        let state = self.series.at_half_tangent(Jet::variable(*tangent), rack);
+        let rise = self.series.travel(&state);
+        let missed = travel - rise[0];
+        (*tangent + missed / rise[1], missed.value().abs())
+    }
+
+    #[inline]
+    fn predicted(&self, earlier: &[T], weights: &[f64]) -> T {
+        let zero = self.rack.zero();
+        let terms = earlier.iter().zip(weights);
+        terms.fold(zero, |sum, (t, w)| sum + t.scaled(*w))
+    }
+
+    #[inline]
+    fn pose(&self, tangent: &T) -> Pose<T> {
+        self.form
+            .pose(&self.form.at_half_tangent(*tangent, self.rack))
+    }
+}
+
+/// The six closure equations in the pose itself.
+pub(crate) struct SixEquations<'m, T> {
+    mechanism: &'m Mechanism,
+    design: Vec<Vector3<T>>,
+    closure: Closure<T>,
+    rack: T,
+}
+
+impl<'m, T: Scalar> SixEquations<'m, T> {
+    pub(crate) fn new(mechanism: &'m Mechanism, design: &[Vector3<T>], rack: T) -> Self {
+        SixEquations {
+            mechanism,
+            design: design.to_vec(),
+            closure: Closure::new(mechanism, design),
+            rack,
+        }
+    }
+
+    /// The design in a pose.
+    #[inline]
+    pub(crate) fn posture(&self, pose: Pose<T>) -> Posture<'_, T> {
+        Posture {
+            mechanism: self.mechanism,
+            design: &self.design,
+            pose,
+            rack: self.rack,
+            steering: None,
+        }
+    }
+}
+
+impl<T: Scalar> Equations<T> for SixEquations<'_, T> {
+    type Unknown = Pose<T>;
+
+    fn design(&self) -> Pose<T> {
+        Pose {
+            origin: self.design[self.mechanism.origin.0],
+            rotation: Matrix3::identity(self.rack),
+        }
+    }
+
+    #[inline]
+    fn step(&self, pose: &Pose<T>, travel: T) -> (Pose<T>, f64) {
+        let at = self.posture(*pose);
+        let driver = Driver::Travel(travel);
+        let residuals = self.closure.residuals(&at, driver);
+        let missed = residuals
+            .iter()
+            .fold(0.0, |m: f64, r| m.max(r.value().abs()));
+        let Some(lu) = Lu6::new(self.closure.jacobian(&at, driver), 1.0) else {
+            return (*pose, f64::NAN);
+        };
+        let [x, y, z, a, b, c] = lu.solve(residuals).map(|v| -v);
+        let half_turn = Vector3::new(a, b, c).map(|v| v.scaled(0.5));
+        let mut next = pose.moved(Vector3::new(x, y, z), half_turn);
+        next.rotation = next.rotation.orthonormalised();
+        (next, missed)
+    }
+
+    fn predicted(&self, earlier: &[Pose<T>], weights: &[f64]) -> Pose<T> {
+        let zero = self.rack.zero();
+        let mut sum = earlier[0].map(|_| zero);
+        for (pose, weight) in earlier.iter().zip(weights) {
+            sum.origin = sum.origin + pose.origin.map(|c| c.scaled(*weight));
+            for (column, term) in sum.rotation.columns.iter_mut().zip(pose.rotation.columns) {
+                *column = *column + term.map(|c| c.scaled(*weight));
+            }
+        }
+        for _ in 0..3 {
+            sum.rotation = sum.rotation.orthonormalised();
+        }
+        sum
+    }
+
+    #[inline]
+    fn pose(&self, pose: &Pose<T>) -> Pose<T> {
+        *pose
+    }
+}
+
+/// Sensitivities by forward differentiation: the equations with the coordinates of one hardpoint as
+/// variables, one hardpoint after another.
+pub(crate) struct Forward<'m, T> {
+    plain: SixEquations<'m, T>,
+    by_point: Vec<(PointId, SixEquations<'m, Dual<T, 3>>)>,
+}
+
+impl<'m, T: Scalar> Forward<'m, T> {
+    pub(crate) fn new(
+        mechanism: &'m Mechanism,
+        design: &[Vector3<T>],
+        rack: T,
+        points: &[PointId],
+    ) -> Self {
+        let seeded = |id: &PointId| {
+            let mut seeded: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
+            let p = design[id.0];
+            seeded[id.0] = Vector3::new(
+                Dual::input(p.x, 0),
+                Dual::input(p.y, 1),
+                Dual::input(p.z, 2),
+            );
+            let rack = Dual::constant(rack);
+            (*id, SixEquations::new(mechanism, &seeded, rack))
+        };
+        Forward {
+            plain: SixEquations::new(mechanism, design, rack),
+            by_point: points.iter().map(seeded).collect(),
+        }
+    }
+
+    /// Calls `receive` with the posture as a function of each hardpoint's coordinates, at a solved pose:
+    /// J x_p = -F_p with one factorisation for all.
+    #[inline]
+    pub(crate) fn each(
+        &self,
+        pose: &Pose<T>,
+        travel: T,
+        mut receive: impl FnMut(PointId, &Posture<'_, Dual<T, 3>>),
+    ) {
+        let at = self.plain.posture(*pose);
+        let jacobian = self.plain.closure.jacobian(&at, Driver::Travel(travel));
+        let Some(lu) = Lu6::new(jacobian, 1.0) else {
+            return;
+        };
+        let lifted = pose.map(Dual::constant);
+        for (id, equations) in &self.by_point {
+            let driver = Driver::Travel(Dual::constant(travel));
+            let at = equations.posture(lifted);
+            let residuals = equations.closure.residuals(&at, driver);
+            let columns = [0, 1, 2].map(|k| lu.solve(residuals.map(|r| -r.partials[k])));
+            let zero = travel.zero();
+            let twist = |i: usize, scale: f64| Dual {
+                value: zero,
+                partials: columns.map(|c| c[i].scaled(scale)),
+            };
+            let shift = Vector3::new(twist(0, 1.0), twist(1, 1.0), twist(2, 1.0));
+            let half_turn = Vector3::new(twist(3, 0.5), twist(4, 0.5), twist(5, 0.5));
+            receive(*id, &equations.posture(lifted.moved(shift, half_turn)));
+        }
+    }
+}

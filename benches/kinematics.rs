@@ -3,12 +3,12 @@
 //! `cargo bench`. Machines are noisy: read the fastest and compare within one run.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::Drive;
 use hardpoint::number::{Jet, Vector3};
 use hardpoint::optimise::{Control, tune};
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -30,12 +30,12 @@ fn poses(bencher: Bencher) {
     let study = front();
     let suspension = &study.suspension;
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
-    let march = March::through(&study.motion.values);
+    let station_order = StationOrder::through(&study.motion.values);
     bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
         solver.prepare(black_box(&suspension.design)).unwrap();
         let mut sum = 0.0;
         solver
-            .march(Drive::Travel, &march, 0.0, |_, _, pose| {
+            .for_each_pose(Drive::Travel, &station_order, 0.0, |_, _, pose| {
                 sum += pose.unwrap().origin.z;
                 ControlFlow::Continue(())
             })
@@ -51,31 +51,38 @@ fn gradients<const N: usize>(bencher: Bencher) {
     let study = front();
     let suspension = &study.suspension;
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
-    let mut lifted = Lifted::<N>::new(&suspension.mechanism, &suspension.design);
-    let march = March::through(&study.motion.values);
+    let mut design_series = DesignSeries::<N>::new(&suspension.mechanism, &suspension.design);
+    let station_order = StationOrder::through(&study.motion.values);
     let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); suspension.design.len()];
     bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
         solver.prepare(black_box(&suspension.design)).unwrap();
-        lifted.prepare(&suspension.mechanism, &suspension.design);
+        design_series.prepare(&suspension.mechanism, &suspension.design);
         let mut sum = Vector3::default();
         solver
-            .march(Drive::Travel, &march, 0.0, |solver, station, pose| {
-                let motion = MotionPoint {
-                    drive: Drive::Travel,
-                    value: march.values()[station],
-                    rack: 0.0,
-                }
-                .along_drive();
-                let linearised = solver.linearised(&lifted, pose.unwrap(), &motion).unwrap();
-                let view = View::of(&linearised.at, Constants::default());
-                for c in [Characteristic::Camber, Characteristic::KingpinInclination] {
-                    let quantity = Quantity::Characteristic(c);
-                    view.gradients(&linearised, quantity, N - 1, &mut buffer, |_, _, g| {
-                        sum = sum + g
-                    });
-                }
-                ControlFlow::Continue(())
-            })
+            .for_each_pose(
+                Drive::Travel,
+                &station_order,
+                0.0,
+                |solver, station, pose| {
+                    let motion = MotionPoint {
+                        drive: Drive::Travel,
+                        value: station_order.values()[station],
+                        rack: 0.0,
+                    }
+                    .along_drive();
+                    let linearised = solver
+                        .linearised(&design_series, pose.unwrap(), &motion)
+                        .unwrap();
+                    let view = WheelReading::of(&linearised.at, Constants::default());
+                    for c in [Characteristic::Camber, Characteristic::KingpinInclination] {
+                        let quantity = Quantity::Characteristic(c);
+                        view.gradients(&linearised, quantity, N - 1, &mut buffer, |_, _, g| {
+                            sum = sum + g
+                        });
+                    }
+                    ControlFlow::Continue(())
+                },
+            )
             .unwrap();
         sum
     });

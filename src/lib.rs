@@ -25,8 +25,12 @@
 //! |---|---|
 //! | [`study`] | the file as written, what it means, everything that can be wrong with it |
 //! | [`model`] | hardpoints, bodies, constraints; one file for each topology |
+//! | [`mechanism`] | a design in a pose, the constraint rows that hold it, why there may be no pose |
+//! | [`mod@derive`] | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
+//! | [`solve`] | poses connected to the design position, one design at a time or many side by side |
+//! | [`analyse`] | limits, loads, assemblies, certificates |
+//! | [`attia`] | the seed paper's fifteen equations, its drive and its angles |
 //! | [`plan`] | what a study asks for, turned into what is computed |
-//! | [`kinematics`] | poses, rates, sensitivities |
 //! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
 //! | [`curves`] | a plan carried out over a motion |
 //! | [`sweep`] | many designs on all cores, in constant memory |

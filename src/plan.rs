@@ -9,7 +9,7 @@ pub use effects::Effect;
 
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::model::{Axis, PointId};
-use crate::solve::{March, PoseError};
+use crate::solve::{PoseError, StationOrder};
 use crate::study::{Drive, Formulation, Load, Order, Study, TimeLaw};
 
 /// One quantity with the derivatives asked for.
@@ -37,7 +37,7 @@ pub struct Plan {
     /// What poses may be off by; full double precision without it, and wherever poses are proved.
     pub accuracy: Option<PoseError>,
     /// Drive values and the order in which they are visited.
-    pub march: March,
+    pub station_order: StationOrder,
     /// Rack displacements, in the study's axes.
     pub racks: Vec<f64>,
     /// Whether the study moves the rack, so that results carry a column for it.
@@ -118,14 +118,14 @@ impl Plan {
         }
         let coefficients = outputs
             .iter()
-            .map(|o| o.highest + o.quantity.depth() + 1)
+            .map(|o| o.highest + o.quantity.rate_order() + 1)
             .max()
             .unwrap_or(1);
         Plan {
             drive: study.motion.drive,
             formulation: study.formulation,
             accuracy: study.accuracy.filter(|_| !study.outputs.certify),
-            march: March::through(&study.motion.values),
+            station_order: StationOrder::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
@@ -149,7 +149,7 @@ impl Plan {
 
     /// Number of stations: drive values times rack displacements.
     pub fn stations(&self) -> usize {
-        self.march.values().len() * self.racks.len()
+        self.station_order.values().len() * self.racks.len()
     }
 }
 

@@ -89,7 +89,7 @@ fn the_connected_pose_is_one_of_them() {
     let mut solver = case.solver();
     let mut pose = None;
     solver
-        .march(Drive::Travel, &march_to(0.08), 0.02, |_, _, found| {
+        .for_each_pose(Drive::Travel, &march_to(0.08), 0.02, |_, _, found| {
             pose = found.ok().copied();
             ControlFlow::Continue(())
         })
@@ -250,8 +250,8 @@ fn assemblies_do_not_depend_on_where_the_car_stands() {
         let suspension = template(name);
         let mechanism = &suspension.mechanism;
         let by = Vector3::new(300.0, -200.0, 120.0);
-        let half_turn = Vector3::new(0.0, 0.0, 0.31);
-        let rotation = Matrix3::identity(0.0).turned(half_turn);
+        let rodrigues = Vector3::new(0.0, 0.0, 0.31);
+        let rotation = Matrix3::identity(0.0).turned(rodrigues);
         let moved: Vec<_> = suspension
             .design
             .iter()

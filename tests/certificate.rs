@@ -4,10 +4,10 @@ mod support;
 
 use hardpoint::analyse::Certifier;
 use hardpoint::derive::MotionPoint;
-use hardpoint::mechanism::{Failure, Posture};
+use hardpoint::mechanism::{Configuration, Failure};
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 use support::{Case, march_to, motion, vector};
 
@@ -28,7 +28,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
             continue;
         }
         solver
-            .march(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
                 let pose = pose.unwrap();
                 let point = MotionPoint { drive, value, rack };
                 let certificate = match certifier.pose(pose, &point) {
@@ -42,7 +42,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
                 };
                 assert!(certificate.error <= sharpness * size, "{certificate:?}");
                 assert!(certificate.error <= certificate.uniqueness);
-                let at = Posture {
+                let at = Configuration {
                     mechanism: &case.mechanism,
                     design: &case.design,
                     pose: *pose,
@@ -102,10 +102,10 @@ fn certified(
 ) -> Vec<Result<f64, Failure>> {
     let mut found = vec![Err(Failure::Singular); values.len()];
     solver
-        .march_certified(
+        .for_each_certified_pose(
             certifier,
             drive,
-            &March::through(values),
+            &StationOrder::through(values),
             rack,
             |_, station, proof| {
                 found[station] = proof.map(|(_, certificate)| certificate.error);
@@ -154,7 +154,7 @@ fn a_wrong_pose_is_not_proved() {
     let mut pose = None;
     let mut solver = solver;
     solver
-        .march(Drive::Travel, &march_to(0.05), 0.0, |_, _, found| {
+        .for_each_pose(Drive::Travel, &march_to(0.05), 0.0, |_, _, found| {
             pose = found.ok().copied();
             ControlFlow::Continue(())
         })

@@ -8,13 +8,13 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::{
     ArmId, Axis, Body, Drive, Mechanism, Point, PointId, Rocker, RockerId, Rod,
 };
 use hardpoint::number::{Jet, Vector3};
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 use support::Case;
 
@@ -126,19 +126,19 @@ fn series(
     point: MotionPoint<f64>,
 ) -> Vec<[f64; 3]> {
     let mut solver = Solver::new(mechanism, design).unwrap();
-    let lifted = Lifted::<4>::new(mechanism, design);
+    let design_series = DesignSeries::<4>::new(mechanism, design);
     let mut found = Vec::new();
     solver
-        .march(
+        .for_each_pose(
             point.drive,
-            &March::through(&[point.value]),
+            &StationOrder::through(&[point.value]),
             point.rack,
             |solver, _, pose| {
                 let motion = point.along_drive();
                 let at = solver
-                    .posture_series(&lifted, pose.unwrap(), &motion)
+                    .configuration_series(&design_series, pose.unwrap(), &motion)
                     .unwrap();
-                let view = View::of(&at, CONSTANTS);
+                let view = WheelReading::of(&at, CONSTANTS);
                 found = quantities(mechanism)
                     .into_iter()
                     .map(|q| {
@@ -240,17 +240,19 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
         // found[order][quantity][point]
         let mut found = vec![vec![vec![Vector3::default(); design.len()]; count]; 3];
         let mut solver = Solver::new(&mechanism, &design).unwrap();
-        let lifted = Lifted::<4>::new(&mechanism, &design);
+        let design_series = DesignSeries::<4>::new(&mechanism, &design);
         let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
         solver
-            .march(
+            .for_each_pose(
                 place.drive,
-                &March::through(&[place.value]),
+                &StationOrder::through(&[place.value]),
                 place.rack,
                 |solver, _, pose| {
                     let motion = place.along_drive();
-                    let linearised = solver.linearised(&lifted, pose.unwrap(), &motion).unwrap();
-                    let view = View::of(&linearised.at, CONSTANTS);
+                    let linearised = solver
+                        .linearised(&design_series, pose.unwrap(), &motion)
+                        .unwrap();
+                    let view = WheelReading::of(&linearised.at, CONSTANTS);
                     for (k, quantity) in quantities(&mechanism).into_iter().enumerate() {
                         view.gradients(
                             &linearised,
@@ -299,9 +301,9 @@ fn gains_and_centres_do_not_depend_on_the_drive() {
     let mut solver = Solver::new(&mechanism, &design).unwrap();
     let mut travel = 0.0;
     solver
-        .march(
+        .for_each_pose(
             angle.drive,
-            &March::through(&[angle.value]),
+            &StationOrder::through(&[angle.value]),
             angle.rack,
             |_, _, pose| {
                 let pose = pose.unwrap();

@@ -1,8 +1,8 @@
 //! Only the effects a study asks for are computed: the counts of what was done say so.
 
-use hardpoint::characteristics::{Characteristic, Constants, Slots, View};
+use hardpoint::characteristics::{Characteristic, Constants, Slots, WheelReading};
 use hardpoint::curves::{Curves, curves};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::Work;
 use hardpoint::model::Drive;
 use hardpoint::plan::Plan;
@@ -184,7 +184,7 @@ fn what_nothing_reads_is_not_computed() {
             Slots::default().with(Characteristic::Camber.info().reads)
         );
         let solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
-        let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design)
+        let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design)
             .with_steering_axis(plan.reads_steering_axis());
         let point = MotionPoint {
             drive: Drive::Travel,
@@ -193,9 +193,11 @@ fn what_nothing_reads_is_not_computed() {
         };
         let pose = solver.design_pose();
         let motion = point.along_drive();
-        let at = solver.posture_series(&lifted, &pose, &motion).unwrap();
+        let at = solver
+            .configuration_series(&design_series, &pose, &motion)
+            .unwrap();
         assert!(at.steering.is_none());
-        let view = View::reading(&at, Constants::default(), plan.reads);
+        let view = WheelReading::reading(&at, Constants::default(), plan.reads);
         for c in Characteristic::ALL {
             let value = view.characteristic(*c)[0];
             let is_known = c.info().reads.iter().all(|slot| plan.reads.contains(*slot));

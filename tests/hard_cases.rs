@@ -4,13 +4,13 @@
 mod support;
 
 use hardpoint::analyse::RangeEnd;
-use hardpoint::mechanism::LimitCause;
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::Failure;
+use hardpoint::mechanism::LimitCause;
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::Study;
 use serde_json::Value;
 use std::ops::ControlFlow;
@@ -37,7 +37,7 @@ fn failure(case: &Case, state: &Value) -> Option<Failure> {
     let (drive, value, rack, _) = motion(state);
     let mut failure = None;
     case.solver()
-        .march(drive, &march_to(value), rack, |_, _, pose| {
+        .for_each_pose(drive, &march_to(value), rack, |_, _, pose| {
             failure = pose.err();
             ControlFlow::Continue(())
         })
@@ -55,10 +55,10 @@ fn check(name: &str) -> usize {
 }
 
 fn check_case(name: &str, case: &Case) -> usize {
-    let lifted = Lifted::<3>::new(&case.mechanism, &case.design);
+    let design_series = DesignSeries::<3>::new(&case.mechanism, &case.design);
     let mut solver = case.solver();
     let size = solver.size();
-    let coarse = match case.mechanism.reach(&case.design) / size {
+    let coarse = match case.mechanism.coordinate_scale(&case.design) / size {
         far if far > 100.0 => far,
         _ => 1.0,
     };
@@ -69,7 +69,7 @@ fn check_case(name: &str, case: &Case) -> usize {
         }
         let (drive, value, rack, sign) = motion(state);
         solver
-            .march(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
                 let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
                 let point = MotionPoint { drive, value, rack };
                 let k = solver.conditioning(pose, &point).number;
@@ -80,9 +80,9 @@ fn check_case(name: &str, case: &Case) -> usize {
                 ]
                 .map(|bound| coarse * bound);
                 let at = solver
-                    .posture_series(&lifted, pose, &point.along_drive())
+                    .configuration_series(&design_series, pose, &point.along_drive())
                     .unwrap();
-                let view = View::of(&at, Constants::default());
+                let view = WheelReading::of(&at, Constants::default());
                 let mut worst = [0.0_f64; 3];
                 let mut largest = [size, 0.0, 0.0];
                 let mut found = Vec::new();
@@ -123,7 +123,7 @@ fn check_case(name: &str, case: &Case) -> usize {
                 }
                 if state.get("sens").is_some() {
                     let motion = point.along_drive();
-                    let linearised = solver.linearised(&lifted, pose, &motion).unwrap();
+                    let linearised = solver.linearised(&design_series, pose, &motion).unwrap();
                     let errors = sensitivity_errors(case, state, sign, &view, &linearised);
                     println!("    sensitivities {:.1e} {:.1e} {:.1e}", errors[0].0, errors[1].0, errors[2].0);
                     for error in errors {
@@ -262,28 +262,29 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
                 _ => (Drive::Travel, size),
             };
             let values: Vec<f64> = (-4..=4).map(|k| 0.25 * k as f64 * reach * unit).collect();
-            let march = March::through(&values);
-            let visited = solver.march(drive, &march, 0.0, |solver, station, pose| {
-                if let Ok(pose) = pose {
-                    let point = MotionPoint {
-                        drive,
-                        value: values[station],
-                        rack: 0.0,
-                    };
-                    let found = solver.estimated_conditioning(pose, &point).number;
-                    let true_one = solver.conditioning(pose, &point).number;
-                    match found == true_one {
-                        true => exact += 1,
-                        false => {
-                            assert!(found < 1e3);
-                            least = least.min(found / true_one);
-                            most = most.max(found / true_one);
-                            estimated += 1;
+            let station_order = StationOrder::through(&values);
+            let visited =
+                solver.for_each_pose(drive, &station_order, 0.0, |solver, station, pose| {
+                    if let Ok(pose) = pose {
+                        let point = MotionPoint {
+                            drive,
+                            value: values[station],
+                            rack: 0.0,
+                        };
+                        let found = solver.estimated_conditioning(pose, &point).number;
+                        let true_one = solver.conditioning(pose, &point).number;
+                        match found == true_one {
+                            true => exact += 1,
+                            false => {
+                                assert!(found < 1e3);
+                                least = least.min(found / true_one);
+                                most = most.max(found / true_one);
+                                estimated += 1;
+                            }
                         }
                     }
-                }
-                ControlFlow::Continue(())
-            });
+                    ControlFlow::Continue(())
+                });
             assert!(visited.is_ok() || number % 3 == 2);
         }
         println!("{name}: {estimated} estimated, {exact} exact, ratios {least:.2} to {most:.2}");

@@ -5,8 +5,8 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::{Drive, PointId};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
@@ -518,34 +518,39 @@ fn careful_gradients(
 ) -> Vec<(f64, Vec<Vector3<f64>>)> {
     let mechanism = &study.suspension.mechanism;
     let mut solver = Solver::new(mechanism, design).expect("the lanes have solved it");
-    let lifted = Lifted::<1>::new(mechanism, design);
+    let design_series = DesignSeries::<1>::new(mechanism, design);
     let constants = Constants::of(&study.suspension);
     let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
     let mut buffer = vec![none; design.len()];
     let mut found = vec![(0.0, Vec::new()); angles.len() * stations.count()];
     for (number, rack) in stations.racks.iter().enumerate() {
-        let _ = solver.march(stations.drive, &stations.march, *rack, |solver, k, pose| {
-            let pose = pose.as_ref().expect("the lanes have solved it");
-            let motion = MotionPoint {
-                drive: stations.drive,
-                value: stations.march.values()[k],
-                rack: *rack,
-            };
-            let linearised = solver
-                .linearised(&lifted, pose, &motion.along_drive())
-                .expect("the lanes have solved it");
-            let view = View::of(&linearised.at, constants);
-            for (angle, c) in angles.iter().enumerate() {
-                let at = angle * stations.count() + stations.number(number, k);
-                let mut gradient = vec![Vector3::default(); design.len()];
-                let quantity = Quantity::Characteristic(*c);
-                view.gradients(&linearised, quantity, 0, &mut buffer, |_, point, by| {
-                    gradient[point.0] = by;
-                });
-                found[at] = (view.value(&linearised.at, quantity)[0], gradient);
-            }
-            ControlFlow::Continue(())
-        });
+        let _ = solver.for_each_pose(
+            stations.drive,
+            &stations.station_order,
+            *rack,
+            |solver, k, pose| {
+                let pose = pose.as_ref().expect("the lanes have solved it");
+                let motion = MotionPoint {
+                    drive: stations.drive,
+                    value: stations.station_order.values()[k],
+                    rack: *rack,
+                };
+                let linearised = solver
+                    .linearised(&design_series, pose, &motion.along_drive())
+                    .expect("the lanes have solved it");
+                let view = WheelReading::of(&linearised.at, constants);
+                for (angle, c) in angles.iter().enumerate() {
+                    let at = angle * stations.count() + stations.number(number, k);
+                    let mut gradient = vec![Vector3::default(); design.len()];
+                    let quantity = Quantity::Characteristic(*c);
+                    view.gradients(&linearised, quantity, 0, &mut buffer, |_, point, by| {
+                        gradient[point.0] = by;
+                    });
+                    found[at] = (view.value(&linearised.at, quantity)[0], gradient);
+                }
+                ControlFlow::Continue(())
+            },
+        );
     }
     found
 }

@@ -2,8 +2,8 @@
 
 mod support;
 
-use hardpoint::characteristics::{Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::Axis;
 use hardpoint::number::Jet;
 use serde_json::Value;
@@ -51,21 +51,21 @@ fn check(name: &str) -> Errors {
     let case = Case::read(name);
     let mut errors = Errors::default();
     let mut solver = case.solver();
-    let lifted = Lifted::<3>::new(&case.mechanism, &case.design);
+    let design_series = DesignSeries::<3>::new(&case.mechanism, &case.design);
     let size = solver.size();
     for state in case.states() {
         assert_eq!(state["exists"], true);
         let (drive, value, rack, sign) = motion(state);
         let mut visited = 0;
         solver
-            .march(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
                 visited += 1;
                 let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
                 let point = MotionPoint { drive, value, rack };
                 let linearised = solver
-                    .linearised(&lifted, pose, &point.along_drive())
+                    .linearised(&design_series, pose, &point.along_drive())
                     .unwrap();
-                let view = View::of(&linearised.at, Constants::default());
+                let view = WheelReading::of(&linearised.at, Constants::default());
                 let outputs = expected(&case, state, sign);
                 let is_point = |q: &Quantity| matches!(q, Quantity::Coordinate(..));
                 let scale = |points: bool, order: usize| {
@@ -121,8 +121,8 @@ fn turning(
     case: &Case,
     state: &Value,
     sign: f64,
-    view: &View<3>,
-    at: &hardpoint::mechanism::Posture<Jet<f64, 3>>,
+    view: &WheelReading<3>,
+    at: &hardpoint::mechanism::Configuration<Jet<f64, 3>>,
     errors: &mut Errors,
 ) {
     for (order, key) in ["omega_per_drive", "alpha_per_drive"]
@@ -149,14 +149,16 @@ fn by_rack(
     point: &MotionPoint<f64>,
     errors: &mut Errors,
 ) {
-    let lifted = Lifted::<3>::new(&case.mechanism, &case.design);
+    let design_series = DesignSeries::<3>::new(&case.mechanism, &case.design);
     let motion = MotionPoint {
         drive: point.drive,
         value: Jet::constant(point.value),
         rack: Jet::variable(point.rack),
     };
-    let at = solver.posture_series(&lifted, pose, &motion).unwrap();
-    let view = View::of(&at, Constants::default());
+    let at = solver
+        .configuration_series(&design_series, pose, &motion)
+        .unwrap();
+    let view = WheelReading::of(&at, Constants::default());
     for (order, key) in ["rack_d1", "rack_d2"].into_iter().enumerate() {
         let largest = ["p8", "p10", "p11"]
             .map(|p| vector(&state[key][p]).norm())

@@ -10,10 +10,10 @@
 
 mod support;
 
-use hardpoint::mechanism::LimitCause;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::curves::{Curves, Proof, Status, curves};
 use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::LimitCause;
 use hardpoint::mechanism::{DesignFault, Failure, Pose};
 use hardpoint::model::{
     Constraint, Drive, Frame, FrameConvention, LengthUnit, Mechanism, Side, Suspension, Topology,
@@ -21,7 +21,7 @@ use hardpoint::model::{
 };
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::{self, Formulation, Motion, Order, Outputs, Study};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
@@ -325,13 +325,18 @@ fn examine(number: u64, tally: &mut Tally) {
         }
     };
     let size = solver.size();
-    let reach = trial.mechanism.reach(&trial.design);
-    let march = March::through(&trial.values);
+    let reach = trial.mechanism.coordinate_scale(&trial.design);
+    let station_order = StationOrder::through(&trial.values);
     let mut found: Vec<Option<Result<Pose<f64>, Failure>>> = vec![None; trial.values.len()];
-    let marched = solver.march(trial.drive, &march, trial.rack, |_, station, pose| {
-        found[station] = Some(pose.copied());
-        ControlFlow::Continue(())
-    });
+    let marched = solver.for_each_pose(
+        trial.drive,
+        &station_order,
+        trial.rack,
+        |_, station, pose| {
+            found[station] = Some(pose.copied());
+            ControlFlow::Continue(())
+        },
+    );
     let suspension = trial.suspension();
     let certified = curves(&suspension, &trial.plan(&suspension));
     if let Err(fault) = marched {

@@ -2,11 +2,11 @@
 
 use hardpoint::curves::curves;
 use hardpoint::derive::MotionPoint;
-use hardpoint::mechanism::{Pose, Posture};
+use hardpoint::mechanism::{Configuration, Pose};
 use hardpoint::model::{Body, Drive, Suspension};
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
-use hardpoint::solve::{March, PoseError, Solver};
+use hardpoint::solve::{PoseError, Solver, StationOrder};
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -41,9 +41,13 @@ impl Random {
     }
 }
 
-fn poses(solver: &mut Solver<'_>, march: &March, rack: f64) -> Vec<Option<Pose<f64>>> {
-    let mut found = vec![None; march.values().len()];
-    let visited = solver.march(Drive::Travel, march, rack, |_, station, pose| {
+fn poses(
+    solver: &mut Solver<'_>,
+    station_order: &StationOrder,
+    rack: f64,
+) -> Vec<Option<Pose<f64>>> {
+    let mut found = vec![None; station_order.values().len()];
+    let visited = solver.for_each_pose(Drive::Travel, station_order, rack, |_, station, pose| {
         found[station] = pose.ok().copied();
         ControlFlow::Continue(())
     });
@@ -54,7 +58,7 @@ fn poses(solver: &mut Solver<'_>, march: &March, rack: f64) -> Vec<Option<Pose<f
 /// the turn between them.
 fn error(suspension: &Suspension, found: &Pose<f64>, truth: &Pose<f64>) -> PoseError {
     let mechanism = &suspension.mechanism;
-    let at = |pose: &Pose<f64>| Posture {
+    let at = |pose: &Pose<f64>| Configuration {
         mechanism,
         design: &suspension.design,
         pose: *pose,
@@ -99,12 +103,12 @@ fn the_claimed_error_is_never_below_the_true_one() {
                     *p = p.map(|c| c + 20.0 * random.next());
                 }
                 let travels: Vec<f64> = (0..25).map(|_| 80.0 * random.next()).collect();
-                let (march, rack) = (March::through(&travels), 10.0 * random.next());
+                let (station_order, rack) = (StationOrder::through(&travels), 10.0 * random.next());
                 let solver = Solver::new(&suspension.mechanism, &suspension.design);
                 if let Ok(mut full) = solver {
                     let mut modest = full.clone().with_accuracy(allowed);
-                    let truth = poses(&mut full, &march, rack);
-                    let found = poses(&mut modest, &march, rack);
+                    let truth = poses(&mut full, &station_order, rack);
+                    let found = poses(&mut modest, &station_order, rack);
                     let claimed = modest.error_bound();
                     assert!(claimed.length <= 1.001 * length, "{claimed:?}");
                     for (found, truth) in found.iter().zip(&truth) {
@@ -211,7 +215,7 @@ fn the_design_position_is_exact() {
         length: 1.0,
         angle: f64::INFINITY,
     });
-    let found = poses(&mut solver, &March::through(&[0.0]), 0.0);
+    let found = poses(&mut solver, &StationOrder::through(&[0.0]), 0.0);
     assert_eq!(found[0], Some(solver.design_pose()));
     let point = MotionPoint {
         drive: Drive::Travel,

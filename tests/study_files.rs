@@ -11,7 +11,7 @@ mod random;
 use hardpoint::curves::curves;
 use hardpoint::plan::Plan;
 use hardpoint::report::{SolveSummary, curves_csv, sensitivities_csv};
-use hardpoint::solve::March;
+use hardpoint::solve::StationOrder;
 use hardpoint::study::{Study, StudyErrors};
 use random::Random;
 use std::collections::BTreeSet;
@@ -301,7 +301,7 @@ fn judge(study: &Study) -> bool {
         values.iter().copied().step_by(step).collect()
     };
     let plan = Plan {
-        march: March::through(&thinned(whole.march.values())),
+        station_order: StationOrder::through(&thinned(whole.station_order.values())),
         racks: thinned(&whole.racks),
         // Times belong to the stations that have been left out.
         time: None,

@@ -20,13 +20,13 @@ use crate::derive::sensitivity::HardpointGradient;
 use crate::mechanism::DesignFault;
 use crate::mechanism::ROUNDING;
 use crate::mechanism::RowSet;
+use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{LimitCause, Toggle};
-use crate::mechanism::{Pose, Posture};
 use crate::model::Drive;
 use crate::model::{RockerId, Rod};
 use crate::number::Vector3;
 use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
 /// A value at which the mechanism folds.
@@ -181,15 +181,15 @@ impl Solver<'_> {
         travels: &[f64],
     ) -> Result<Option<(usize, Rod)>, DesignFault> {
         let mut first = None;
-        self.march(
+        self.for_each_pose(
             Drive::Travel,
-            &March::through(travels),
+            &StationOrder::through(travels),
             0.0,
             |solver, place, pose| {
                 let Ok(pose) = pose else {
                     return ControlFlow::Break(());
                 };
-                let at = Posture {
+                let at = Configuration {
                     mechanism: solver.mechanism(),
                     design: solver.design(),
                     pose: *pose,
@@ -255,7 +255,7 @@ impl Curve<'_> {
     /// Derivative of the value at a fold by every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());
-        let at = Posture {
+        let at = Configuration {
             mechanism: self.mechanism,
             design: self.design,
             pose: fold.pose(),

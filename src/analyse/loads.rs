@@ -14,11 +14,11 @@
 
 use crate::linear::lu::Lu6;
 use crate::mechanism::Closure;
-use crate::mechanism::Tally;
+use crate::mechanism::WorkCounter;
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
+use crate::mechanism::{Configuration, Wrench};
 use crate::mechanism::{Failure, Pose};
-use crate::mechanism::{Posture, Wrench};
 use crate::model::{Body, PointId, Spring};
 use crate::number::Vector3;
 use crate::solve::Conditioning;
@@ -86,13 +86,13 @@ pub struct Reactions {
 /// loads.
 pub struct Balance<'a> {
     closure: &'a Closure<f64>,
-    at: Posture<'a, f64>,
+    at: Configuration<'a, f64>,
     /// The equation of the support.
     support: Wrench<f64>,
     /// Tension in the rod of the spring's rocker for a spring force of one.
     rod_per_spring: Option<f64>,
     lu: Lu6<f64>,
-    work: &'a Tally,
+    work: &'a WorkCounter,
 }
 
 impl<'a> Balance<'a> {
@@ -100,10 +100,10 @@ impl<'a> Balance<'a> {
     /// fewer than six digits of the forces could be trusted.
     pub(crate) fn new(
         closure: &'a Closure<f64>,
-        at: Posture<'a, f64>,
+        at: Configuration<'a, f64>,
         support: Support,
         size: f64,
-        work: &'a Tally,
+        work: &'a WorkCounter,
     ) -> Option<Self> {
         let mut rows = [Wrench::zero(0.0); 6];
         for (wrench, row) in rows.iter_mut().zip(closure.rows()) {
@@ -167,7 +167,7 @@ impl<'a> Balance<'a> {
 
 impl Row<f64> {
     /// What the multiplier of this equation means.
-    fn reaction(&self, at: &Posture<f64>, multiplier: f64) -> Reaction {
+    fn reaction(&self, at: &Configuration<f64>, multiplier: f64) -> Reaction {
         match self {
             Row::Link(row) => Reaction::Rod {
                 inner: row.inner,
@@ -195,7 +195,7 @@ impl Solver<'_> {
         rack: f64,
         support: Support,
     ) -> Result<Balance<'_>, Failure> {
-        let at = self.posture(pose, rack);
+        let at = self.configuration(pose, rack);
         Balance::new(&self.closure, at, support, self.size(), &self.work).ok_or(Failure::Singular)
     }
 }

@@ -6,7 +6,7 @@ pub(crate) mod certificate;
 mod limits;
 mod loads;
 
-pub use assemblies::{Assemblies, Assembly, Trait, Undecided};
+pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
 pub use certificate::{Certificate, Certifier};
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
 pub use loads::{Balance, Load, Reaction, Reactions, Support};

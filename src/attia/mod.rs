@@ -50,10 +50,10 @@ mod branch;
 mod drive;
 mod equations;
 mod knuckle;
-mod march;
 mod motion;
 mod paper_theta;
 mod refusal;
+mod stations;
 mod strut;
 mod tracking;
 

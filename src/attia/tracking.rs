@@ -6,7 +6,7 @@ use super::equations::{
     Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, quadratic, residual,
 };
 use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
-use crate::mechanism::{Tally, Work};
+use crate::mechanism::{Work, WorkCounter};
 use crate::number::Vector3;
 use nalgebra::{Const, LU};
 
@@ -67,7 +67,7 @@ pub struct PointCoordinates {
     smallest_spread: f64,
     /// What the left-hand sides are at a solution, by rounding alone.
     rounding: f64,
-    pub(crate) work: Tally,
+    pub(crate) work: WorkCounter,
 }
 
 impl PointCoordinates {
@@ -103,7 +103,7 @@ impl PointCoordinates {
             },
             smallest_spread: 0.0,
             rounding: rounding(&all, &lengths_squared),
-            work: Tally::default(),
+            work: WorkCounter::default(),
         };
         let jacobian = mechanism.jacobian(&mechanism.design);
         let condition = condition(&jacobian);

@@ -301,14 +301,14 @@ impl<'m> Proofs<'m> {
         let mut solver = Solver::new(mechanism, &suspension.design)?;
         let plan = Plan::of(base);
         let mut poses = Vec::new();
-        solver.march(
+        solver.for_each_pose(
             Drive::Travel,
-            &plan.march,
+            &plan.station_order,
             subject.rack,
             |_, station, pose| {
                 let point = MotionPoint {
                     drive: Drive::Travel,
-                    value: plan.march.values()[station],
+                    value: plan.station_order.values()[station],
                     rack: subject.rack,
                 };
                 poses.extend(pose.ok().map(|pose| (*pose, point)));

@@ -9,8 +9,8 @@ use super::{Clock, Job, Timing, Unmeasurable};
 use crate::attia;
 use crate::attia::PointCoordinates;
 use crate::attia::{Strut, StrutPoints};
-use crate::characteristics::{Characteristic, Constants, Need, Quantity, View};
-use crate::derive::{Lifted, MotionPoint};
+use crate::characteristics::{Characteristic, Constants, Need, Quantity, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::model::Suspension;
 use crate::number::{Jet, Vector3, Width};
 use crate::report::Table;
@@ -347,18 +347,22 @@ impl<'a> Sweep<'a> {
         let mechanism = &self.suspension.mechanism;
         let constants = Constants::of(self.suspension);
         let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
-        let mut lifted = Lifted::<N>::new(mechanism, &self.suspension.design);
+        let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
         Job {
             items: FEW * self.stations.count(),
             work: Box::new(move || {
-                sweep.each_pose(&mut solver, &mut lifted, |solver, lifted, pose, motion| {
-                    if let Ok(at) = solver.posture_series(lifted, pose, motion) {
-                        let view = View::of(&at, constants);
-                        for quantity in quantities {
-                            black_box(view.value(&at, *quantity));
+                sweep.each_pose(
+                    &mut solver,
+                    &mut design_series,
+                    |solver, design_series, pose, motion| {
+                        if let Ok(at) = solver.configuration_series(design_series, pose, motion) {
+                            let view = WheelReading::of(&at, constants);
+                            for quantity in quantities {
+                                black_box(view.value(&at, *quantity));
+                            }
                         }
-                    }
-                });
+                    },
+                );
             }),
         }
     }
@@ -421,23 +425,27 @@ impl<'a> Sweep<'a> {
         let mechanism = &self.suspension.mechanism;
         let constants = Constants::of(self.suspension);
         let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
-        let mut lifted = Lifted::<N>::new(mechanism, &self.suspension.design);
+        let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         let mut buffer = vec![none; self.suspension.design.len()];
         Job {
             items: FEW * self.stations.count(),
             work: Box::new(move || {
-                sweep.each_pose(&mut solver, &mut lifted, |solver, lifted, pose, motion| {
-                    if let Ok(linearised) = solver.linearised(lifted, pose, motion) {
-                        let view = View::of(&linearised.at, constants);
-                        for quantity in quantities {
-                            let take = |_, _, gradient| {
-                                black_box(gradient);
-                            };
-                            view.gradients(&linearised, *quantity, N - 1, &mut buffer, take);
+                sweep.each_pose(
+                    &mut solver,
+                    &mut design_series,
+                    |solver, design_series, pose, motion| {
+                        if let Ok(linearised) = solver.linearised(design_series, pose, motion) {
+                            let view = WheelReading::of(&linearised.at, constants);
+                            for quantity in quantities {
+                                let take = |_, _, gradient| {
+                                    black_box(gradient);
+                                };
+                                view.gradients(&linearised, *quantity, N - 1, &mut buffer, take);
+                            }
                         }
-                    }
-                });
+                    },
+                );
             }),
         }
     }
@@ -445,10 +453,10 @@ impl<'a> Sweep<'a> {
     fn each_pose<const N: usize>(
         &self,
         solver: &mut Solver<'a>,
-        lifted: &mut Lifted<N>,
+        design_series: &mut DesignSeries<N>,
         mut visit: impl FnMut(
             &Solver<'a>,
-            &Lifted<N>,
+            &DesignSeries<N>,
             &crate::mechanism::Pose<f64>,
             &MotionPoint<Jet<f64, N>>,
         ),
@@ -458,16 +466,16 @@ impl<'a> Sweep<'a> {
             if solver.prepare(design).is_err() {
                 continue;
             }
-            lifted.prepare(solver.mechanism(), design);
-            let march = &self.stations.march;
-            let _ = solver.march(drive, march, 0.0, |solver, station, pose| {
+            design_series.prepare(solver.mechanism(), design);
+            let station_order = &self.stations.station_order;
+            let _ = solver.for_each_pose(drive, station_order, 0.0, |solver, station, pose| {
                 let motion = MotionPoint {
                     drive,
-                    value: march.values()[station],
+                    value: station_order.values()[station],
                     rack: 0.0,
                 };
                 if let Ok(pose) = pose {
-                    visit(solver, lifted, pose, &motion.along_drive());
+                    visit(solver, design_series, pose, &motion.along_drive());
                 }
                 ControlFlow::Continue(())
             });
@@ -490,7 +498,7 @@ impl<'a> Sweep<'a> {
                     let Ok(start) = equations.placed(0.0) else {
                         continue;
                     };
-                    equations.march(&start, sweep.stations.values(), |_, pose| {
+                    equations.for_each_pose(&start, sweep.stations.values(), |_, pose| {
                         let _ = black_box(pose);
                     });
                 }

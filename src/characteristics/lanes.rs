@@ -6,9 +6,9 @@
 use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
 use crate::derive::{DesignedSpinAxis, Gradient, Seeds};
-use crate::mechanism::{Posture, Twist};
+use crate::mechanism::{Configuration, Twist};
 use crate::model::{Body, Drive, Mechanism, RockerId, Spring, SteeringAxis};
-use crate::number::{Bundle, Jet, MOST_LANES, Piece, Vector3};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose};
 use std::hint::black_box;
 
@@ -18,14 +18,14 @@ pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
     characteristics: Vec<Characteristic>,
     /// The way to the value of each of them.
-    ways: Vec<Way>,
+    ways: Vec<Evaluation>,
     constants: Constants,
     reads: Reads,
 }
 
 /// How a characteristic is evaluated.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum Evaluation {
     /// By its own formula.
     Formula(Characteristic),
     /// As the slope of this angle by the drive: driven by the travel, that is what its gain is.
@@ -52,7 +52,7 @@ struct Installation {
 }
 
 /// The designs whose characteristics are read.
-pub struct LaneWheels<B: Bundle> {
+pub struct LaneWheels<B: SimdReal> {
     spin_axis: KnuckleVector<B>,
     designed_spin_axis: DesignedSpinAxis<B>,
     centre: KnucklePoint<B>,
@@ -77,12 +77,12 @@ impl<'a> LaneReader<'a> {
         characteristics: Vec<Characteristic>,
     ) -> Option<Self> {
         let way = |c: &Characteristic| match angle_of_gain(*c) {
-            Some(angle) if batch.drive() == Drive::Travel => Way::Slope(angle),
-            _ => Way::Formula(*c),
+            Some(angle) if batch.drive() == Drive::Travel => Evaluation::Slope(angle),
+            _ => Evaluation::Formula(*c),
         };
-        let ways: Vec<Way> = characteristics.iter().map(way).collect();
+        let ways: Vec<Evaluation> = characteristics.iter().map(way).collect();
         let slots = ways.iter().fold(Slots::default(), |slots, way| {
-            let (Way::Formula(c) | Way::Slope(c)) = way;
+            let (Evaluation::Formula(c) | Evaluation::Slope(c)) = way;
             slots.with(c.info().reads)
         });
         let reads = Reads {
@@ -124,7 +124,7 @@ impl<'a> LaneReader<'a> {
 
     /// What is to be read off the poses of designs, given as their points.
     #[inline(always)]
-    pub fn wheels<B: Bundle>(
+    pub fn wheels<B: SimdReal>(
         &self,
         lanes: &LaneDesign<'_, B>,
         design: &[Vector3<B>],
@@ -151,7 +151,7 @@ impl<'a> LaneReader<'a> {
 
     /// Room for what the formulas read.
     #[inline(always)]
-    pub fn inputs<B: Bundle>(&self, wheels: &LaneWheels<B>) -> Inputs<B> {
+    pub fn inputs<B: SimdReal>(&self, wheels: &LaneWheels<B>) -> Inputs<B> {
         let zero = wheels.design.centre.zero();
         let nothing = Wheel::filled(zero.x);
         Inputs {
@@ -171,7 +171,7 @@ impl<'a> LaneReader<'a> {
     /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
     /// Says which lanes are right: those where all of it is well known (the module of [`Batch`] has the list).
     #[inline(always)]
-    pub fn read<B: Bundle>(
+    pub fn read<B: SimdReal>(
         &self,
         wheels: &LaneWheels<B>,
         at: &impl LanePose<B>,
@@ -207,11 +207,11 @@ impl<'a> LaneReader<'a> {
         if is_installed {
             let installing = Installing {
                 installation: reads.installation,
-                at: &at.posture(rack),
+                at: &at.configuration(rack),
                 motion: &rates.twist(),
                 inputs,
             };
-            right = right & rack.apart(installing);
+            right = right & rack.outlined(installing);
         }
         let (now, rate) = (&inputs.now, &mut inputs.rate);
         if reads.spin_axis {
@@ -232,8 +232,8 @@ impl<'a> LaneReader<'a> {
     /// Writes the values of all characteristics, from what has been read, each `stride` numbers after the one
     /// before; NaN where one is not finite.
     #[inline(always)]
-    pub fn values<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
-        inputs.turn.x.apart(Evaluating {
+    pub fn values<B: SimdReal>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
+        inputs.turn.x.outlined(Evaluating {
             ways: &self.ways,
             inputs,
             to,
@@ -256,7 +256,7 @@ impl<'a> LaneReader<'a> {
 
     /// Adds, times `weight`, how the angle of this number depends on what the angles read.
     #[inline(always)]
-    pub fn differentiate<B: Bundle>(
+    pub fn differentiate<B: SimdReal>(
         &self,
         number: usize,
         weight: B,
@@ -268,7 +268,7 @@ impl<'a> LaneReader<'a> {
             characteristic: c,
             inputs,
         };
-        if let Some(gradient) = weight.apart(differentiating) {
+        if let Some(gradient) = weight.outlined(differentiating) {
             let sum = match c.info().reads {
                 [Slot::SpinAxis] => &mut by.spin_axis,
                 _ => &mut by.steering_axis,
@@ -281,14 +281,14 @@ impl<'a> LaneReader<'a> {
     /// Writes the derivatives of all characteristics by the drive, as [`LaneReader::values`] does, from what
     /// has been read with its rates. NaN for what is made of velocities: it would take accelerations.
     #[inline(always)]
-    pub fn slopes<B: Bundle>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
+    pub fn slopes<B: SimdReal>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
         let mut first = 0;
         for c in &self.characteristics {
             let sloping = Sloping {
                 characteristic: *c,
                 inputs,
             };
-            if let Some(slope) = inputs.turn.x.apart(sloping) {
+            if let Some(slope) = inputs.turn.x.outlined(sloping) {
                 slope.finite().store(&mut to[first..]);
             }
             first += stride;
@@ -309,7 +309,7 @@ impl<'a> LaneReader<'a> {
 
     /// The inputs of one lane as series in the drive.
     #[inline(always)]
-    fn series<B: Bundle>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
+    fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
         let of = |number: B| {
             let mut lanes = [0.0; MOST_LANES];
             number.store(&mut lanes);
@@ -367,8 +367,8 @@ impl<B> Default for ByDirections<B> {
     }
 }
 
-impl<B: Bundle> ByDirections<B> {
-    /// What that makes of the posture that the inputs have been read in.
+impl<B: SimdReal> ByDirections<B> {
+    /// What that makes of the configuration that the inputs have been read in.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,
@@ -386,14 +386,14 @@ impl<B: Bundle> ByDirections<B> {
 }
 
 /// Reads spring, rockers and anti-roll bar with their velocities.
-struct Installing<'i, B: Bundle> {
+struct Installing<'i, B: SimdReal> {
     installation: Installation,
-    at: &'i Posture<'i, B>,
+    at: &'i Configuration<'i, B>,
     motion: &'i Twist<B>,
     inputs: &'i mut Inputs<B>,
 }
 
-impl<B: Bundle> Piece for Installing<'_, B> {
+impl<B: SimdReal> Outlined for Installing<'_, B> {
     type Output = B::Mask;
     #[inline(always)]
     fn work(self) -> B::Mask {
@@ -426,13 +426,13 @@ impl<B: Bundle> Piece for Installing<'_, B> {
 
 /// Evaluates characteristics.
 struct Evaluating<'i, B> {
-    ways: &'i [Way],
+    ways: &'i [Evaluation],
     inputs: &'i Inputs<B>,
     to: &'i mut [f64],
     stride: usize,
 }
 
-impl<B: Bundle> Piece for Evaluating<'_, B> {
+impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     type Output = ();
     #[inline(always)]
     fn work(self) {
@@ -442,8 +442,8 @@ impl<B: Bundle> Piece for Evaluating<'_, B> {
             // and roots of every formula there is, for any one of them.
             let inputs = black_box(self.inputs);
             let value = match way {
-                Way::Formula(c) => c.evaluate(inputs),
-                Way::Slope(angle) => by_drive(*angle, inputs).expect("it is an angle"),
+                Evaluation::Formula(c) => c.evaluate(inputs),
+                Evaluation::Slope(angle) => by_drive(*angle, inputs).expect("it is an angle"),
             };
             value.finite().store(&mut self.to[first..]);
             first += self.stride;
@@ -457,7 +457,7 @@ struct Differentiating<'i, B> {
     inputs: &'i Inputs<B>,
 }
 
-impl<B: Bundle> Piece for Differentiating<'_, B> {
+impl<B: SimdReal> Outlined for Differentiating<'_, B> {
     type Output = Option<Vector3<B>>;
     #[inline(always)]
     fn work(self) -> Option<Vector3<B>> {
@@ -471,7 +471,7 @@ struct Sloping<'i, B> {
     inputs: &'i Inputs<B>,
 }
 
-impl<B: Bundle> Piece for Sloping<'_, B> {
+impl<B: SimdReal> Outlined for Sloping<'_, B> {
     type Output = Option<B>;
     #[inline(always)]
     fn work(self) -> Option<B> {

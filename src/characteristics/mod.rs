@@ -24,7 +24,7 @@ mod wheel;
 
 pub use lanes::{ByDirections, LaneReader, LaneWheels};
 pub use unit::Unit;
-pub use view::{Quantity, View};
+pub use view::{Quantity, WheelReading};
 pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};
 
 use crate::number::{Dual, Real, Vector3};

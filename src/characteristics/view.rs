@@ -2,7 +2,7 @@
 
 use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
 use crate::derive::{Linearised, Seeds};
-use crate::mechanism::Posture;
+use crate::mechanism::Configuration;
 use crate::model::{Axis, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Real, Vector3};
 
@@ -20,7 +20,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Derivatives by the drive that the value itself takes: 1 for what is made of velocities, else 0.
-    pub fn depth(self) -> usize {
+    pub fn rate_order(self) -> usize {
         match self {
             Quantity::Characteristic(c) => c.info().reads_rates() as usize,
             Quantity::Coordinate(..) => 0,
@@ -28,7 +28,7 @@ impl Quantity {
         }
     }
 
-    /// What the value is made of; coordinates are read off the posture directly.
+    /// What the value is made of; coordinates are read off the configuration directly.
     pub fn reads(self) -> &'static [Slot] {
         match self {
             Quantity::Characteristic(c) => c.info().reads,
@@ -64,7 +64,7 @@ impl Quantity {
 }
 
 /// A pose, made ready for reading. `N` coefficients of every series are known.
-pub struct View<const N: usize> {
+pub struct WheelReading<const N: usize> {
     inputs: Inputs<Jet<f64, N>>,
 }
 
@@ -82,17 +82,17 @@ fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
     Vector3::from(components)
 }
 
-impl<const N: usize> View<N> {
-    /// Reads wheel and steering axis off a posture. `constants` are those of the suspension.
+impl<const N: usize> WheelReading<N> {
+    /// Reads wheel and steering axis off a configuration. `constants` are those of the suspension.
     #[inline]
-    pub fn of(at: &Posture<Jet<f64, N>>, constants: Constants) -> Self {
-        View::reading(at, constants, Slots::ALL)
+    pub fn of(at: &Configuration<Jet<f64, N>>, constants: Constants) -> Self {
+        WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// As [`View::of`], for quantities that read no more than these slots. The rest is not computed, and
+    /// As [`WheelReading::of`], for quantities that read no more than these slots. The rest is not computed, and
     /// is not a number.
     #[inline]
-    pub fn reading(at: &Posture<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
+    pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let mut inputs = Inputs::standing(at, constants, slots);
         if N > 1 {
             let now = &inputs.now;
@@ -127,12 +127,12 @@ impl<const N: usize> View<N> {
                 inputs.turn = at.angular_velocity();
             }
         }
-        View { inputs }
+        WheelReading { inputs }
     }
 
-    /// The value along the motion; the last [`Quantity::depth`] coefficients are unknown.
+    /// The value along the motion; the last [`Quantity::rate_order`] coefficients are unknown.
     #[inline]
-    pub fn value(&self, at: &Posture<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
+    pub fn value(&self, at: &Configuration<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
             Quantity::Characteristic(c) => self.characteristic(c),
             Quantity::Coordinate(point, axis) => component(at.point(point), axis),
@@ -270,7 +270,7 @@ impl Slot {
     pub(super) fn push<T: Real>(
         self,
         seed: Vector3<T>,
-        at: &Posture<T>,
+        at: &Configuration<T>,
         seeds: &mut Seeds<'_, '_, T>,
     ) {
         let mechanism = at.mechanism;
@@ -317,10 +317,10 @@ impl Slot {
 }
 
 impl<T: Real> Inputs<T> {
-    /// What can be read off a posture without its rates, which are left unknown like everything that
+    /// What can be read off a configuration without its rates, which are left unknown like everything that
     /// is not among the slots.
     #[inline]
-    pub fn standing(at: &Posture<T>, constants: Constants, slots: Slots) -> Self {
+    pub fn standing(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
         let reads = |now: Slot, rate: Slot| slots.contain_either(now, rate);
         let mechanism = at.mechanism;
         let unknown = at.pose.origin.map(|c| c.lit(f64::NAN));

@@ -2,15 +2,15 @@
 
 use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
-use super::output::{design_fault, say_aside};
-use crate::analyse::{Assembly, Trait, Undecided};
-use crate::characteristics::{Characteristic, Constants, Quantity, View};
-use crate::derive::{Lifted, MotionPoint};
+use super::output::{design_fault, eprint};
+use crate::analyse::{Assembly, AssemblyMode, Undecided};
+use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Pose;
 use crate::model::Drive;
 use crate::plan::Plan;
 use crate::report::{Format, Table, shortest};
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -45,8 +45,8 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     };
     // The one that is connected to the design position.
     let mut connected = None;
-    let march = March::through(&[arguments.travel]);
-    let visited = solver.march(Drive::Travel, &march, rack, |_, _, pose| {
+    let station_order = StationOrder::through(&[arguments.travel]);
+    let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {
         connected = pose.ok().copied();
         ControlFlow::Continue(())
     });
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
     header.push("connected".to_owned());
     let mut table = Table::with_columns(header);
-    let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design);
+    let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
     let point = MotionPoint {
         drive: Drive::Travel,
         value: arguments.travel,
@@ -85,17 +85,18 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
         let mut row = vec![shortest(place.to_degrees())];
         let branch = all.traits.iter().zip(&assembly.branch);
-        let word = |(of, as_designed): (&Trait, &Option<bool>)| {
+        let word = |(of, as_designed): (&AssemblyMode, &Option<bool>)| {
             as_designed.map_or_else(String::new, |is| of.word(is).to_owned())
         };
         row.extend(branch.map(word));
         let centre = suspension.frame.vector(assembly.wheel_centre);
         row.extend(centre.to_array().map(shortest));
-        let posture = solver.posture_series(&lifted, &assembly.pose, &point.along_drive::<1>());
+        let configuration =
+            solver.configuration_series(&design_series, &assembly.pose, &point.along_drive::<1>());
         row.extend(angles.iter().map(|c| {
-            let value = posture.as_ref().map(|posture| {
-                let view = View::of(posture, Constants::default());
-                let value = view.value(posture, Quantity::Characteristic(*c))[0];
+            let value = configuration.as_ref().map(|configuration| {
+                let view = WheelReading::of(configuration, Constants::default());
+                let value = view.value(configuration, Quantity::Characteristic(*c))[0];
                 value * c.info().unit.printed_factor()
             });
             value.map(number).unwrap_or_default()
@@ -140,7 +141,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 shortest(share * 100.0)
             ),
         };
-        say_aside(&format!("undecided: whether there {unknown}\n"));
+        eprint(&format!("undecided: whether there {unknown}\n"));
     }
     Ok(match all.undecided.is_empty() {
         true => Exit::Done,

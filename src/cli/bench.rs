@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.json(&files[files.len() - 1], &circumstances)?;
     print(&output, &table)?;
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    output.farewell(&files)?;
+    output.print_files(&files)?;
     Ok(Exit::Done)
 }
 

@@ -9,7 +9,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{SolveSummary, Table, doubts};
-use crate::solve::March;
+use crate::solve::StationOrder;
 use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
 
@@ -20,7 +20,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
 
     let fault = |fault: DesignFault| design_fault(&study, path, &fault);
     let design_plan = Plan {
-        march: March::through(&[design_value(&study).map_err(fault)?]),
+        station_order: StationOrder::through(&[design_value(&study).map_err(fault)?]),
         racks: vec![0.0],
         time: None,
         ..plan.clone()

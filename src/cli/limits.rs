@@ -94,8 +94,8 @@ fn margin(
     let (mut least, mut unreached) = ((f64::INFINITY, 0.0), 0);
     for rack in &plan.racks {
         let rack = rack * plan.rack_sign;
-        solver.march(drive, &plan.march, rack, |solver, station, pose| {
-            let value = plan.march.values()[station];
+        solver.for_each_pose(drive, &plan.station_order, rack, |solver, station, pose| {
+            let value = plan.station_order.values()[station];
             match pose {
                 Ok(pose) => {
                     let point = MotionPoint { drive, value, rack };
@@ -117,7 +117,7 @@ fn margin(
         plan.drive.name()
     );
     if drive == crate::model::Drive::Travel {
-        let values = plan.march.values();
+        let values = plan.station_order.values();
         let left = values
             .iter()
             .map(|v| limits.travel.margin(*v))

@@ -245,7 +245,7 @@ pub fn run() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(Stop::ClosedPipe) => Exit::Done.into(),
         Err(Stop::Failed { message, exit }) => {
-            output::say_aside(&format!("{}\n", message.trim_end()));
+            output::eprint(&format!("{}\n", message.trim_end()));
             exit.into()
         }
     }

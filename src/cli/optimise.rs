@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.say("\n")?;
         output.table(&summary.starts_table())?;
     }
-    output.farewell(&files)?;
+    output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
     Ok(match complete && !interrupted {
         true => Exit::Done,

@@ -95,7 +95,7 @@ impl Output {
         if self.directory.is_some() && self.is_text() {
             io::stdout().write_all(text.as_bytes())?;
         } else {
-            say_aside(text);
+            eprint(text);
         }
         Ok(())
     }
@@ -105,13 +105,13 @@ impl Output {
         let text = table.render(self.format);
         match self.directory {
             Some(_) => io::stdout().write_all(text.as_bytes())?,
-            None => say_aside(&text),
+            None => eprint(&text),
         }
         Ok(())
     }
 
     /// Says where the results are.
-    pub(super) fn farewell(&self, files: &[&str]) -> Result<(), Stop> {
+    pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => self.say(&format!(
                 "\n{}: {}\n",
@@ -124,7 +124,7 @@ impl Output {
 }
 
 /// Writes to standard error. That it is closed or full takes nothing from the results.
-pub(super) fn say_aside(text: &str) {
+pub(super) fn eprint(text: &str) {
     let _ = io::stderr().write_all(text.as_bytes());
 }
 

@@ -7,7 +7,7 @@ use super::report::Wanted;
 use crate::curves::curves;
 use crate::plan::Plan;
 use crate::report::{
-    Record, SolveSummary, Stretch, curves_csv, doubts, remarks, sensitivities_csv,
+    FailureRange, Record, SolveSummary, curves_csv, doubts, remarks, sensitivities_csv,
 };
 use crate::study::Study;
 
@@ -53,10 +53,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     for remark in doubts.into_iter().chain(remarks(&study, &curves)) {
         output.say(&format!("\n{remark}\n"))?;
     }
-    for failure in Stretch::all(&curves, plan.drive) {
+    for failure in FailureRange::all(&curves, plan.drive) {
         output.say(&format!("\nnot solved: {failure}\n"))?;
     }
-    output.farewell(&files)?;
+    output.print_files(&files)?;
     Ok(match curves.are_complete() {
         true => Exit::Done,
         false => Exit::Incomplete,

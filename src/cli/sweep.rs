@@ -2,12 +2,12 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault, pool, say_aside};
+use super::output::{Output, design_fault, eprint, pool};
 use super::progress;
 use super::report::show_sweep;
 use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
 use crate::study::{FileFormat, Order, Outputs, Study};
-use crate::sweep::{NotBegun, SweepPlan, SweepRecord, Tally, in_order};
+use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let output = Output::at(&out, arguments.study.format.into(), "sweep")?;
     let left_out = left_out(&study.outputs);
     if !left_out.is_empty() {
-        say_aside(&format!(
+        eprint(&format!(
             "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
              `hardpoint solve` (`--design N` prints the study of a design).\n",
             left_out.join(", ")
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
                 Some(_) => Stop::wrong_input(error),
                 None => unwritten(error),
             })?;
-            (files, Tally::empty(record), record.blocks().start)
+            (files, SweepStatistics::empty(record), record.blocks().start)
         }
     };
     pool.install(|| sweep_blocks(&plan, &text, &mut files, &mut tally, next))
@@ -104,7 +104,7 @@ fn sweep_blocks(
     plan: &SweepPlan,
     text: &SweepText,
     files: &mut SweepFiles,
-    tally: &mut Tally,
+    tally: &mut SweepStatistics,
     next: u64,
 ) -> Result<(), WriteError> {
     let record = &plan.record;
@@ -134,7 +134,7 @@ fn sweep_blocks(
 pub(super) fn finish(
     output: &Output,
     record: &SweepRecord,
-    tally: &Tally,
+    tally: &SweepStatistics,
     with_page: bool,
 ) -> Result<Exit, Stop> {
     let summary = SweepSummary::of(record, tally);
@@ -170,7 +170,7 @@ pub(super) fn finish(
         ))?;
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    output.farewell(&files)?;
+    output.print_files(&files)?;
     Ok(match summary.is_complete() {
         true => Exit::Done,
         false => Exit::Incomplete,

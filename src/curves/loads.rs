@@ -3,8 +3,8 @@
 use super::Column;
 use crate::analyse;
 use crate::analyse::{Balance, Reaction, Reactions, Support};
-use crate::characteristics::{Constants, Slot, Slots, View};
-use crate::mechanism::Posture;
+use crate::characteristics::{Constants, Slot, Slots, WheelReading};
+use crate::mechanism::Configuration;
 use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
@@ -99,10 +99,10 @@ impl<'a> Loads<'a> {
     pub(super) fn forces<const N: usize>(
         &self,
         balance: &Balance<'_>,
-        at: &Posture<Jet<f64, N>>,
+        at: &Configuration<Jet<f64, N>>,
     ) -> impl Iterator<Item = Option<f64>> {
         let slots = Slots::default().with(&[Slot::SpinAxis, Slot::Centre]);
-        let view = View::reading(at, self.constants, slots);
+        let view = WheelReading::reading(at, self.constants, slots);
         let place = |id: PointId| at.point(id).map(|c| c[0]);
         self.loads.iter().flat_map(move |load| {
             let carried = balance.under(&analyse::Load {

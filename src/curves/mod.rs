@@ -1,14 +1,14 @@
 //! Curves: every output of a plan at every station of the motion.
 
 mod column;
-mod course;
+mod drive_law;
 mod loads;
 mod point_coordinates;
 mod prover;
 mod run;
 
 pub use column::Column;
-pub use course::Course;
+pub use drive_law::DriveLaw;
 pub use run::curves;
 
 use crate::attia::Refusal;

@@ -6,7 +6,7 @@ use crate::attia::Rates;
 use crate::attia::Refusal;
 use crate::attia::{PointCoordinates, Pose};
 use crate::attia::{Strut, StrutPoints};
-use crate::mechanism::{DesignFault, Failure, Posture};
+use crate::mechanism::{Configuration, DesignFault, Failure};
 use crate::number::Jet;
 use crate::study::Drive;
 
@@ -56,7 +56,7 @@ impl<const N: usize> Run<'_, N> {
             .expect("the study has seen to it that the suspension is a strut");
         let driven = Driven::new(&strut, plan.drive)?;
         let values: Vec<f64> = plan
-            .march
+            .station_order
             .values()
             .iter()
             .map(|v| v * driven.sense)
@@ -71,35 +71,47 @@ impl<const N: usize> Run<'_, N> {
                     continue;
                 }
             };
-            if let Ok(at) = self.posture(&driven, &start) {
+            if let Ok(at) = self.configuration(&driven, &start) {
                 self.toggles.begin_at(&at);
             }
             let start_value = start.station().value;
-            driven.equations.march(&start, &values, |number, pose| {
-                let read = |pose: &Pose| {
-                    let posture = self.posture(&driven, pose)?;
-                    Ok(Findings {
-                        condition: Some(driven.equations.condition(pose)),
-                        ..self.values(&posture, number, pose.station().value - start_value)
-                    })
-                };
-                let found = pose
-                    .and_then(read)
-                    .map_err(|refusal| driven.failure(refusal));
-                self.note(i, number, found);
-            });
+            driven
+                .equations
+                .for_each_pose(&start, &values, |number, pose| {
+                    let read = |pose: &Pose| {
+                        let configuration = self.configuration(&driven, pose)?;
+                        Ok(Findings {
+                            condition: Some(driven.equations.condition(pose)),
+                            ..self.values(
+                                &configuration,
+                                number,
+                                pose.station().value - start_value,
+                            )
+                        })
+                    };
+                    let found = pose
+                        .and_then(read)
+                        .map_err(|refusal| driven.failure(refusal));
+                    self.note(i, number, found);
+                });
         }
         self.work = driven.equations.work();
         Ok(())
     }
 
-    fn posture(&self, driven: &Driven, pose: &Pose) -> Result<Posture<'_, Jet<f64, N>>, Refusal> {
+    fn configuration(
+        &self,
+        driven: &Driven,
+        pose: &Pose,
+    ) -> Result<Configuration<'_, Jet<f64, N>>, Refusal> {
         let rates = Rates {
             drive: driven.sense,
             ..Rates::default()
         };
         let series = driven.equations.knuckle_pose(pose, rates)?;
         let rack = Jet::constant(pose.station().rack);
-        Ok(self.lifted.at(&self.suspension.mechanism, series, rack))
+        Ok(self
+            .design_series
+            .at(&self.suspension.mechanism, series, rack))
     }
 }

@@ -1,12 +1,12 @@
 //! Running a plan: march, read, differentiate.
 
-use super::course::Course;
+use super::drive_law::DriveLaw;
 use super::loads::Loads;
 use super::prover::Prover;
 use super::{Column, Curves, Proof, Sensitivity, Station, Status};
-use crate::characteristics::{Quantity, View};
-use crate::derive::{Lifted, Linearised, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Pose, Posture, Tally, Toggles, Work};
+use crate::characteristics::{Quantity, WheelReading};
+use crate::derive::{DesignSeries, Linearised, MotionPoint};
+use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles, Work, WorkCounter};
 use crate::model::{Axis, RockerId, Rod, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
@@ -28,7 +28,7 @@ pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFaul
 pub(super) struct Run<'a, const N: usize> {
     pub(super) suspension: &'a Suspension,
     pub(super) plan: &'a Plan,
-    pub(super) lifted: Lifted<N>,
+    pub(super) design_series: DesignSeries<N>,
     /// Those of the outputs, then those of the loads.
     columns: Vec<Column>,
     loads: Loads<'a>,
@@ -41,7 +41,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) work: Work,
     error_bound: Option<PoseError>,
     /// Of reading.
-    tally: Tally,
+    tally: WorkCounter,
 }
 
 /// What is found at one station.
@@ -82,14 +82,14 @@ impl<'a, const N: usize> Run<'a, N> {
         let toggles = Toggles::of(&suspension.mechanism, watched);
         let along = |rack: &f64| {
             let rack = *rack;
-            let values = plan.march.values().iter().enumerate();
+            let values = plan.station_order.values().iter().enumerate();
             values.map(move |(number, value)| (rack, number, *value))
         };
         let stations = plan.racks.iter().flat_map(along);
         Run {
             suspension,
             plan,
-            lifted: Lifted::new(&suspension.mechanism, &suspension.design)
+            design_series: DesignSeries::new(&suspension.mechanism, &suspension.design)
                 .with_steering_axis(plan.reads_steering_axis())
                 .with_sensitivities_to(&suspension.mechanism, &plan.sensitivities),
             stations: stations
@@ -102,7 +102,7 @@ impl<'a, const N: usize> Run<'a, N> {
             sensitivities: Vec::new(),
             work: Work::default(),
             error_bound: None,
-            tally: Tally::default(),
+            tally: WorkCounter::default(),
         }
     }
 
@@ -124,7 +124,7 @@ impl<'a, const N: usize> Run<'a, N> {
 
     fn by_knuckle_pose(&mut self) -> Result<(), DesignFault> {
         let (suspension, plan) = (self.suspension, self.plan);
-        let course = Course::of(suspension, plan)?;
+        let drive_law = DriveLaw::of(suspension, plan)?;
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         if let Some(allowed) = plan.accuracy {
             solver = solver.with_accuracy(allowed);
@@ -136,22 +136,25 @@ impl<'a, const N: usize> Run<'a, N> {
             self.toggles.begin(&mut solver, drive, rack)?;
             let mut take =
                 |solver: &Solver, place: usize, pose: Result<&Pose<f64>, Failure>, proof| {
-                    let number = course.stations[place];
-                    let motion = course.motion(plan.march.values()[number], rack);
+                    let number = drive_law.stations[place];
+                    let motion = drive_law.motion(plan.station_order.values()[number], rack);
                     let found = pose.and_then(|pose| self.read(solver, pose, number, &motion));
                     self.note(i, number, found.map(|f| Findings { proof, ..f }));
                     ControlFlow::Continue(())
                 };
             match &prover {
-                None => solver.march(drive, &course.march, rack, |solver, place, pose| {
-                    take(solver, place, pose, None)
-                })?,
+                None => solver.for_each_pose(
+                    drive,
+                    &drive_law.station_order,
+                    rack,
+                    |solver, place, pose| take(solver, place, pose, None),
+                )?,
                 Some(prover) => {
                     let certifier = &prover.certifier;
-                    solver.march_certified(
+                    solver.for_each_certified_pose(
                         certifier,
                         drive,
-                        &course.march,
+                        &drive_law.station_order,
                         rack,
                         |solver, place, proved| {
                             let proof = proved.as_ref().ok().map(|(_, c)| prover.proof(c));
@@ -168,7 +171,7 @@ impl<'a, const N: usize> Run<'a, N> {
 
     /// Takes down what was found at a station of the motion, with the rack at its `rack`-th place.
     pub(super) fn note(&mut self, rack: usize, number: usize, found: Result<Findings, Failure>) {
-        let index = rack * self.plan.march.values().len() + number;
+        let index = rack * self.plan.station_order.values().len() + number;
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
@@ -208,13 +211,14 @@ impl<'a, const N: usize> Run<'a, N> {
     ) -> Result<Findings, Failure> {
         let drive = motion.value[0];
         if self.plan.sensitivities.is_empty() {
-            let (posture, condition) = solver.conditioned_series(&self.lifted, pose, motion)?;
+            let (configuration, condition) =
+                solver.conditioned_series(&self.design_series, pose, motion)?;
             return Ok(Findings {
                 condition: Some(condition.number),
-                ..self.loaded(solver, pose, &posture, number, drive)
+                ..self.loaded(solver, pose, &configuration, number, drive)
             });
         }
-        let linearised = solver.linearised(&self.lifted, pose, motion)?;
+        let linearised = solver.linearised(&self.design_series, pose, motion)?;
         let findings = self.loaded(solver, pose, &linearised.at, number, drive);
         Ok(Findings {
             gradients: self.gradients(&linearised, number),
@@ -228,7 +232,7 @@ impl<'a, const N: usize> Run<'a, N> {
         &self,
         solver: &Solver,
         pose: &Pose<f64>,
-        at: &Posture<Jet<f64, N>>,
+        at: &Configuration<Jet<f64, N>>,
         number: usize,
         drive: f64,
     ) -> Findings {
@@ -250,11 +254,16 @@ impl<'a, const N: usize> Run<'a, N> {
 
     /// The value of every column of an output, at a station of the motion whose drive is so far from the
     /// design position.
-    pub(super) fn values(&self, at: &Posture<Jet<f64, N>>, number: usize, drive: f64) -> Findings {
+    pub(super) fn values(
+        &self,
+        at: &Configuration<Jet<f64, N>>,
+        number: usize,
+        drive: f64,
+    ) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
         let toggle = self.toggles.note(at, drive);
-        let view = View::reading(at, plan.constants, plan.reads);
+        let view = WheelReading::reading(at, plan.constants, plan.reads);
         let mut values = Vec::with_capacity(self.columns.len());
         for (columns, output) in self.columns_by_output() {
             if self.is_stuck(columns) {
@@ -304,7 +313,7 @@ impl<'a, const N: usize> Run<'a, N> {
     fn gradients(&self, linearised: &Linearised<'_, N>, number: usize) -> Vec<Sensitivity> {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
-        let view = View::reading(&linearised.at, plan.constants, plan.reads);
+        let view = WheelReading::reading(&linearised.at, plan.constants, plan.reads);
         let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         let mut buffer = vec![zero; self.suspension.design.len()];
         let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();

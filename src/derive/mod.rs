@@ -1,6 +1,6 @@
 //! Derivatives of a pose: by the drive (power series), by the rack, and by every hardpoint coordinate.
 //!
-//! [`Lifted`] turns a pose into power series along the motion, [`Linearised`] gives the adjoint by which
+//! [`DesignSeries`] turns a pose into power series along the motion, [`Linearised`] gives the adjoint by which
 //! gradients of any output cost one back-substitution.
 
 mod motion;
@@ -9,5 +9,5 @@ pub(crate) mod sensitivity;
 pub(crate) mod steering;
 
 pub(crate) use motion::Factorised;
-pub use motion::{Lifted, MotionPoint};
+pub use motion::{DesignSeries, MotionPoint};
 pub use sensitivity::{DesignedSpinAxis, Gradient, Linearised, Seeds};

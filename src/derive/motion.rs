@@ -5,9 +5,9 @@ use super::sensitivity::Linearised;
 use super::steering::{Steered, twist_by_rack};
 use crate::linear::lu::{Lu6, Vector6};
 use crate::mechanism::RowSet;
-use crate::mechanism::Tally;
+use crate::mechanism::WorkCounter;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::Jet;
 use crate::number::Vector3;
@@ -67,12 +67,12 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
-/// A posture along the motion with, where there was a need for them, the factors of its Jacobian.
-pub(crate) type Factorised<'a, const N: usize> = (Posture<'a, Jet<f64, N>>, Option<Lu6<f64>>);
+/// A configuration along the motion with, where there was a need for them, the factors of its Jacobian.
+pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
 /// A design over power series with `N` coefficients, and its closure equations.
 #[derive(Clone, Debug)]
-pub struct Lifted<const N: usize> {
+pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
     /// Where the steering axis is an instantaneous one.
@@ -81,14 +81,14 @@ pub struct Lifted<const N: usize> {
     rows: RowSet,
 }
 
-impl<const N: usize> Lifted<N> {
+impl<const N: usize> DesignSeries<N> {
     /// Lifts a design.
     pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
         let closure = Closure::new(mechanism, &design);
         let steered = (mechanism.steering_axis == Some(SteeringAxis::Instantaneous))
             .then(|| Steered::new(mechanism, &design));
-        Lifted {
+        DesignSeries {
             design,
             closure,
             steered,
@@ -111,15 +111,15 @@ impl<const N: usize> Lifted<N> {
         self
     }
 
-    /// Whether postures carry the twist of the steering motion.
+    /// Whether configurations carry the twist of the steering motion.
     pub(crate) fn is_steered(&self) -> bool {
         self.steered.is_some()
     }
 
     /// Takes over another design of the same mechanism, without allocating.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
-        for (lifted, point) in self.design.iter_mut().zip(design) {
-            *lifted = point.map(Jet::constant);
+        for (design_series, point) in self.design.iter_mut().zip(design) {
+            *design_series = point.map(Jet::constant);
         }
         self.closure.prepare(mechanism, &self.design);
         if let Some(steered) = &mut self.steered {
@@ -127,11 +127,11 @@ impl<const N: usize> Lifted<N> {
         }
     }
 
-    /// The posture in a solved pose, as a series along `motion`, with the factors of its Jacobian if
+    /// The configuration in a solved pose, as a series along `motion`, with the factors of its Jacobian if
     /// there was a need for them (a series beyond its constant part, or `linearise`). `known` are these
     /// factors, where they are there already. `None` where the Jacobian is singular.
     #[expect(clippy::too_many_arguments, reason = "a solver's state, part by part")]
-    pub(crate) fn posture<'a>(
+    pub(crate) fn configuration<'a>(
         &'a self,
         mechanism: &'a Mechanism,
         closure: &Closure<f64>,
@@ -139,7 +139,7 @@ impl<const N: usize> Lifted<N> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
         known: Option<&Lu6<f64>>,
-        work: &Tally,
+        work: &WorkCounter,
         linearise: bool,
     ) -> Option<Factorised<'a, N>> {
         let mut series = pose.map(Jet::constant);
@@ -149,7 +149,7 @@ impl<const N: usize> Lifted<N> {
             let lu = match known {
                 Some(factors) => *factors,
                 None => {
-                    let at = Posture {
+                    let at = Configuration {
                         mechanism,
                         design,
                         pose: *pose,
@@ -164,7 +164,7 @@ impl<const N: usize> Lifted<N> {
             series = self.series(mechanism, &lu, pose, motion);
             factors = Some(lu);
         }
-        let mut posture = Posture {
+        let mut configuration = Configuration {
             mechanism,
             design: &self.design,
             pose: series,
@@ -173,10 +173,10 @@ impl<const N: usize> Lifted<N> {
         };
         if let (Some(_), Some(lu)) = (&self.steered, &factors) {
             work.note(|w| w.right_hand_sides += N as u64);
-            let twist = twist_by_rack(&posture, &self.closure, motion.driver(), lu);
-            posture.steering = Some(twist);
+            let twist = twist_by_rack(&configuration, &self.closure, motion.driver(), lu);
+            configuration.steering = Some(twist);
         }
-        Some((posture, factors))
+        Some((configuration, factors))
     }
 
     /// The pose as a series along `motion`.
@@ -205,7 +205,7 @@ impl<const N: usize> Lifted<N> {
         pose: &Pose<Jet<f64, N>>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Vector6<Jet<f64, N>> {
-        let at = Posture {
+        let at = Configuration {
             mechanism,
             design: &self.design,
             pose: *pose,
@@ -221,8 +221,8 @@ impl<const N: usize> Lifted<N> {
         mechanism: &'a Mechanism,
         pose: Pose<Jet<f64, N>>,
         rack: Jet<f64, N>,
-    ) -> Posture<'a, Jet<f64, N>> {
-        Posture {
+    ) -> Configuration<'a, Jet<f64, N>> {
+        Configuration {
             mechanism,
             design: &self.design,
             pose,
@@ -231,16 +231,16 @@ impl<const N: usize> Lifted<N> {
         }
     }
 
-    /// The posture made ready for sensitivities.
+    /// The configuration made ready for sensitivities.
     pub(crate) fn linearised<'a>(
         &'a self,
-        posture: Posture<'a, Jet<f64, N>>,
+        configuration: Configuration<'a, Jet<f64, N>>,
         factors: Lu6<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-        work: &'a Tally,
+        work: &'a WorkCounter,
     ) -> Linearised<'a, N> {
         Linearised::new(
-            posture,
+            configuration,
             &self.closure,
             self.rows,
             self.steered.as_ref(),
@@ -251,7 +251,7 @@ impl<const N: usize> Lifted<N> {
     }
 }
 
-impl<const N: usize> Posture<'_, Jet<f64, N>> {
+impl<const N: usize> Configuration<'_, Jet<f64, N>> {
     /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown.
     pub fn angular_velocity(&self) -> Vector3<Jet<f64, N>> {
         angular_velocity(&self.pose)

@@ -7,7 +7,7 @@
 
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::Mechanism;
 use crate::number::Jet;
 use crate::number::Vector3;
@@ -25,7 +25,7 @@ pub(crate) fn pose_series<const N: usize>(
 ) -> Pose<Jet<f64, N>> {
     let mut series = pose.map(Jet::constant);
     for k in 1..N {
-        let at = Posture {
+        let at = Configuration {
             mechanism,
             design,
             pose: series,

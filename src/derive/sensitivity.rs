@@ -16,10 +16,10 @@
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
 use crate::linear::lu::{Lu6, Matrix6};
 use crate::mechanism::RowSet;
-use crate::mechanism::Tally;
+use crate::mechanism::WorkCounter;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::RockerId;
 use crate::model::{Mechanism, PointId, SpinAxis, SteeringAxis};
 use crate::number::Jet;
@@ -68,29 +68,29 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
     }
 }
 
-/// A posture made ready for adjoints: its Jacobian along the motion and the factors of its constant
+/// A configuration made ready for adjoints: its Jacobian along the motion and the factors of its constant
 /// part.
 pub struct Linearised<'a, const N: usize> {
-    /// The posture, as a series.
-    pub at: Posture<'a, Jet<f64, N>>,
+    /// The configuration, as a series.
+    pub at: Configuration<'a, Jet<f64, N>>,
     closure: &'a Closure<Jet<f64, N>>,
     rows: RowSet,
     steered: Option<&'a Steered<N>>,
     driver: Driver<Jet<f64, N>>,
     jacobian: Matrix6<Jet<f64, N>>,
     lu: Lu6<f64>,
-    work: &'a Tally,
+    work: &'a WorkCounter,
 }
 
 impl<'a, const N: usize> Linearised<'a, N> {
     pub(crate) fn new(
-        at: Posture<'a, Jet<f64, N>>,
+        at: Configuration<'a, Jet<f64, N>>,
         closure: &'a Closure<Jet<f64, N>>,
         rows: RowSet,
         steered: Option<&'a Steered<N>>,
         driver: Driver<Jet<f64, N>>,
         lu: Lu6<f64>,
-        work: &'a Tally,
+        work: &'a WorkCounter,
     ) -> Self {
         Linearised {
             jacobian: closure.jacobian(&at, driver),
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
     }
 
     /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
-    /// once and says how the output depends on the posture, through the methods of [`Seeds`].
+    /// once and says how the output depends on the configuration, through the methods of [`Seeds`].
     #[inline]
     pub fn gradient(
         &self,
@@ -156,18 +156,18 @@ impl<'a, const N: usize> Linearised<'a, N> {
     }
 }
 
-/// How an output depends on the posture: each call adds the derivative by one thing it reads.
+/// How an output depends on the configuration: each call adds the derivative by one thing it reads.
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
-    at: &'s Posture<'a, T>,
+    at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,
     /// By the twist of the steering motion, where something depends on it.
     by_twist: Option<Twist<T>>,
 }
 
 impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
-    /// For an output of a posture; what it depends on directly is added to `gradient`.
+    /// For an output of a configuration; what it depends on directly is added to `gradient`.
     #[inline(always)]
-    pub fn new(at: &'s Posture<'a, T>, gradient: &'s mut G) -> Self {
+    pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
         Seeds {
             at,
             adjoint: Adjoint {
@@ -184,7 +184,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.wrench
     }
 
-    /// By a point of the steering axis and by its direction, as [`Posture::steering_axis`] has them.
+    /// By a point of the steering axis and by its direction, as [`Configuration::steering_axis`] has them.
     #[inline(always)]
     pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
         match (self.at.mechanism.steering_axis, &self.at.steering) {
@@ -301,7 +301,7 @@ impl<T: Real> DesignedSpinAxis<T> {
     }
 }
 
-impl<T: Real> Posture<'_, T> {
+impl<T: Real> Configuration<'_, T> {
     /// A point of the steering axis, and a vector along it, upward but of any length. `None` where the
     /// wheel is not steered, or nothing that reads the axis was asked for.
     #[inline(always)]

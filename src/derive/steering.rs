@@ -23,7 +23,7 @@ use crate::linear::lu::{Lu6, Vector6};
 use crate::mechanism::RowSet;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
 use crate::number::Dual;
 use crate::number::Jet;
@@ -49,8 +49,8 @@ impl<const N: usize> Steered<N> {
 
     /// Takes over another design of the same mechanism, without allocating.
     pub(crate) fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) {
-        for (lifted, point) in self.design.iter_mut().zip(design) {
-            *lifted = point.map(Jet::constant);
+        for (design_series, point) in self.design.iter_mut().zip(design) {
+            *design_series = point.map(Jet::constant);
         }
         self.closure.prepare(mechanism, &self.design);
     }
@@ -59,7 +59,7 @@ impl<const N: usize> Steered<N> {
     #[inline(never)]
     pub(crate) fn subtract(
         &self,
-        at: &Posture<'_, Jet<f64, N>>,
+        at: &Configuration<'_, Jet<f64, N>>,
         twist: &Twist<Jet<f64, N>>,
         driver: Driver<Jet<f64, N>>,
         multipliers: &Vector6<Jet<f64, N>>,
@@ -68,7 +68,7 @@ impl<const N: usize> Steered<N> {
     ) {
         let one = at.rack.one();
         let along = |v: Vector3<Jet<f64, N>>| v.map(|c| Jet([c.zero(), c]));
-        let moved = Posture {
+        let moved = Configuration {
             mechanism: at.mechanism,
             design: &self.design,
             pose: at
@@ -115,7 +115,7 @@ impl<const N: usize> Sink<Along<N>> for Slope<'_, N> {
 /// The twist of the knuckle per unit of rack displacement, the drive held. `lu` has the factors of the
 /// Jacobian's constant part.
 pub(crate) fn twist_by_rack<const N: usize>(
-    at: &Posture<'_, Jet<f64, N>>,
+    at: &Configuration<'_, Jet<f64, N>>,
     closure: &Closure<Jet<f64, N>>,
     driver: Driver<Jet<f64, N>>,
     lu: &Lu6<f64>,

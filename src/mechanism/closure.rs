@@ -5,7 +5,7 @@
 //! mechanism is.
 
 use super::constraint::{ArmAngle, Row};
-use super::pose::{Pose, Posture, Sink, Twist, Wrench};
+use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
 use crate::number::Real;
@@ -94,13 +94,13 @@ impl<T: Real> Closure<T> {
     /// The residuals, as lengths: five constraints, then the drive. Out of line: inlined everywhere, this
     /// would take the compiler minutes for derivative numbers.
     #[inline(never)]
-    pub(crate) fn residuals(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+    pub(crate) fn residuals(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         self.residuals_inlined(at, driver)
     }
 
     /// As [`Closure::residuals`], for SIMD lanes.
     #[inline(always)]
-    pub(crate) fn residuals_inlined(&self, at: &Posture<T>, driver: Driver<T>) -> Vector6<T> {
+    pub(crate) fn residuals_inlined(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
         for (residual, row) in residuals.iter_mut().zip(&self.rows) {
             *residual = row.residual(at);
@@ -111,13 +111,13 @@ impl<T: Real> Closure<T> {
 
     /// The Jacobian by the pose.
     #[inline]
-    pub(crate) fn jacobian(&self, at: &Posture<T>, driver: Driver<T>) -> Matrix6<T> {
+    pub(crate) fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
         self.wrenches(at, driver).map(Wrench::to_row)
     }
 
     /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
     #[inline(never)]
-    pub(crate) fn wrenches(&self, at: &Posture<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
+    pub(crate) fn wrenches(&self, at: &Configuration<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
         let mut wrenches = [Wrench::zero(like); 6];
         for (wrench, row) in wrenches.iter_mut().zip(&self.rows) {
@@ -130,7 +130,12 @@ impl<T: Real> Closure<T> {
     /// The residual of one of the six equations and its row of the Jacobian, as [`Closure::wrenches`] has
     /// it.
     #[inline(always)]
-    pub(crate) fn row(&self, number: usize, at: &Posture<T>, driver: Driver<T>) -> (T, Wrench<T>) {
+    pub(crate) fn row(
+        &self,
+        number: usize,
+        at: &Configuration<T>,
+        driver: Driver<T>,
+    ) -> (T, Wrench<T>) {
         let mut wrench = Wrench::zero(at.rack);
         let one = at.rack.one();
         let residual = match self.rows.get(number) {
@@ -149,7 +154,7 @@ impl<T: Real> Closure<T> {
     /// How the rows of [`Closure::wrenches`] change along a motion of the knuckle, the rack held; the sixth
     /// is that of the travel.
     #[inline(always)]
-    pub(crate) fn wrench_rates(&self, at: &Posture<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
+    pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
         for (rate, row) in rates.iter_mut().zip(&self.rows) {
             *rate = row.wrench_rate(at, along);
@@ -170,7 +175,7 @@ impl<T: Real> Closure<T> {
     ) -> RowSet {
         let origin = design[mechanism.origin.0];
         let like = origin.x.one();
-        let at = Posture {
+        let at = Configuration {
             mechanism,
             design,
             pose: Pose {
@@ -215,7 +220,7 @@ impl<T: Real> Closure<T> {
     pub(crate) fn differential(
         &self,
         rows: RowSet,
-        at: &Posture<T>,
+        at: &Configuration<T>,
         driver: Driver<T>,
         weights: &Vector6<T>,
         sink: &mut impl Sink<T>,
@@ -228,7 +233,7 @@ impl<T: Real> Closure<T> {
     pub(crate) fn differential_inlined(
         &self,
         rows: RowSet,
-        at: &Posture<T>,
+        at: &Configuration<T>,
         driver: Driver<T>,
         weights: &Vector6<T>,
         sink: &mut impl Sink<T>,
@@ -249,7 +254,7 @@ impl Closure<f64> {
     /// rotation counted at the distance `size`), and the factorised Jacobian it was made with.
     pub(crate) fn newton_step(
         &self,
-        at: &Posture<f64>,
+        at: &Configuration<f64>,
         driver: Driver<f64>,
         size: f64,
     ) -> Option<(Pose<f64>, f64, Lu6<f64>)> {
@@ -286,7 +291,7 @@ impl<T: Real> Driver<T> {
     }
 
     #[inline(always)]
-    fn residual(&self, at: &Posture<T>) -> T {
+    fn residual(&self, at: &Configuration<T>) -> T {
         match *self {
             Driver::Travel(travel) => {
                 let centre = at.mechanism.wheel_centre;
@@ -297,7 +302,7 @@ impl<T: Real> Driver<T> {
     }
 
     #[inline(always)]
-    fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         match *self {
             Driver::Travel(_) => {
                 let centre = at.mechanism.wheel_centre;

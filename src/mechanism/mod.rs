@@ -1,6 +1,6 @@
 //! The mechanism in a pose: where its bodies are, the equations that hold them, and why they may not.
 //!
-//! A [`Posture`] is a design, a pose of the wheel carrier and a rack displacement; points, rods and rockers
+//! A [`Configuration`] is a design, a pose of the wheel carrier and a rack displacement; points, rods and rockers
 //! are read off it. The [`Closure`] is the list of constraint rows that a pose must obey, each row in a
 //! file of its own; its rows are written once, over any number.
 
@@ -16,8 +16,8 @@ pub(crate) use closure::RowSet;
 pub use closure::{Closure, Driver};
 pub use constraint::raises_its_joint;
 pub use failure::{DesignFault, Failure, LimitCause, Toggle, Unproven};
-pub use pose::{Pose, Posture, Twist, Wrench};
+pub use pose::{Configuration, Pose, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};
-pub(crate) use work::Tally;
 pub use work::Work;
+pub(crate) use work::WorkCounter;

@@ -27,17 +27,17 @@ impl<T: Real> Pose<T> {
 
     /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
     #[inline]
-    pub(crate) fn moved(&self, shift: Vector3<T>, half_turn: Vector3<T>) -> Self {
+    pub(crate) fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
         Pose {
             origin: self.origin + shift,
-            rotation: self.rotation.turned(half_turn),
+            rotation: self.rotation.turned(rodrigues),
         }
     }
 }
 
 /// A design in one pose.
 #[derive(Clone, Copy)]
-pub struct Posture<'a, T> {
+pub struct Configuration<'a, T> {
     /// Structure.
     pub mechanism: &'a Mechanism,
     /// Design position of every point.
@@ -145,7 +145,7 @@ impl<T: Real> Sink<T> for Wrench<T> {
     }
 }
 
-impl<'a, T: Real> Posture<'a, T> {
+impl<'a, T: Real> Configuration<'a, T> {
     /// Design position of a point.
     #[inline(always)]
     pub fn designed(&self, id: PointId) -> Vector3<T> {

@@ -16,14 +16,14 @@
 //! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
 //! derivatives do not exist there.
 
-use super::pose::{Posture, Sink, Twist, gradient_by};
+use super::pose::{Configuration, Sink, Twist, gradient_by};
 use crate::mechanism::DEGENERATE;
 use crate::mechanism::DesignFault;
 use crate::model::{Body, Drive, Mechanism, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::Bundle;
 use crate::number::Jet;
 use crate::number::Real;
+use crate::number::SimdReal;
 use crate::number::Vector3;
 use crate::solve::Solver;
 use std::cell::Cell;
@@ -121,7 +121,7 @@ pub struct MovingPoint<T> {
 /// A rocker's angle on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingAngle<T> {
-    /// As [`Posture::rocker_angle`] has it.
+    /// As [`Configuration::rocker_angle`] has it.
     pub now: T,
     /// Its derivative.
     pub rate: T,
@@ -131,7 +131,7 @@ pub struct MovingAngle<T> {
 
 /// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: everything
 /// inline, nothing recursive.
-impl<B: Bundle> Posture<'_, B> {
+impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
         let mechanism = self.mechanism;
@@ -235,7 +235,7 @@ pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     is_enough(Turn::of([first, second, inner, outer, outer]).leverage_squared)
 }
 
-impl<T: Real> Posture<'_, T> {
+impl<T: Real> Configuration<'_, T> {
     #[inline]
     fn ends(&self, rocker: Rocker) -> Ends<T> {
         let [first, second, inner, outer] =
@@ -302,7 +302,7 @@ impl<T: Real> Posture<'_, T> {
     }
 }
 
-impl Posture<'_, f64> {
+impl Configuration<'_, f64> {
     /// The rod that keeps a rocker from turning here: its own, or that of a rocker which turns it.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
@@ -369,7 +369,7 @@ impl Toggles {
         }
         // Without a pose to begin with there will be none to note.
         let stuck = match solver.placed(drive, rack)? {
-            Ok((pose, point)) => self.stuck(&solver.posture(&pose, point.rack), 0, |c| c),
+            Ok((pose, point)) => self.stuck(&solver.configuration(&pose, point.rack), 0, |c| c),
             Err(_) => 0,
         };
         self.begin_with(stuck);
@@ -377,7 +377,7 @@ impl Toggles {
     }
 
     /// Makes ready for a march that begins in this pose.
-    pub fn begin_at<const N: usize>(&self, at: &Posture<Jet<f64, N>>) {
+    pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         self.begin_with(self.stuck(at, 0, |c| c[0]));
     }
 
@@ -388,7 +388,7 @@ impl Toggles {
 
     /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
     /// returns the first rocker that has come to a toggle there or before.
-    pub fn note<const N: usize>(&self, at: &Posture<Jet<f64, N>>, value: f64) -> Option<Rod> {
+    pub fn note<const N: usize>(&self, at: &Configuration<Jet<f64, N>>, value: f64) -> Option<Rod> {
         if self.watched.is_empty() {
             return None;
         }
@@ -412,7 +412,12 @@ impl Toggles {
 
     /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
     /// a one turns.
-    fn stuck<T: Real>(&self, at: &Posture<T>, before: Stuck, now: impl Fn(T) -> f64) -> Stuck {
+    fn stuck<T: Real>(
+        &self,
+        at: &Configuration<T>,
+        before: Stuck,
+        now: impl Fn(T) -> f64,
+    ) -> Stuck {
         let mechanism = at.mechanism;
         let mut stuck = before;
         for rocker in &self.watched {

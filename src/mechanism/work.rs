@@ -57,9 +57,9 @@ impl std::ops::Add for Work {
 
 /// A count that goes on while what it counts is only read.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tally(Cell<Work>);
+pub(crate) struct WorkCounter(Cell<Work>);
 
-impl Tally {
+impl WorkCounter {
     /// Counts.
     #[inline]
     pub(crate) fn note(&self, count: impl FnOnce(&mut Work)) {

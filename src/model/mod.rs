@@ -216,7 +216,7 @@ impl Mechanism {
     }
 
     /// The largest coordinates of a design, at least its size: what positions are rounded at.
-    pub fn reach(&self, design: &[Vector3<f64>]) -> f64 {
+    pub fn coordinate_scale(&self, design: &[Vector3<f64>]) -> f64 {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         design
             .iter()

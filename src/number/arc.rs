@@ -11,7 +11,7 @@
 //! asin x = pi/2 - 2 asin sqrt((1-x)/2)        1/2 < x <= 1
 //! ```
 
-use super::Bundle;
+use super::SimdReal;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 const ATAN: [f64; 11] = [
@@ -52,7 +52,7 @@ const FRAC_PI_4_REST: f64 = 0.5 * FRAC_PI_2_REST;
 
 /// x + x u (c0 + c1 u + ...), u = x^2. Even and odd coefficients are summed apart: half the latency.
 #[inline(always)]
-fn odd<B: Bundle, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
+fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     let u = x * x;
     let v = u * u;
     let (mut last, mut before) = (x.lit(coefficients[N - 1]), x.lit(coefficients[N - 2]));
@@ -73,7 +73,7 @@ fn odd<B: Bundle, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
 
 /// Arc sine; NaN outside [-1, 1].
 #[inline(always)]
-pub(super) fn asin<B: Bundle>(x: B) -> B {
+pub(super) fn asin<B: SimdReal>(x: B) -> B {
     let size = x.abs();
     let beyond = x.lit(0.5).less(size);
     if B::all(!beyond) {
@@ -88,7 +88,7 @@ pub(super) fn asin<B: Bundle>(x: B) -> B {
 
 /// The angle of the vector (x, y) from the x-axis; 0 for the null vector.
 #[inline(always)]
-pub(super) fn atan2<B: Bundle>(y: B, x: B) -> B {
+pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     let (height, width) = (y.abs(), x.abs());
     let flat = x.lit(TAN_EIGHTH);
     if B::all(height.less(x * flat)) {
@@ -118,7 +118,7 @@ pub(super) fn atan2<B: Bundle>(y: B, x: B) -> B {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::{InLanes, Width};
+    use crate::number::{SimdTask, Width};
 
     /// In units of the last place, against the platform's library (itself good to one).
     fn apart(computed: f64, library: f64) -> f64 {
@@ -170,10 +170,10 @@ mod tests {
 
     struct Arcs<'a>(&'a [f64], &'a mut [f64]);
 
-    impl InLanes for Arcs<'_> {
+    impl SimdTask for Arcs<'_> {
         type Output = ();
         #[inline(always)]
-        fn run<B: Bundle>(self, like: B) {
+        fn run<B: SimdReal>(self, like: B) {
             for (from, to) in self
                 .0
                 .chunks_exact(B::LANES)

@@ -9,8 +9,8 @@ pub const MOST_LANES: usize = 16;
 /// One or more independent numbers that take the same steps at the same time.
 ///
 /// Every operation is the IEEE one, lane by lane, so a lane's bits depend neither on its neighbours nor on
-/// how many there are. What depends on the values goes through [`Bundle::select`].
-pub trait Bundle: Real {
+/// how many there are. What depends on the values goes through [`SimdReal::select`].
+pub trait SimdReal: Real {
     /// Numbers in the bundle.
     const LANES: usize;
     /// A truth value for each lane.
@@ -19,7 +19,7 @@ pub trait Bundle: Real {
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;
 
-    /// The first [`Bundle::LANES`] numbers of a slice, in the shape of `self`.
+    /// The first [`SimdReal::LANES`] numbers of a slice, in the shape of `self`.
     fn load(self, from: &[f64]) -> Self;
     /// Writes the lanes to the beginning of a slice.
     fn store(self, to: &mut [f64]);
@@ -48,18 +48,18 @@ pub trait Bundle: Real {
     }
     /// Does a piece of work in a function of its own, compiled for the same instructions. What is inlined
     /// into one function all takes the compiler long.
-    fn apart<P: Piece>(self, piece: P) -> P::Output;
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output;
 }
 
 /// A piece of work in lanes.
-pub trait Piece {
+pub trait Outlined {
     /// What it yields.
     type Output;
     /// Does it. To be marked `#[inline(always)]`.
     fn work(self) -> Self::Output;
 }
 
-impl Bundle for f64 {
+impl SimdReal for f64 {
     const LANES: usize = 1;
     type Mask = bool;
 
@@ -96,7 +96,7 @@ impl Bundle for f64 {
         mask
     }
     #[inline(always)]
-    fn apart<P: Piece>(self, piece: P) -> P::Output {
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
         piece.work()
     }
 }

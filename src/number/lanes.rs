@@ -9,7 +9,7 @@
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
 
-use super::{Bundle, Piece, Real, Twin, arc};
+use super::{Outlined, Real, SimdReal, Unrolled2, arc};
 use pulp::{Simd, WithSimd};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -105,7 +105,7 @@ impl<S: Simd> Real for Lanes<S> {
     }
 }
 
-impl<S: Simd> Bundle for Lanes<S> {
+impl<S: Simd> SimdReal for Lanes<S> {
     const LANES: usize = S::F64_LANES;
     type Mask = LaneMask<S>;
 
@@ -148,8 +148,8 @@ impl<S: Simd> Bundle for Lanes<S> {
         mask.simd.first_true_m64s(unset) == S::F64_LANES
     }
     #[inline(always)]
-    fn apart<P: Piece>(self, piece: P) -> P::Output {
-        self.simd.vectorize(Apart(piece))
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        self.simd.vectorize(InOwnFunction(piece))
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {
@@ -241,7 +241,7 @@ impl Width {
     }
 
     /// Runs a task in lanes of this width, or one by one where the processor does not have it.
-    pub fn run<T: InLanes>(self, task: T) -> T::Output {
+    pub fn run<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         match self {
             Width::Avx512 => {
@@ -261,16 +261,16 @@ impl Width {
 }
 
 /// Something to be done in lanes.
-pub trait InLanes {
+pub trait SimdTask {
     /// What it yields.
     type Output;
     /// Does it; `like` says in which kind of lanes. To be marked `#[inline(always)]`.
-    fn run<B: Bundle>(self, like: B) -> Self::Output;
+    fn run<B: SimdReal>(self, like: B) -> Self::Output;
 }
 
-struct Apart<P>(P);
+struct InOwnFunction<P>(P);
 
-impl<P: Piece> WithSimd for Apart<P> {
+impl<P: Outlined> WithSimd for InOwnFunction<P> {
     type Output = P::Output;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> P::Output {
@@ -280,11 +280,11 @@ impl<P: Piece> WithSimd for Apart<P> {
 
 struct Task<T>(T);
 
-impl<T: InLanes> WithSimd for Task<T> {
+impl<T: SimdTask> WithSimd for Task<T> {
     type Output = T::Output;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> T::Output {
         let zero = Lanes::splat(simd, 0.0);
-        self.0.run(Twin(zero, zero))
+        self.0.run(Unrolled2(zero, zero))
     }
 }

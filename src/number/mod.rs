@@ -17,13 +17,13 @@ mod lanes;
 mod twin;
 mod vector;
 
-pub use bundle::{Bundle, MOST_LANES, Piece};
+pub use bundle::{MOST_LANES, Outlined, SimdReal};
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
-pub use lanes::{InLanes, LaneMask, Lanes, Width};
-pub use twin::Twin;
+pub use lanes::{LaneMask, Lanes, SimdTask, Width};
+pub use twin::Unrolled2;
 pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

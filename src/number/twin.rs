@@ -3,21 +3,21 @@
 //! One chain of dependent operations leaves a processor idle most of the time; two of them, independent of
 //! each other, fill the gaps.
 
-use super::{Bundle, Piece, Real, arc};
+use super::{Outlined, Real, SimdReal, arc};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Two bundles, or two masks. Aligned so that no register in memory lies across two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Twin<B>(pub B, pub B);
+pub struct Unrolled2<B>(pub B, pub B);
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl<B: $trait<Output = B>> $trait for Twin<B> {
+        impl<B: $trait<Output = B>> $trait for Unrolled2<B> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Twin(self.0.$method(other.0), self.1.$method(other.1))
+                Unrolled2(self.0.$method(other.0), self.1.$method(other.1))
             }
         }
     };
@@ -30,43 +30,43 @@ operator!(Div, div);
 operator!(BitAnd, bitand);
 operator!(BitOr, bitor);
 
-impl<B: Neg<Output = B>> Neg for Twin<B> {
+impl<B: Neg<Output = B>> Neg for Unrolled2<B> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Twin(-self.0, -self.1)
+        Unrolled2(-self.0, -self.1)
     }
 }
 
-impl<B: Not<Output = B>> Not for Twin<B> {
+impl<B: Not<Output = B>> Not for Unrolled2<B> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        Twin(!self.0, !self.1)
+        Unrolled2(!self.0, !self.1)
     }
 }
 
-impl<B: Bundle> Real for Twin<B> {
+impl<B: SimdReal> Real for Unrolled2<B> {
     const IN_REGISTERS: bool = B::IN_REGISTERS;
 
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
-        Twin(self.0.plus_product(a.0, b.0), self.1.plus_product(a.1, b.1))
+        Unrolled2(self.0.plus_product(a.0, b.0), self.1.plus_product(a.1, b.1))
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        Twin(
+        Unrolled2(
             self.0.minus_product(a.0, b.0),
             self.1.minus_product(a.1, b.1),
         )
     }
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
-        Twin(self.0.lit(value), self.1.lit(value))
+        Unrolled2(self.0.lit(value), self.1.lit(value))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Twin(self.0.sqrt(), self.1.sqrt())
+        Unrolled2(self.0.sqrt(), self.1.sqrt())
     }
     #[inline(always)]
     fn asin(self) -> Self {
@@ -78,17 +78,17 @@ impl<B: Bundle> Real for Twin<B> {
     }
     #[inline(always)]
     fn sign(self) -> Self {
-        Twin(self.0.sign(), self.1.sign())
+        Unrolled2(self.0.sign(), self.1.sign())
     }
 }
 
-impl<B: Bundle> Bundle for Twin<B> {
+impl<B: SimdReal> SimdReal for Unrolled2<B> {
     const LANES: usize = 2 * B::LANES;
-    type Mask = Twin<B::Mask>;
+    type Mask = Unrolled2<B::Mask>;
 
     #[inline(always)]
     fn load(self, from: &[f64]) -> Self {
-        Twin(self.0.load(from), self.1.load(&from[B::LANES..]))
+        Unrolled2(self.0.load(from), self.1.load(&from[B::LANES..]))
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
@@ -97,19 +97,19 @@ impl<B: Bundle> Bundle for Twin<B> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Twin(self.0.abs(), self.1.abs())
+        Unrolled2(self.0.abs(), self.1.abs())
     }
     #[inline(always)]
     fn copysign(self, other: Self) -> Self {
-        Twin(self.0.copysign(other.0), self.1.copysign(other.1))
+        Unrolled2(self.0.copysign(other.0), self.1.copysign(other.1))
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        Twin(self.0.less(other.0), self.1.less(other.1))
+        Unrolled2(self.0.less(other.0), self.1.less(other.1))
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Twin(
+        Unrolled2(
             B::select(mask.0, yes.0, no.0),
             B::select(mask.1, yes.1, no.1),
         )
@@ -119,8 +119,8 @@ impl<B: Bundle> Bundle for Twin<B> {
         B::all(mask.0) & B::all(mask.1)
     }
     #[inline(always)]
-    fn apart<P: Piece>(self, piece: P) -> P::Output {
-        self.0.apart(piece)
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        self.0.outlined(piece)
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {

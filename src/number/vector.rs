@@ -174,12 +174,12 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// The rotation with Rodrigues vector `half_turn` = tan(angle/2) times the axis.
+    /// The rotation with Rodrigues vector `rodrigues` = tan(angle/2) times the axis.
     #[inline(always)]
-    pub fn by_half_turn(half_turn: Vector3<T>) -> Self {
-        let Vector3 { x, y, z } = half_turn;
+    pub fn by_rodrigues(rodrigues: Vector3<T>) -> Self {
+        let Vector3 { x, y, z } = rodrigues;
         let one = x.one();
-        let factor = (one + one) / (one + half_turn.norm_squared());
+        let factor = (one + one) / (one + rodrigues.norm_squared());
         let (p, q, r) = (x * factor, y * factor, z * factor);
         let (xx, yy, zz) = (x * p, y * q, z * r);
         Matrix3 {
@@ -218,16 +218,16 @@ impl<T: Real> Matrix3<T> {
         Vector3::new(a.dot(v), b.dot(v), c.dot(v))
     }
 
-    /// This rotation followed by the one with Rodrigues vector `half_turn` = tan(angle/2) times the
+    /// This rotation followed by the one with Rodrigues vector `rodrigues` = tan(angle/2) times the
     /// axis (Cayley's form: rational, and exactly orthogonal for every kind of number).
     #[inline]
-    pub fn turned(&self, half_turn: Vector3<T>) -> Self {
-        let one = half_turn.x.one();
-        let factor = (one + one) / (one + half_turn.norm_squared());
+    pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
+        let one = rodrigues.x.one();
+        let factor = (one + one) / (one + rodrigues.norm_squared());
         Matrix3 {
             columns: self.columns.map(|column| {
-                let across = half_turn.cross(column);
-                column + (across + half_turn.cross(across)) * factor
+                let across = rodrigues.cross(column);
+                column + (across + rodrigues.cross(across)) * factor
             }),
         }
     }

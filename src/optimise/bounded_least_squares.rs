@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Where a variable is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hold {
+pub enum ActiveBound {
     /// Between its bounds.
     Free,
     /// At its lower bound.
@@ -44,7 +44,7 @@ pub struct BoundedLeastSquares {
     /// Norms of the columns of R, which are those of J W.
     norms: Vec<f64>,
     step: Vec<f64>,
-    holds: Vec<Hold>,
+    holds: Vec<ActiveBound>,
     /// R s + offset.
     remainder: Vec<f64>,
     /// Indices of the free variables, by rising index.
@@ -65,7 +65,7 @@ impl BoundedLeastSquares {
             offset: vec![0.0; variables],
             norms: vec![0.0; variables],
             step: vec![0.0; variables],
-            holds: vec![Hold::Free; variables],
+            holds: vec![ActiveBound::Free; variables],
             remainder: vec![0.0; variables],
             free: Vec::with_capacity(variables),
             turned_back: vec![false; variables],
@@ -109,9 +109,9 @@ impl BoundedLeastSquares {
         for j in 0..self.variables {
             let slope = self.slope(j, damping);
             self.holds[j] = match slope {
-                slope if slope > 0.0 && lower[j] == 0.0 => Hold::Lower,
-                slope if slope < 0.0 && upper[j] == 0.0 => Hold::Upper,
-                _ => Hold::Free,
+                slope if slope > 0.0 && lower[j] == 0.0 => ActiveBound::Lower,
+                slope if slope < 0.0 && upper[j] == 0.0 => ActiveBound::Upper,
+                _ => ActiveBound::Free,
             };
         }
         self.descend(damping, lower, upper);
@@ -120,15 +120,15 @@ impl BoundedLeastSquares {
         // end. The cap only guards against rounding; the step is feasible and a descent anyway.
         self.turned_back.fill(false);
         for _ in 0..10 * self.variables {
-            let Some(j) = self.most_eager(damping) else {
+            let Some(j) = self.worst_multiplier(damping) else {
                 return;
             };
-            let held = std::mem::replace(&mut self.holds[j], Hold::Free);
+            let held = std::mem::replace(&mut self.holds[j], ActiveBound::Free);
             self.solve_free(damping);
             let place = self.free.iter().position(|&free| free == j);
             let goal = place.map_or(self.step[j], |place| self.vector[place]);
             let leaves = match held {
-                Hold::Lower => goal > lower[j],
+                ActiveBound::Lower => goal > lower[j],
                 _ => goal < upper[j],
             };
             if leaves {
@@ -148,7 +148,7 @@ impl BoundedLeastSquares {
     }
 
     /// Where each variable of the solution is.
-    pub fn holds(&self) -> &[Hold] {
+    pub fn holds(&self) -> &[ActiveBound] {
         &self.holds
     }
 
@@ -181,7 +181,7 @@ impl BoundedLeastSquares {
     }
 
     /// The held variable that gains most per length of its column by leaving its bound.
-    fn most_eager(&self, damping: f64) -> Option<usize> {
+    fn worst_multiplier(&self, damping: f64) -> Option<usize> {
         // A slope is an inner product of n terms with the remainder, itself a sum of the offset and
         // n columns: what it may be off by.
         let size = self.offset.iter().map(|c| c * c).sum::<f64>().sqrt()
@@ -196,9 +196,9 @@ impl BoundedLeastSquares {
         let mut best = (rounding, None);
         for j in 0..self.variables {
             let outward = match self.holds[j] {
-                Hold::Lower => -self.slope(j, damping),
-                Hold::Upper => self.slope(j, damping),
-                Hold::Free => continue,
+                ActiveBound::Lower => -self.slope(j, damping),
+                ActiveBound::Upper => self.slope(j, damping),
+                ActiveBound::Free => continue,
             };
             let gain = outward / self.norms[j].hypot(damping.sqrt());
             if !self.turned_back[j] && gain > best.0 {
@@ -217,8 +217,8 @@ impl BoundedLeastSquares {
             for (place, &j) in self.free.iter().enumerate() {
                 let (from, goal) = (self.step[j], self.vector[place]);
                 let (bound, hold) = match goal {
-                    goal if goal < lower[j] => (lower[j], Hold::Lower),
-                    goal if goal > upper[j] => (upper[j], Hold::Upper),
+                    goal if goal < lower[j] => (lower[j], ActiveBound::Lower),
+                    goal if goal > upper[j] => (upper[j], ActiveBound::Upper),
                     _ => continue,
                 };
                 let reach = (bound - from) / (goal - from);
@@ -256,7 +256,7 @@ impl BoundedLeastSquares {
         let n = self.variables;
         self.free.clear();
         self.free
-            .extend((0..n).filter(|&j| self.holds[j] == Hold::Free));
+            .extend((0..n).filter(|&j| self.holds[j] == ActiveBound::Free));
         let rows = n + self.free.len();
         self.matrix.clear();
         for (place, &j) in self.free.iter().enumerate() {
@@ -266,7 +266,7 @@ impl BoundedLeastSquares {
         }
         self.vector.clear();
         self.vector.extend(self.offset.iter().map(|c| -c));
-        for j in (0..n).filter(|&j| self.holds[j] != Hold::Free) {
+        for j in (0..n).filter(|&j| self.holds[j] != ActiveBound::Free) {
             add_scaled(&self.triangle[j * n..], -self.step[j], &mut self.vector);
         }
         self.vector.resize(rows, 0.0);
@@ -388,11 +388,11 @@ mod tests {
             for j in 0..s.len() {
                 assert!(self.lower[j] <= s[j] && s[j] <= self.upper[j]);
                 match solver.holds()[j] {
-                    Hold::Free => {
+                    ActiveBound::Free => {
                         assert!(slopes[j].abs() <= rounding, "{} {rounding:e}", slopes[j])
                     }
-                    Hold::Lower => assert!(slopes[j] >= -rounding && s[j] == self.lower[j]),
-                    Hold::Upper => assert!(slopes[j] <= rounding && s[j] == self.upper[j]),
+                    ActiveBound::Lower => assert!(slopes[j] >= -rounding && s[j] == self.lower[j]),
+                    ActiveBound::Upper => assert!(slopes[j] <= rounding && s[j] == self.upper[j]),
                 }
             }
         }
@@ -450,6 +450,6 @@ mod tests {
         solver.solve(1e-8, &[-1.0, -1.0], &[0.25, 1.0]);
         assert_eq!(solver.step()[0], 0.25);
         assert!((solver.step()[1] - 0.75).abs() < 1e-8);
-        assert_eq!(solver.holds(), [Hold::Upper, Hold::Free]);
+        assert_eq!(solver.holds(), [ActiveBound::Upper, ActiveBound::Free]);
     }
 }

@@ -1,6 +1,6 @@
 //! The box the variables stay in.
 
-use super::Hold;
+use super::ActiveBound;
 use nalgebra::DVector;
 
 /// Lowest and highest values of the variables, in their own units.
@@ -74,11 +74,11 @@ impl Bounds {
     }
 
     /// Which variables of `x` are at a bound.
-    pub fn holds(&self, x: &DVector<f64>) -> Vec<Hold> {
+    pub fn holds(&self, x: &DVector<f64>) -> Vec<ActiveBound> {
         let of = |j: usize| match x[j] {
-            x if x <= self.lower[j] => Hold::Lower,
-            x if x >= self.upper[j] => Hold::Upper,
-            _ => Hold::Free,
+            x if x <= self.lower[j] => ActiveBound::Lower,
+            x if x >= self.upper[j] => ActiveBound::Upper,
+            _ => ActiveBound::Free,
         };
         (0..self.variables()).map(of).collect()
     }

@@ -1,6 +1,8 @@
 //! A minimum from one start, and the story of how it was found.
 
-use super::{Bounds, Evaluation, Hold, Infeasible, LeastSquares, LevenbergMarquardt, Options};
+use super::{
+    ActiveBound, Bounds, Evaluation, Infeasible, LeastSquares, LevenbergMarquardt, Options,
+};
 use argmin::core::Executor;
 use nalgebra::DVector;
 use std::fmt;
@@ -12,11 +14,11 @@ pub struct Control<'a> {
     /// Once true, the run ends after the iteration under way, with what it has.
     pub interrupt: Option<&'a AtomicBool>,
     /// Called after each iteration; where several starts run in parallel, from their threads.
-    pub watch: Option<&'a Watch<'a>>,
+    pub watch: Option<&'a ProgressCallback<'a>>,
 }
 
 /// Is told the index of a start and its latest iteration.
-pub type Watch<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
+pub type ProgressCallback<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
 
 /// One iteration.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +100,7 @@ pub struct Fit {
     /// Residuals and Jacobian there.
     pub evaluation: Evaluation,
     /// Which variables are at a bound.
-    pub holds: Vec<Hold>,
+    pub holds: Vec<ActiveBound>,
     /// Why it ended.
     pub termination: Termination,
     /// The start and every iteration after it.

@@ -40,7 +40,7 @@
 
 use super::local_model::LocalModel;
 use super::{
-    Bounds, Control, Evaluation, Fit, Hold, Infeasible, Iteration, LeastSquares, Options,
+    ActiveBound, Bounds, Control, Evaluation, Fit, Infeasible, Iteration, LeastSquares, Options,
     Termination,
 };
 use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
@@ -129,7 +129,7 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// Prepares the model at the current point and tests whether that is a minimum.
-    fn arrive(&mut self, x: &DVector<f64>) {
+    fn rebuild_model(&mut self, x: &DVector<f64>) {
         let Evaluation {
             residuals,
             jacobian,
@@ -183,7 +183,7 @@ impl<'a> LevenbergMarquardt<'a> {
                 return (evaluations, Ok(()));
             }
             length = model.step_length();
-            model.lead(x, &mut self.corrected_x);
+            model.step_from(x, &mut self.corrected_x);
             std::mem::swap(x, &mut self.corrected_x);
             if let Err(reason) = self.evaluate_trial(problem) {
                 return (evaluations + 1, Err(reason));
@@ -232,7 +232,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let x = state.param.as_ref().expect("the state was given its start");
         problem.evaluate(x, &mut self.current)?;
         self.current.check()?;
-        self.arrive(x);
+        self.rebuild_model(x);
         let longest = self.model.longest_column();
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
@@ -274,7 +274,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 });
                 break;
             }
-            self.model.lead(&x, &mut self.trial_x);
+            self.model.step_from(&x, &mut self.trial_x);
             evaluations += 1;
             if let Err(reason) = self.evaluate_trial(problem) {
                 infeasible += 1;
@@ -313,7 +313,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 std::mem::swap(&mut x, &mut self.trial_x);
                 std::mem::swap(&mut self.current, &mut self.trial);
                 if !at_end {
-                    self.arrive(&x);
+                    self.rebuild_model(&x);
                 }
             }
             if accepted || at_end {
@@ -368,6 +368,9 @@ fn of<P>(problem: &mut Problem<P>) -> &mut P {
         .expect("argmin gives the problem back")
 }
 
-fn count_held(holds: &[Hold]) -> usize {
-    holds.iter().filter(|&&hold| hold != Hold::Free).count()
+fn count_held(holds: &[ActiveBound]) -> usize {
+    holds
+        .iter()
+        .filter(|&&hold| hold != ActiveBound::Free)
+        .count()
 }

@@ -1,6 +1,6 @@
 //! The linear model of the residuals about a point, and the step it proposes.
 
-use super::{BoundedLeastSquares, Bounds, Hold};
+use super::{ActiveBound, BoundedLeastSquares, Bounds};
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals and Jacobian at a point, reduced, with the room there is to the bounds.
@@ -71,14 +71,14 @@ impl<'a> LocalModel<'a> {
     }
 
     /// Writes into `to` where the step leads from `x`: on a bound exactly where it holds a variable.
-    pub fn lead(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
+    pub fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         let (step, holds) = (self.subproblem.step(), self.subproblem.holds());
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
             to[j] = match holds[j] {
-                Hold::Lower => lower,
-                Hold::Upper => upper,
-                Hold::Free => (x[j] + self.bounds.width()[j] * step[j]).clamp(lower, upper),
+                ActiveBound::Lower => lower,
+                ActiveBound::Upper => upper,
+                ActiveBound::Free => (x[j] + self.bounds.width()[j] * step[j]).clamp(lower, upper),
             };
         }
     }

@@ -30,13 +30,13 @@ mod test_problems;
 mod tests;
 mod tune;
 
-pub use bounded_least_squares::{BoundedLeastSquares, Hold};
+pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
-pub use fit::{Control, Fit, Iteration, Termination, Watch, fit};
+pub use fit::{Control, Fit, Iteration, ProgressCallback, Termination, fit};
 pub use identifiability::{Direction, Identifiability};
 pub use levenberg_marquardt::{LevenbergMarquardt, State};
 pub use multistart::{Multistart, Start, multistart, starting_point};
-pub use objective::{Deviation, Objective, Wishes, moved_design};
+pub use objective::{Deviation, Objective, TargetLayout, moved_design};
 pub use options::Options;
 pub use problem::{Evaluation, Infeasible, LeastSquares};
 pub use tune::{Best, Fulfilment, Tuning, tune};

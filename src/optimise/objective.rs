@@ -11,19 +11,19 @@
 //! factorisation, and one adjoint for each target.
 
 use super::{Evaluation, Infeasible, LeastSquares};
-use crate::characteristics::{Characteristic, Constants, Quantity, Slots, View};
-use crate::derive::{Lifted, MotionPoint};
+use crate::characteristics::{Characteristic, Constants, Quantity, Slots, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Toggles};
 use crate::model::{Axis, Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use crate::study::{Motion, Optimise, Variable};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
 /// What is wanted at one station.
 #[derive(Clone, Debug)]
-struct Wish {
+struct TargetSample {
     row: usize,
     target: usize,
     station: usize,
@@ -35,20 +35,20 @@ struct Wish {
 
 /// The targets laid out over the stations: which row of the problem wants what, where.
 #[derive(Clone, Debug)]
-pub struct Wishes {
+pub struct TargetLayout {
     drive: Drive,
     rack: f64,
-    march: March,
-    by_station: Vec<Vec<Wish>>,
+    station_order: StationOrder,
+    by_station: Vec<Vec<TargetSample>>,
     rows: usize,
     /// Residual per deviation in tolerances, by target.
     shares: Vec<f64>,
-    depth: usize,
+    rate_order: usize,
     /// What of wheel and steering axis the targets are made of.
     reads: Slots,
 }
 
-impl Wishes {
+impl TargetLayout {
     /// Lays out the targets. Curves are compared at the stations of the motion between their ends;
     /// single values at their own. The rack is where the study puts it, or straight ahead where the
     /// study moves it.
@@ -77,7 +77,7 @@ impl Wishes {
             .collect();
         let mut by_station = vec![Vec::new(); values.len()];
         for (row, (target, station, value)) in wanted.into_iter().enumerate() {
-            by_station[station].push(Wish {
+            by_station[station].push(TargetSample {
                 row,
                 target,
                 station,
@@ -91,15 +91,15 @@ impl Wishes {
             .filter(|s| !by_station[*s].is_empty())
             .collect();
         let values: Vec<f64> = used.iter().map(|s| values[*s]).collect();
-        let by_station: Vec<Vec<Wish>> = used
+        let by_station: Vec<Vec<TargetSample>> = used
             .iter()
             .enumerate()
             .map(|(station, old)| {
-                let wishes = by_station[*old].iter().cloned();
-                wishes.map(|w| Wish { station, ..w }).collect()
+                let layout = by_station[*old].iter().cloned();
+                layout.map(|w| TargetSample { station, ..w }).collect()
             })
             .collect();
-        Wishes {
+        TargetLayout {
             drive: motion.drive.in_kernel(),
             rack: frame.sign(Axis::Y)
                 * if motion.rack_moves {
@@ -107,11 +107,11 @@ impl Wishes {
                 } else {
                     motion.rack[0]
                 },
-            march: March::through(&values),
-            depth: optimise
+            station_order: StationOrder::through(&values),
+            rate_order: optimise
                 .targets
                 .iter()
-                .map(|t| Quantity::Characteristic(t.characteristic).depth())
+                .map(|t| Quantity::Characteristic(t.characteristic).rate_order())
                 .max()
                 .unwrap_or(0),
             reads: optimise.targets.iter().fold(Slots::default(), |slots, t| {
@@ -124,8 +124,8 @@ impl Wishes {
     }
 
     /// Derivatives by the drive that some target takes.
-    pub fn depth(&self) -> usize {
-        self.depth
+    pub fn rate_order(&self) -> usize {
+        self.rate_order
     }
 
     /// The deviations of each target in tolerances, from the residuals.
@@ -146,7 +146,7 @@ impl Wishes {
                     count += 1;
                     if deviation.abs() >= worst.abs() {
                         worst = deviation;
-                        worst_at = self.march.values()[wish.station];
+                        worst_at = self.station_order.values()[wish.station];
                     }
                 }
                 Deviation {
@@ -170,16 +170,16 @@ pub struct Deviation {
     pub worst_at: f64,
 }
 
-/// The problem, with its workspace. `N` is one more than [`Wishes::depth`].
+/// The problem, with its workspace. `N` is one more than [`TargetLayout::rate_order`].
 pub struct Objective<'a, const N: usize> {
     frame: Frame,
     variables: &'a [Variable],
-    wishes: &'a Wishes,
+    layout: &'a TargetLayout,
     constants: Constants,
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     solver: Solver<'a>,
-    lifted: Lifted<N>,
+    design_series: DesignSeries<N>,
     toggles: Toggles,
     buffer: Vec<Vector3<Jet<f64, N>>>,
 }
@@ -189,25 +189,25 @@ impl<'a, const N: usize> Objective<'a, N> {
     pub fn new(
         suspension: &'a Suspension,
         variables: &'a [Variable],
-        wishes: &'a Wishes,
+        layout: &'a TargetLayout,
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
         let moves = variables.iter().flat_map(|v| &v.moves);
         let points: Vec<PointId> = moves.map(|m| m.point).collect();
         let mechanism = &suspension.mechanism;
-        let wanted = wishes.by_station.iter().flatten();
+        let wanted = layout.by_station.iter().flatten();
         let rockers =
             wanted.flat_map(|w| Quantity::Characteristic(w.characteristic).rockers(mechanism));
         Ok(Objective {
             frame: suspension.frame,
             variables,
-            wishes,
+            layout,
             constants: Constants::of(suspension),
             design,
             moved: design.clone(),
             solver: Solver::new(&suspension.mechanism, design)?,
-            lifted: Lifted::new(&suspension.mechanism, design)
-                .with_steering_axis(wishes.reads.contain_steering_axis())
+            design_series: DesignSeries::new(&suspension.mechanism, design)
+                .with_steering_axis(layout.reads.contain_steering_axis())
                 .with_sensitivities_to(&suspension.mechanism, &points),
             toggles: Toggles::of(mechanism, rockers),
             buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
@@ -243,19 +243,19 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
     }
 
     fn residuals(&self) -> usize {
-        self.wishes.rows
+        self.layout.rows
     }
 
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
         let Objective {
             frame,
             variables,
-            wishes,
+            layout,
             constants,
             design,
             moved,
             solver,
-            lifted,
+            design_series,
             toggles,
             buffer,
         } = self;
@@ -263,24 +263,24 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         solver.prepare(moved).map_err(refused)?;
-        lifted.prepare(mechanism, moved);
-        let begun = toggles.begin(solver, wishes.drive, wishes.rack);
+        design_series.prepare(mechanism, moved);
+        let begun = toggles.begin(solver, layout.drive, layout.rack);
         begun.map_err(refused)?;
         let mut failed: Option<(f64, Failure)> = None;
-        let visited = solver.march(
-            wishes.drive,
-            &wishes.march,
-            wishes.rack,
+        let visited = solver.for_each_pose(
+            layout.drive,
+            &layout.station_order,
+            layout.rack,
             |solver, station, pose| {
-                let value = wishes.march.values()[station];
+                let value = layout.station_order.values()[station];
                 let motion = MotionPoint {
-                    drive: wishes.drive,
+                    drive: layout.drive,
                     value,
-                    rack: wishes.rack,
+                    rack: layout.rack,
                 }
                 .along_drive::<N>();
                 let linearised = pose
-                    .and_then(|pose| solver.linearised(lifted, pose, &motion))
+                    .and_then(|pose| solver.linearised(design_series, pose, &motion))
                     .and_then(|linearised| match toggles.note(&linearised.at, value) {
                         None => Ok(linearised),
                         Some(rod) => Err(Failure::Toggle(rod)),
@@ -292,8 +292,8 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
                         return ControlFlow::Break(());
                     }
                 };
-                let view = View::reading(&linearised.at, *constants, wishes.reads);
-                for wish in &wishes.by_station[station] {
+                let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+                for wish in &layout.by_station[station] {
                     let quantity = Quantity::Characteristic(wish.characteristic);
                     let found = view.value(&linearised.at, quantity)[0];
                     into.residuals[wish.row] = (found - wish.value) * wish.scale;
@@ -320,7 +320,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
         visited.map_err(refused)?;
         match failed {
             None => Ok(()),
-            Some((value, failure)) => Err(Infeasible::Refused(match wishes.drive {
+            Some((value, failure)) => Err(Infeasible::Refused(match layout.drive {
                 Drive::Travel => format!("travel {value} is not reached: {failure}"),
                 Drive::ArmAngle => {
                     format!(

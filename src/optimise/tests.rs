@@ -41,9 +41,9 @@ fn violation(fit: &Fit) -> f64 {
         let column = jacobian.column(j);
         let cosine = column.dot(residuals) / (column.norm() * residuals.norm());
         match fit.holds[j] {
-            Hold::Free => cosine.abs(),
-            Hold::Lower => (-cosine).max(0.0),
-            Hold::Upper => cosine.max(0.0),
+            ActiveBound::Free => cosine.abs(),
+            ActiveBound::Lower => (-cosine).max(0.0),
+            ActiveBound::Upper => cosine.max(0.0),
         }
     };
     (0..fit.holds.len()).map(cosine).fold(0.0, f64::max)
@@ -128,7 +128,7 @@ fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     let b = 400.0 * a * a * a;
     let x = 2.0 * a * ((1.0 / b).acos() / 3.0).cos();
     assert_eq!(fit.x[1], 1.5);
-    assert_eq!(fit.holds, [Hold::Free, Hold::Lower]);
+    assert_eq!(fit.holds, [ActiveBound::Free, ActiveBound::Lower]);
     assert!((fit.x[0] - x).abs() < 1e-8, "{} {x}", fit.x[0]);
 }
 
@@ -219,7 +219,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
         };
         let fit = run(problem, &[[-1.0, 1.0]; 6], &[0.0; 6], &to_the_end());
         assert!(fit.termination.at_minimum(), "{}", fit.termination);
-        assert!(fit.holds.iter().all(|&hold| hold == Hold::Free));
+        assert!(fit.holds.iter().all(|&hold| hold == ActiveBound::Free));
         // The part of the move that the rows of `right` do not span.
         let square = &right * right.transpose();
         let seen = right.transpose() * square.lu().solve(&(&right * &fit.x)).unwrap();
@@ -372,7 +372,7 @@ fn a_corner_all_bounds_hold_is_stationary() {
     let fit = run(problem, &[[-1.0, 1.0]; 2], &[0.0, 0.0], &Options::default());
     assert_eq!(fit.termination, Termination::Stationary);
     assert_eq!(fit.x, vector(&[-1.0, 1.0]));
-    assert_eq!(fit.holds, [Hold::Lower, Hold::Upper]);
+    assert_eq!(fit.holds, [ActiveBound::Lower, ActiveBound::Upper]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Tuning a study: from its targets and variables to the best design found.
 
-use super::objective::{Deviation, Objective, Wishes, moved_design};
+use super::objective::{Deviation, Objective, TargetLayout, moved_design};
 use super::{
     Bounds, Control, Evaluation, Identifiability, Infeasible, LeastSquares, Multistart, Options,
     multistart,
@@ -55,26 +55,26 @@ pub fn tune(
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    let wishes = Wishes::of(optimise, motion, &suspension.frame);
-    match wishes.depth() {
-        0 => tune_at::<1>(suspension, optimise, &wishes, control),
-        _ => tune_at::<2>(suspension, optimise, &wishes, control),
+    let layout = TargetLayout::of(optimise, motion, &suspension.frame);
+    match layout.rate_order() {
+        0 => tune_at::<1>(suspension, optimise, &layout, control),
+        _ => tune_at::<2>(suspension, optimise, &layout, control),
     }
 }
 
 fn tune_at<const N: usize>(
     suspension: &Suspension,
     optimise: &Optimise,
-    wishes: &Wishes,
+    layout: &TargetLayout,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
     let variables = &optimise.variables;
-    let mut probe = Objective::<N>::new(suspension, variables, wishes)?;
+    let mut probe = Objective::<N>::new(suspension, variables, layout)?;
     let design = DVector::zeros(variables.len());
     let mut evaluation = Evaluation::new(probe.residuals(), probe.variables());
     let fulfilment = |evaluation: &Evaluation| Fulfilment {
         misfit: evaluation.misfit(),
-        targets: wishes.deviations(&evaluation.residuals),
+        targets: layout.deviations(&evaluation.residuals),
     };
     let before = probe
         .evaluate(&design, &mut evaluation)
@@ -88,7 +88,7 @@ fn tune_at<const N: usize>(
     };
     let starts = multistart(
         || {
-            Objective::<N>::new(suspension, variables, wishes)
+            Objective::<N>::new(suspension, variables, layout)
                 .expect("the same design was accepted above")
         },
         &bounds,

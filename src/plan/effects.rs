@@ -249,7 +249,7 @@ impl Plan {
             let of_velocities = self
                 .outputs
                 .iter()
-                .filter(|o| o.quantity.depth() > 0 && o.highest + 1 >= derivative)
+                .filter(|o| o.quantity.rate_order() > 0 && o.highest + 1 >= derivative)
                 .map(|o| o.name.as_str());
             let because = if order as usize >= derivative {
                 let key = format!("outputs.order = \"{}\"", order.name());
@@ -301,7 +301,7 @@ impl Plan {
 
     /// Adjoint passes that the gradients of an output take.
     fn adjoints(&self, quantity: Quantity) -> usize {
-        match quantity.depth() {
+        match quantity.rate_order() {
             0 => 1,
             _ => self.coefficients - 1,
         }

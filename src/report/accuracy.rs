@@ -1,7 +1,7 @@
 //! What is known of the accuracy of some curves: their conditioning and their certificate.
 
-use super::place::Place;
 use super::solve_summary::brief;
+use super::station_label::StationLabel;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Failure;
 use crate::study::{Drive, Study};
@@ -35,7 +35,7 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
     let stations = stations_in_words(count);
     Some(format!(
         "warning: loads not carried at {stations}, the first at {}: {support} has next to no leverage there",
-        Place::of(first, study.motion.drive)
+        StationLabel::of(first, study.motion.drive)
     ))
 }
 
@@ -54,7 +54,7 @@ fn toggled(study: &Study, curves: &Curves) -> Option<String> {
         "warning: the {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: there it turns {} no \
          further, and what moves with that has no values",
         stations_in_words(count),
-        Place::of(first, study.motion.drive),
+        StationLabel::of(first, study.motion.drive),
         rod.turns()
     ))
 }
@@ -72,9 +72,9 @@ pub struct ConditionSummary {
     /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
     /// Where.
-    at: Place,
+    at: StationLabel,
     /// Stations whose derivatives and sensitivities have fewer than six digits.
-    ill_conditioned: Vec<Place>,
+    ill_conditioned: Vec<StationLabel>,
 }
 
 impl ConditionSummary {
@@ -82,7 +82,7 @@ impl ConditionSummary {
     pub fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition
-                .map(|condition| (condition, Place::of(s, drive)))
+                .map(|condition| (condition, StationLabel::of(s, drive)))
         };
         let all = curves.stations.iter().filter_map(known);
         let (worst, at) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -91,7 +91,7 @@ impl ConditionSummary {
         Some(ConditionSummary {
             worst,
             at,
-            ill_conditioned: poor.map(|s| Place::of(s, drive)).collect(),
+            ill_conditioned: poor.map(|s| StationLabel::of(s, drive)).collect(),
         })
     }
 
@@ -123,7 +123,7 @@ pub struct CertificateSummary {
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,
     /// Where.
-    at: Option<Place>,
+    at: Option<StationLabel>,
     /// The smallest distance within which there is proved to be no other pose.
     smallest_uniqueness: Option<f64>,
 }
@@ -143,7 +143,7 @@ impl CertificateSummary {
             unproved: curves.stations.iter().filter(refused).count(),
             one_branch: proofs().count() == curves.stations.len(),
             largest_position_error: worst.map(|(_, proof)| proof.position_error),
-            at: worst.map(|(station, _)| Place::of(station, study.motion.drive)),
+            at: worst.map(|(station, _)| StationLabel::of(station, study.motion.drive)),
             smallest_uniqueness: uniqueness.min_by(f64::total_cmp),
         })
     }

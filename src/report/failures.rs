@@ -8,7 +8,7 @@ use std::fmt;
 
 /// Neighbouring stations that failed for one reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stretch {
+pub struct FailureRange {
     /// Index of the first station.
     pub first: usize,
     /// Index of the last one.
@@ -21,24 +21,24 @@ pub struct Stretch {
     pub place: String,
 }
 
-impl Stretch {
+impl FailureRange {
     /// The failed stretches of some curves, in the order of their stations.
-    pub fn all(curves: &Curves, drive: Drive) -> Vec<Stretch> {
+    pub fn all(curves: &Curves, drive: Drive) -> Vec<FailureRange> {
         let stations = &curves.stations;
-        let mut stretches: Vec<Stretch> = Vec::new();
+        let mut stretches: Vec<FailureRange> = Vec::new();
         for (index, station) in stations.iter().enumerate() {
             let Status::Failed(failure) = station.status else {
                 continue;
             };
             let reason = failure.to_string();
-            let continues = |s: &&mut Stretch| {
+            let continues = |s: &&mut FailureRange| {
                 let last = &stations[s.last];
                 s.last + 1 == index && s.reason == reason && last.rack == station.rack
             };
             if let Some(stretch) = stretches.last_mut().filter(continues) {
                 stretch.last = index;
             } else {
-                stretches.push(Stretch {
+                stretches.push(FailureRange {
                     first: index,
                     last: index,
                     status: station.status.word().to_owned(),
@@ -59,7 +59,7 @@ impl Stretch {
     }
 }
 
-impl fmt::Display for Stretch {
+impl fmt::Display for FailureRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.place, self.reason)
     }

@@ -37,7 +37,7 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
     if outputs.is_empty() {
         return Ok(Vec::new());
     }
-    let depth = outputs.iter().map(|o| o.quantity.depth()).max();
+    let depth = outputs.iter().map(|o| o.quantity.rate_order()).max();
     let points = 0..suspension.mechanism.points.len();
     let found = curves(
         suspension,

@@ -5,32 +5,32 @@
 
 mod accuracy;
 mod curve_table;
-mod doubts;
 mod failures;
 mod files;
 mod finished;
 mod influence;
 mod page;
 mod picture;
-mod place;
+mod plausibility;
 mod record;
 mod run;
 mod run_directory;
 mod scene;
 mod solve_summary;
+mod station_label;
 mod sweep;
 mod table;
 mod tuning_summary;
 
 pub use accuracy::remarks;
 pub use curve_table::CurveTable;
-pub use doubts::doubts;
-pub use failures::Stretch;
+pub use failures::FailureRange;
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::FinishedRun;
 pub use influence::Influence;
 pub use page::{page, sweep_page};
 pub use picture::{Picture, pictures};
+pub use plausibility::doubts;
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
 pub use run_directory::{NoPlace, RunDirectory, WriteError};

@@ -1,14 +1,14 @@
 //! `report.json`: what the report needs beyond the other files of a run.
 
 use super::accuracy::remarks;
-use super::failures::Stretch;
+use super::failures::FailureRange;
 use super::influence::{Influence, influences};
 use super::scene::{Frame, Scene, frames};
 use crate::curves::{Column, Curves};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::solve::March;
+use crate::solve::StationOrder;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
@@ -89,7 +89,7 @@ pub struct DesignRecord {
     #[serde(default)]
     pub remarks: Vec<String>,
     /// The stations that failed.
-    pub failures: Vec<Stretch>,
+    pub failures: Vec<FailureRange>,
     /// Some of the stations, drawn.
     pub frames: Vec<Frame>,
 }
@@ -121,7 +121,7 @@ impl Record {
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
                 remarks: remarks(study, curves),
-                failures: Stretch::all(curves, plan.drive),
+                failures: FailureRange::all(curves, plan.drive),
                 frames: frames(suspension, &few)?,
             })
         };
@@ -154,9 +154,9 @@ impl Record {
 /// The plan with no more stations than are drawn.
 fn thinned(plan: &Plan) -> Plan {
     let racks = evenly(&plan.racks, 9);
-    let values = evenly(plan.march.values(), MOST_FRAMES / racks.len());
+    let values = evenly(plan.station_order.values(), MOST_FRAMES / racks.len());
     Plan {
-        march: March::through(&values),
+        station_order: StationOrder::through(&values),
         racks,
         loads: Vec::new(),
         ..plan.clone()

@@ -1,8 +1,8 @@
 //! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
 
-use crate::curves::Course;
-use crate::derive::Lifted;
-use crate::mechanism::{DesignFault, Failure, Posture, Toggles};
+use crate::curves::DriveLaw;
+use crate::derive::DesignSeries;
+use crate::mechanism::{Configuration, DesignFault, Failure, Toggles};
 use crate::model::{
     Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension,
 };
@@ -162,11 +162,11 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
 /// The frames of a suspension at the stations of a plan, rack by rack.
 pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-    let lifted = Lifted::<1>::new(&suspension.mechanism, &suspension.design);
-    let course = Course::of(suspension, plan)?;
+    let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
+    let drive_law = DriveLaw::of(suspension, plan)?;
     let rockers = (0..suspension.mechanism.rockers.len()).map(RockerId);
     let toggles = Toggles::of(&suspension.mechanism, rockers);
-    let values = plan.march.values();
+    let values = plan.station_order.values();
     let mut frames = Vec::with_capacity(plan.stations());
     for rack in &plan.racks {
         let first = frames.len();
@@ -178,24 +178,29 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
         let rack = rack * plan.rack_sign;
         let drive = plan.drive.in_kernel();
         toggles.begin(&mut solver, drive, rack)?;
-        solver.march(drive, &course.march, rack, |solver, place, pose| {
-            let number = course.stations[place];
-            let motion = course.motion::<1>(values[number], rack);
-            frames[first + number].pose = pose
-                .and_then(|pose| solver.posture_series(&lifted, pose, &motion))
-                .and_then(|at| match toggles.note(&at, motion.value[0]) {
-                    None => Ok(Placement::of(suspension, &at)),
-                    Some(rod) => Err(Failure::Toggle(rod)),
-                })
-                .map_err(|failure| failure.to_string());
-            ControlFlow::Continue(())
-        })?;
+        solver.for_each_pose(
+            drive,
+            &drive_law.station_order,
+            rack,
+            |solver, place, pose| {
+                let number = drive_law.stations[place];
+                let motion = drive_law.motion::<1>(values[number], rack);
+                frames[first + number].pose = pose
+                    .and_then(|pose| solver.configuration_series(&design_series, pose, &motion))
+                    .and_then(|at| match toggles.note(&at, motion.value[0]) {
+                        None => Ok(Placement::of(suspension, &at)),
+                        Some(rod) => Err(Failure::Toggle(rod)),
+                    })
+                    .map_err(|failure| failure.to_string());
+                ControlFlow::Continue(())
+            },
+        )?;
     }
     Ok(frames)
 }
 
 impl Placement {
-    fn of(suspension: &Suspension, at: &Posture<Jet<f64, 1>>) -> Placement {
+    fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 1>>) -> Placement {
         let outside = |v: Vector3<Jet<f64, 1>>| {
             let [x, y, z] = suspension.frame.vector(v.map(|c| c[0])).to_array();
             [x + 0.0, y + 0.0, z + 0.0]
@@ -213,7 +218,10 @@ impl Placement {
 
 /// Two points of the steering axis: its joints, or for an instantaneous one two points
 /// below and above the wheel's centre.
-fn steering_axis<T: Real>(suspension: &Suspension, at: &Posture<T>) -> Option<[Vector3<T>; 2]> {
+fn steering_axis<T: Real>(
+    suspension: &Suspension,
+    at: &Configuration<T>,
+) -> Option<[Vector3<T>; 2]> {
     if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
         return Some([lower, upper].map(|id| at.point(id)));
     }

@@ -2,7 +2,7 @@
 
 use super::Table;
 use super::accuracy::{CertificateSummary, ConditionSummary};
-use super::place::Place;
+use super::station_label::StationLabel;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Work;
 use crate::study::Study;
@@ -36,7 +36,7 @@ pub struct SolveSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FailedStation {
     #[serde(flatten)]
-    place: Place,
+    place: StationLabel,
     status: String,
     reason: String,
 }
@@ -68,7 +68,7 @@ impl SolveSummary {
         let failed = curves.stations.iter().filter_map(|s| match s.status {
             Status::Ok | Status::IllConditioned | Status::Unsupported | Status::Toggle(_) => None,
             Status::Failed(failure) => Some(FailedStation {
-                place: Place::of(s, drive),
+                place: StationLabel::of(s, drive),
                 status: s.status.word().to_owned(),
                 reason: failure.to_string(),
             }),

@@ -4,7 +4,7 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::solve_summary::brief;
 use super::{Table, shortest};
 use crate::curves::Curves;
-use crate::optimise::{Fulfilment, Hold, Tuning};
+use crate::optimise::{ActiveBound, Fulfilment, Tuning};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
 
@@ -99,9 +99,9 @@ impl TuningSummary {
                 offset: best.map(|b| b.offsets[k] + 0.0),
                 range: v.range,
                 at_bound: fit.and_then(|fit| match fit.holds[k] {
-                    Hold::Free => None,
-                    Hold::Lower => Some("lower".to_owned()),
-                    Hold::Upper => Some("upper".to_owned()),
+                    ActiveBound::Free => None,
+                    ActiveBound::Lower => Some("lower".to_owned()),
+                    ActiveBound::Upper => Some("upper".to_owned()),
                 }),
             }
         });

@@ -26,10 +26,10 @@ impl PoseError {
         angle: 0.0,
     };
 
-    /// What rounding may make of a pose where coordinates go up to `reach` and points are up to `size`
+    /// What rounding may make of a pose where coordinates go up to `coordinate_scale` and points are up to `size`
     /// apart: the closed form is used where it loses no more than four digits.
-    pub fn of_rounding(reach: f64, size: f64) -> Self {
-        let length = 1e4 * f64::EPSILON * reach;
+    pub fn of_rounding(coordinate_scale: f64, size: f64) -> Self {
+        let length = 1e4 * f64::EPSILON * coordinate_scale;
         PoseError {
             length,
             angle: length / size,
@@ -77,32 +77,32 @@ pub(crate) const MARGIN: f64 = 4.0;
 
 /// What is asked of a solver, and the worst that it had to leave.
 #[derive(Clone, Debug)]
-pub(crate) struct Demand {
+pub(crate) struct ErrorBudget {
     /// What may be off; nothing by default, so that only rounding is.
     pub allowed: PoseError,
     left: Cell<PoseError>,
 }
 
-impl Default for Demand {
+impl Default for ErrorBudget {
     fn default() -> Self {
-        Demand {
+        ErrorBudget {
             allowed: PoseError::ZERO,
             left: Cell::new(PoseError::ZERO),
         }
     }
 }
 
-impl Demand {
+impl ErrorBudget {
     pub(crate) fn new(allowed: PoseError) -> Self {
-        Demand {
+        ErrorBudget {
             allowed,
-            ..Demand::default()
+            ..ErrorBudget::default()
         }
     }
 
     /// Whether less than everything is asked.
     #[inline]
-    pub(crate) fn is_modest(&self) -> bool {
+    pub(crate) fn is_relaxed(&self) -> bool {
         self.allowed.length > 0.0
     }
 
@@ -113,8 +113,8 @@ impl Demand {
     }
 
     /// The worst that was left, rounding included.
-    pub(crate) fn bound(&self, reach: f64, size: f64) -> PoseError {
-        let rounding = PoseError::of_rounding(reach, size);
+    pub(crate) fn bound(&self, coordinate_scale: f64, size: f64) -> PoseError {
+        let rounding = PoseError::of_rounding(coordinate_scale, size);
         let left = self.left.get();
         PoseError {
             length: left.length + rounding.length,

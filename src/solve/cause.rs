@@ -17,7 +17,7 @@ impl Curve<'_> {
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
         let mechanism = self.mechanism;
         let pose = fold.series;
-        let at = self.lifted.at(mechanism, pose, Jet::constant(0.0));
+        let at = self.design_series.at(mechanism, pose, Jet::constant(0.0));
         let joint = pose.origin.map(Jet::differentiated);
         let turning = angular_velocity(&pose);
         let Some(SteeringAxis::Through { lower, upper }) = mechanism.steering_axis else {

@@ -16,11 +16,11 @@
 
 use super::path::Solver;
 use crate::derive::Linearised;
-use crate::derive::{Lifted, MotionPoint};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::linear::lu::Lu6;
+use crate::mechanism::Configuration;
 use crate::mechanism::Failure;
 use crate::mechanism::Pose;
-use crate::mechanism::Posture;
 use crate::number::Jet;
 
 /// The condition of one pose.
@@ -114,27 +114,28 @@ impl Solver<'_> {
         }
     }
 
-    /// As [`Solver::posture_series`], with the condition: from the factors of the Jacobian where it had to
+    /// As [`Solver::configuration_series`], with the condition: from the factors of the Jacobian where it had to
     /// be factorised, else as [`Solver::estimated_conditioning`].
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
-        lifted: &'a Lifted<N>,
+        design_series: &'a DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Result<(Posture<'a, Jet<f64, N>>, Conditioning), Failure> {
+    ) -> Result<(Configuration<'a, Jet<f64, N>>, Conditioning), Failure> {
         let estimated = || self.estimated_conditioning(pose, &motion.value_point());
-        if let Some(series) = self.formed_series(lifted, pose, motion) {
+        if let Some(series) = self.formed_series(design_series, pose, motion) {
             return Ok((
-                lifted.at(self.mechanism(), series, motion.rack),
+                design_series.at(self.mechanism(), series, motion.rack),
                 estimated(),
             ));
         }
-        let (posture, factors) = self.factorised_series(lifted, pose, motion, false)?;
+        let (configuration, factors) =
+            self.factorised_series(design_series, pose, motion, false)?;
         let condition = match factors {
             Some(lu) => Conditioning::of(&lu, self.size()),
             None => estimated(),
         };
-        Ok((posture, condition))
+        Ok((configuration, condition))
     }
 }
 

@@ -16,11 +16,11 @@
 //! A fold is where q' = 0 by the arc length. Newton's method with the q'' of the series finds it, and
 //! since q is stationary there, its value is exact to rounding.
 
-use crate::derive::{Lifted, MotionPoint};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Closure;
 use crate::mechanism::GOOD_PREDICTION;
-use crate::mechanism::{Pose, Posture};
-use crate::mechanism::{Tally, Work};
+use crate::mechanism::{Configuration, Pose};
+use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism};
 use crate::number::Jet;
 use crate::number::Vector3;
@@ -40,11 +40,11 @@ pub(crate) struct Curve<'a> {
     pub mechanism: &'a Mechanism,
     pub design: &'a [Vector3<f64>],
     pub closure: &'a Closure<f64>,
-    pub lifted: &'a Lifted<3>,
+    pub design_series: &'a DesignSeries<3>,
     pub size: f64,
     /// Rounding of the equations, in sizes.
     pub rounding: f64,
-    pub work: &'a Tally,
+    pub work: &'a WorkCounter,
     pub moving: Moving,
     /// Kind of drive and the value of what is held.
     pub held: MotionPoint<f64>,
@@ -208,7 +208,7 @@ impl Curve<'_> {
     /// [F_x  F_q] in sizes.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
-        let at = Posture {
+        let at = Configuration {
             mechanism: self.mechanism,
             design: self.design,
             pose: *pose,
@@ -216,7 +216,7 @@ impl Curve<'_> {
             steering: None,
         };
         let jacobian = self.closure.jacobian(&at, motion.driver());
-        let by_value = self.lifted.residuals(
+        let by_value = self.design_series.residuals(
             self.mechanism,
             &pose.map(Jet::constant),
             &self.lifted_motion(Jet::variable(value)),
@@ -257,7 +257,7 @@ impl Curve<'_> {
         let mut moved = Jet::constant(value);
         for k in 1..3 {
             let residuals =
-                self.lifted
+                self.design_series
                     .residuals(self.mechanism, &series, &self.lifted_motion(moved));
             let y = factors.solve(std::array::from_fn(|i| match i {
                 0..6 => -residuals[i][k] / self.size,
@@ -293,7 +293,7 @@ impl Curve<'_> {
         let (mut missed, mut last) = (0.0, f64::INFINITY);
         for iteration in 0..12 {
             let motion = self.motion(value);
-            let at = Posture {
+            let at = Configuration {
                 mechanism: self.mechanism,
                 design: self.design,
                 pose,

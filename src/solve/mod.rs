@@ -15,7 +15,7 @@ pub(crate) mod trial;
 pub use accuracy::PoseError;
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub(crate) use path::Station;
-pub use path::{March, Solver};
+pub use path::{Solver, StationOrder};
 pub use tracker::{
     Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose, LaneRates,
     Visit,

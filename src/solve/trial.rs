@@ -6,7 +6,7 @@
 use super::closed_form::{ClosedForm, Roles};
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Mechanism, PointId};
 use crate::number::Dual;
 use crate::number::Jet;
@@ -121,8 +121,8 @@ impl<'m, T: Scalar> SixEquations<'m, T> {
 
     /// The design in a pose.
     #[inline]
-    pub(crate) fn posture(&self, pose: Pose<T>) -> Posture<'_, T> {
-        Posture {
+    pub(crate) fn configuration(&self, pose: Pose<T>) -> Configuration<'_, T> {
+        Configuration {
             mechanism: self.mechanism,
             design: &self.design,
             pose,
@@ -144,7 +144,7 @@ impl<T: Scalar> Equations<T> for SixEquations<'_, T> {
 
     #[inline]
     fn step(&self, pose: &Pose<T>, travel: T) -> (Pose<T>, f64) {
-        let at = self.posture(*pose);
+        let at = self.configuration(*pose);
         let driver = Driver::Travel(travel);
         let residuals = self.closure.residuals(&at, driver);
         let missed = residuals
@@ -154,8 +154,8 @@ impl<T: Scalar> Equations<T> for SixEquations<'_, T> {
             return (*pose, f64::NAN);
         };
         let [x, y, z, a, b, c] = lu.solve(residuals).map(|v| -v);
-        let half_turn = Vector3::new(a, b, c).map(|v| v.scaled(0.5));
-        let mut next = pose.moved(Vector3::new(x, y, z), half_turn);
+        let rodrigues = Vector3::new(a, b, c).map(|v| v.scaled(0.5));
+        let mut next = pose.moved(Vector3::new(x, y, z), rodrigues);
         next.rotation = next.rotation.orthonormalised();
         (next, missed)
     }
@@ -212,24 +212,24 @@ impl<'m, T: Scalar> Forward<'m, T> {
         }
     }
 
-    /// Calls `receive` with the posture as a function of each hardpoint's coordinates, at a solved pose:
+    /// Calls `receive` with the configuration as a function of each hardpoint's coordinates, at a solved pose:
     /// J x_p = -F_p with one factorisation for all.
     #[inline]
     pub(crate) fn each(
         &self,
         pose: &Pose<T>,
         travel: T,
-        mut receive: impl FnMut(PointId, &Posture<'_, Dual<T, 3>>),
+        mut receive: impl FnMut(PointId, &Configuration<'_, Dual<T, 3>>),
     ) {
-        let at = self.plain.posture(*pose);
+        let at = self.plain.configuration(*pose);
         let jacobian = self.plain.closure.jacobian(&at, Driver::Travel(travel));
         let Some(lu) = Lu6::new(jacobian, 1.0) else {
             return;
         };
-        let lifted = pose.map(Dual::constant);
+        let design_series = pose.map(Dual::constant);
         for (id, equations) in &self.by_point {
             let driver = Driver::Travel(Dual::constant(travel));
-            let at = equations.posture(lifted);
+            let at = equations.configuration(design_series);
             let residuals = equations.closure.residuals(&at, driver);
             let columns = [0, 1, 2].map(|k| lu.solve(residuals.map(|r| -r.partials[k])));
             let zero = travel.zero();
@@ -238,8 +238,11 @@ impl<'m, T: Scalar> Forward<'m, T> {
                 partials: columns.map(|c| c[i].scaled(scale)),
             };
             let shift = Vector3::new(twist(0, 1.0), twist(1, 1.0), twist(2, 1.0));
-            let half_turn = Vector3::new(twist(3, 0.5), twist(4, 0.5), twist(5, 0.5));
-            receive(*id, &equations.posture(lifted.moved(shift, half_turn)));
+            let rodrigues = Vector3::new(twist(3, 0.5), twist(4, 0.5), twist(5, 0.5));
+            receive(
+                *id,
+                &equations.configuration(design_series.moved(shift, rodrigues)),
+            );
         }
     }
 }

@@ -28,7 +28,7 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
     let [parents @ .., last] = path.as_slice() else {
         return Err("expected a path before =".to_owned());
     };
-    let mut place = Place::Item(document.as_item_mut());
+    let mut place = KeyPath::Item(document.as_item_mut());
     for key in parents {
         place = place.enter(key)?;
     }
@@ -36,42 +36,42 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
 }
 
 /// Somewhere in a document.
-enum Place<'a> {
+enum KeyPath<'a> {
     Item(&'a mut Item),
     Table(&'a mut dyn TableLike),
     Value(&'a mut Value),
 }
 
-impl<'a> Place<'a> {
+impl<'a> KeyPath<'a> {
     /// One step down; a section that is not there is made.
-    fn enter(self, key: &Key) -> Result<Place<'a>, String> {
+    fn enter(self, key: &Key) -> Result<KeyPath<'a>, String> {
         match self {
-            Place::Item(Item::ArrayOfTables(tables)) => {
+            KeyPath::Item(Item::ArrayOfTables(tables)) => {
                 let count = tables.len();
                 let index = index(key, count)?;
                 let table = tables
                     .get_mut(index)
                     .ok_or_else(|| no_element(key, count))?;
-                Ok(Place::Table(table))
+                Ok(KeyPath::Table(table))
             }
-            Place::Item(Item::Value(value)) => Place::Value(value).enter(key),
-            Place::Item(item) => match item.as_table_like_mut() {
-                Some(table) => Place::Table(table).enter(key),
+            KeyPath::Item(Item::Value(value)) => KeyPath::Value(value).enter(key),
+            KeyPath::Item(item) => match item.as_table_like_mut() {
+                Some(table) => KeyPath::Table(table).enter(key),
                 None => Err(no_table(key)),
             },
-            Place::Value(Value::Array(array)) => {
+            KeyPath::Value(Value::Array(array)) => {
                 let count = array.len();
                 let index = index(key, count)?;
                 let value = array.get_mut(index).ok_or_else(|| no_element(key, count))?;
-                Ok(Place::Value(value))
+                Ok(KeyPath::Value(value))
             }
-            Place::Value(value) => match value.as_inline_table_mut() {
-                Some(table) => Place::Table(table).enter(key),
+            KeyPath::Value(value) => match value.as_inline_table_mut() {
+                Some(table) => KeyPath::Table(table).enter(key),
                 None => Err(no_table(key)),
             },
-            Place::Table(table) => {
+            KeyPath::Table(table) => {
                 let entry = table.entry(key.get());
-                Ok(Place::Item(
+                Ok(KeyPath::Item(
                     entry.or_insert_with(|| Item::Table(Table::new())),
                 ))
             }
@@ -81,8 +81,8 @@ impl<'a> Place<'a> {
     /// Puts a value at a key or index, keeping the comments around the one it replaces.
     fn put(self, key: &Key, mut value: Value) -> Result<(), String> {
         let table: &mut dyn TableLike = match self {
-            Place::Item(Item::Value(inner)) => return Place::Value(inner).put(key, value),
-            Place::Value(Value::Array(array)) => {
+            KeyPath::Item(Item::Value(inner)) => return KeyPath::Value(inner).put(key, value),
+            KeyPath::Value(Value::Array(array)) => {
                 let count = array.len();
                 let index = index(key, count)?;
                 let old = array.get_mut(index).ok_or_else(|| no_element(key, count))?;
@@ -90,9 +90,9 @@ impl<'a> Place<'a> {
                 *old = value;
                 return Ok(());
             }
-            Place::Item(item) => item.as_table_like_mut().ok_or_else(|| no_table(key))?,
-            Place::Value(inner) => inner.as_inline_table_mut().ok_or_else(|| no_table(key))?,
-            Place::Table(table) => table,
+            KeyPath::Item(item) => item.as_table_like_mut().ok_or_else(|| no_table(key))?,
+            KeyPath::Value(inner) => inner.as_inline_table_mut().ok_or_else(|| no_table(key))?,
+            KeyPath::Table(table) => table,
         };
         match table.get_mut(key.get()) {
             Some(item) => {

@@ -82,9 +82,9 @@ pub fn accuracy(
         }
     };
     let size = suspension.size();
-    let reach = |far: f64, p: &Vector3<f64>| far.max(p.norm());
-    let reach = suspension.design.iter().fold(size, reach);
-    let finest = PoseError::of_rounding(reach, size);
+    let coordinate_scale = |far: f64, p: &Vector3<f64>| far.max(p.norm());
+    let coordinate_scale = suspension.design.iter().fold(size, coordinate_scale);
+    let finest = PoseError::of_rounding(coordinate_scale, size);
     let unit = suspension.length_unit.symbol();
     let message = if !(length > 0.0 && angle > 0.0) {
         "expected an accuracy above 0".to_owned()
@@ -220,7 +220,7 @@ fn check_derivatives(
         return;
     };
     for (text, characteristic) in section.characteristics.iter().zip(&outputs.characteristics) {
-        let takes = order + Quantity::Characteristic(*characteristic).depth();
+        let takes = order + Quantity::Characteristic(*characteristic).rate_order();
         if takes > given {
             let (name, order) = (text.get_ref(), outputs.order.name());
             let message = format!(

@@ -2,8 +2,8 @@
 
 use super::Stations;
 use super::evaluate::{Block, FailedStation};
-use crate::characteristics::{Constants, Quantity, Slots, View};
-use crate::derive::{Lifted, MotionPoint};
+use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
 use crate::model::{RockerId, Suspension};
 use crate::number::Vector3;
@@ -21,8 +21,8 @@ pub(super) struct Careful<'a, const N: usize> {
     rockers: Vec<Vec<RockerId>>,
     toggles: Toggles,
     solver: Solver<'a>,
-    lifted: Lifted<N>,
-    with_slope: Lifted<2>,
+    design_series: DesignSeries<N>,
+    with_slope: DesignSeries<2>,
 }
 
 impl<'a, const N: usize> Careful<'a, N> {
@@ -46,8 +46,8 @@ impl<'a, const N: usize> Careful<'a, N> {
             toggles: Toggles::of(mechanism, rockers.iter().flatten().copied()),
             rockers,
             solver: Solver::new(mechanism, design)?,
-            lifted: Lifted::new(mechanism, design).with_steering_axis(steering_axis),
-            with_slope: Lifted::new(mechanism, design).with_steering_axis(steering_axis),
+            design_series: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
+            with_slope: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
         })
     }
 
@@ -85,17 +85,17 @@ impl<'a, const N: usize> Careful<'a, N> {
             rockers,
             toggles,
             solver,
-            lifted,
+            design_series,
             with_slope,
         } = self;
         solver.prepare(design)?;
-        lifted.prepare(solver.mechanism(), design);
+        design_series.prepare(solver.mechanism(), design);
         with_slope.prepare(solver.mechanism(), design);
         let drive = stations.drive;
         for (r, rack) in stations.racks.iter().enumerate() {
             let rack = *rack;
             toggles.begin(solver, drive, rack)?;
-            solver.march(drive, &stations.march, rack, |solver, v, pose| {
+            solver.for_each_pose(drive, &stations.station_order, rack, |solver, v, pose| {
                 let station = stations.number(r, v);
                 let motion = MotionPoint {
                     drive,
@@ -103,20 +103,22 @@ impl<'a, const N: usize> Careful<'a, N> {
                     rack,
                 };
                 let read = |pose: &Pose<f64>| {
-                    let at = solver.posture_series(lifted, pose, &motion.along_drive())?;
+                    let at =
+                        solver.configuration_series(design_series, pose, &motion.along_drive())?;
                     let toggle = toggles.note(&at, motion.value);
                     let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
-                    let view = View::reading(&at, *constants, *slots);
+                    let view = WheelReading::reading(&at, *constants, *slots);
                     for k in (0..quantities.len()).filter(free) {
                         let quantity = &quantities[k];
                         block.put(number, k, station, view.value(&at, *quantity)[0]);
                     }
                     if station == stations.design() {
-                        let at = solver.posture_series(with_slope, pose, &motion.along_drive())?;
-                        let view = View::reading(&at, *constants, *slots);
+                        let at =
+                            solver.configuration_series(with_slope, pose, &motion.along_drive())?;
+                        let view = WheelReading::reading(&at, *constants, *slots);
                         for k in (0..quantities.len()).filter(free) {
                             let quantity = &quantities[k];
-                            if quantity.depth() == 0 {
+                            if quantity.rate_order() == 0 {
                                 let slope = view.value(&at, *quantity).derivative(1);
                                 block.put_slope(number, k, slope);
                             }

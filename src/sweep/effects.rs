@@ -24,7 +24,7 @@
 //! part of the variance that stays when everything but this variable is known. Chance may take these out of
 //! the interval from 0 to 1; they are put back to its ends.
 
-use super::{SweepRecord, Tally};
+use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
 
 /// Outputs whose spread is a smaller part of their size than this do not vary; it is rounding.
@@ -56,7 +56,7 @@ pub struct Effect {
 
 impl Effects {
     /// Of every output; `None` where no design has them all.
-    pub fn all(record: &SweepRecord, tally: &Tally) -> Option<Vec<Effects>> {
+    pub fn all(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<Effects>> {
         let count = tally.moments.count;
         if count == 0 {
             return None;
@@ -66,7 +66,12 @@ impl Effects {
         Some((0..record.outputs.len()).map(of).collect())
     }
 
-    fn of(record: &SweepRecord, tally: &Tally, plane: Option<&Plane>, k: usize) -> Effects {
+    fn of(
+        record: &SweepRecord,
+        tally: &SweepStatistics,
+        plane: Option<&Plane>,
+        k: usize,
+    ) -> Effects {
         let moments = &tally.moments;
         let (n, width) = (moments.count as f64, record.outputs.len());
         let mean = moments.y[k] / n;
@@ -118,7 +123,7 @@ impl Effects {
 /// The sum of squares of an output between the levels of a variable, and the number of levels met. With a plane,
 /// of what is left when that is taken away.
 fn between_levels(
-    tally: &Tally,
+    tally: &SweepStatistics,
     variable: usize,
     k: usize,
     width: usize,
@@ -154,7 +159,12 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
 }
 
 /// First-order and total index from Saltelli's samples.
-fn exchanged(tally: &Tally, variable: usize, k: usize, width: usize) -> (Option<f64>, Option<f64>) {
+fn exchanged(
+    tally: &SweepStatistics,
+    variable: usize,
+    k: usize,
+    width: usize,
+) -> (Option<f64>, Option<f64>) {
     let sums = &tally.exchanges;
     if sums.groups < 2 {
         return (None, None);
@@ -180,7 +190,7 @@ struct Plane {
 
 impl Plane {
     /// `None` where the designs do not determine it.
-    fn of(tally: &Tally) -> Option<Self> {
+    fn of(tally: &SweepStatistics) -> Option<Self> {
         let moments = &tally.moments;
         let (n, d) = (moments.count as f64, moments.u.len());
         if moments.count as usize <= d + 1 {
@@ -205,7 +215,7 @@ impl Plane {
     }
 
     /// The slopes by the scaled variables, and the variance they explain.
-    fn slopes(&self, tally: &Tally, k: usize, width: usize) -> (Vec<f64>, f64) {
+    fn slopes(&self, tally: &SweepStatistics, k: usize, width: usize) -> (Vec<f64>, f64) {
         let moments = &tally.moments;
         let n = moments.count as f64;
         let mean = moments.y[k] / n;

@@ -11,7 +11,7 @@ use super::lanes::LaneSolver;
 use crate::characteristics::Quantity;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
-use crate::number::{Bundle, MOST_LANES, Vector3, Width};
+use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 
 /// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
 /// number `k * BLOCK` and on always go together, whatever the threads do.
@@ -182,7 +182,7 @@ impl<'a> Evaluator<'a> {
         quantities: &'a [Quantity],
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
-        let depth = quantities.iter().map(|q| q.depth()).max().unwrap_or(0);
+        let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
         let careful = match depth {
             0 => ByDepth::Positions(Box::new(Careful::new(suspension, stations, quantities)?)),
             _ => ByDepth::Rates(Box::new(Careful::new(suspension, stations, quantities)?)),

@@ -15,7 +15,7 @@ use crate::characteristics::{
 };
 use crate::derive::{Gradient, Seeds};
 use crate::model::{Drive, PointId, Suspension};
-use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
+use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{Batch, LaneAdjoint, LaneMembers, LanePose, Visit};
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
@@ -125,7 +125,7 @@ impl<'a> Gradients<'a> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let (drive, racks) = (stations.drive, &stations.racks);
         (drive == Drive::Travel).then_some(())?;
-        let batch = Batch::new(mechanism, design, drive, &stations.march, racks)?;
+        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks)?;
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, angles.to_vec())?;
         reader.has_gradients().then_some(())?;
@@ -150,10 +150,10 @@ impl<'a> Gradients<'a> {
     /// Designs that fit into the lanes.
     pub fn at_once(&self) -> usize {
         struct Count;
-        impl InLanes for Count {
+        impl SimdTask for Count {
             type Output = usize;
             #[inline(always)]
-            fn run<B: Bundle>(self, _: B) -> usize {
+            fn run<B: SimdReal>(self, _: B) -> usize {
                 B::LANES
             }
         }
@@ -206,11 +206,11 @@ struct Evaluation<'s, 'a, 't> {
     task: Task<'t>,
 }
 
-impl InLanes for Evaluation<'_, '_, '_> {
+impl SimdTask for Evaluation<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<B: Bundle>(self, like: B) {
+    fn run<B: SimdReal>(self, like: B) {
         let Gradients {
             batch,
             reader,
@@ -265,7 +265,7 @@ impl InLanes for Evaluation<'_, '_, '_> {
 /// Derivatives by the hardpoints, `[point][axis][lane]`.
 struct Row<'r>(&'r mut [f64]);
 
-impl<B: Bundle> Gradient<B> for Row<'_> {
+impl<B: SimdReal> Gradient<B> for Row<'_> {
     #[inline(always)]
     fn add(&mut self, id: PointId, by: Vector3<B>) {
         let first = id.0 * 3 * B::LANES;
@@ -278,7 +278,7 @@ impl<B: Bundle> Gradient<B> for Row<'_> {
 }
 
 /// Differentiates the angles in the poses of a group.
-struct Differentiating<'r, 't, B: Bundle> {
+struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r LaneMembers<B>,
@@ -295,7 +295,7 @@ struct Differentiating<'r, 't, B: Bundle> {
     found: &'r mut Found,
 }
 
-impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
+impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
@@ -306,8 +306,8 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
         let zero = self.rack.zero();
         let rates = at.rates();
         self.right = self.right & right & at.knows(&rates);
-        let posture = at.posture(self.rack);
-        let adjoint = at.adjoint(self.members, &posture, &rates);
+        let configuration = at.configuration(self.rack);
+        let adjoint = at.adjoint(self.members, &configuration, &rates);
         let Found {
             angles: values,
             jacobian,
@@ -344,7 +344,7 @@ impl<B: Bundle> Visit<B> for Differentiating<'_, '_, B> {
                     .differentiate(angle, weight, &self.inputs, &mut by);
                 angle += 1;
             }
-            let mut seeds = Seeds::new(&posture, row);
+            let mut seeds = Seeds::new(&configuration, row);
             by.seed(self.wheels, &self.inputs, &mut seeds);
             let wrench = seeds.wrench();
             adjoint.subtract(&wrench, row);

@@ -4,7 +4,7 @@ use super::Stations;
 use super::evaluate::{Block, SIDE_BY_SIDE};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
-use crate::number::{Bundle, InLanes, MOST_LANES, Vector3, Width};
+use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{Batch, LanePose, Visit};
 
 /// Solves as many designs at a time as the processor has lanes.
@@ -33,7 +33,7 @@ impl<'a> LaneSolver<'a> {
             })
             .collect::<Option<_>>()?;
         let (drive, racks) = (stations.drive, &stations.racks);
-        let batch = Batch::new(mechanism, design, drive, &stations.march, racks)?;
+        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks)?;
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, characteristics)?;
         Some(LaneSolver {
@@ -69,11 +69,11 @@ struct Evaluation<'s, 'a> {
     left: &'s mut Vec<usize>,
 }
 
-impl InLanes for Evaluation<'_, '_> {
+impl SimdTask for Evaluation<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<B: Bundle>(self, like: B) {
+    fn run<B: SimdReal>(self, like: B) {
         let Evaluation {
             solver,
             designs,
@@ -130,7 +130,7 @@ impl InLanes for Evaluation<'_, '_> {
 
 /// Puts designs side by side. Lanes for which there are none repeat the last.
 #[inline(always)]
-pub(super) fn gather<B: Bundle>(
+pub(super) fn gather<B: SimdReal>(
     designs: &[Vector3<f64>],
     points: usize,
     first: usize,
@@ -155,7 +155,7 @@ pub(super) fn gather<B: Bundle>(
 }
 
 /// Reads the characteristics off the poses of a group.
-struct Reading<'r, B: Bundle> {
+struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     inputs: Inputs<B>,
@@ -171,7 +171,7 @@ struct Reading<'r, B: Bundle> {
     slopes: &'r mut [f64],
 }
 
-impl<B: Bundle> Visit<B> for Reading<'_, B> {
+impl<B: SimdReal> Visit<B> for Reading<'_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;

@@ -2,7 +2,7 @@
 //!
 //! [`Samples`] say what design number n is, [`Evaluator`] solves a block of designs, a [`Worker`] keeps
 //! a row of each, [`in_order`] does that on all threads. Every block is summed up by itself and the sums
-//! are added in the order of the blocks ([`Tally`]), so that results are the same to the bit for any
+//! are added in the order of the blocks ([`SweepStatistics`]), so that results are the same to the bit for any
 //! number of threads, in one run, in shards or resumed.
 
 mod aligned;
@@ -27,11 +27,11 @@ pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};
 pub use gradients::{Deviations, Gradients, Jacobians, Wanted};
 pub use in_order::in_order;
-pub use moments::{Exchanges, LevelSums, Levels, Moments};
+pub use moments::{BinnedSums, LevelSums, Moments, SaltelliSums};
 pub use plan::{NotBegun, SweepPlan, Worker};
 pub use record::{FORM, Kind, MoveRecord, OutputColumn, SweepRecord, TargetColumn, VariableRecord};
 pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
 pub use stations::Stations;
-pub use tally::{FailureCount, OutputRange, Tally};
+pub use tally::{FailureCount, OutputRange, SweepStatistics};

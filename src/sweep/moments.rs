@@ -113,7 +113,7 @@ impl Moments {
 
 /// Sums of outputs by the level of each variable.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Levels {
+pub struct BinnedSums {
     spans: Vec<Span>,
     scaled: Vec<f64>,
     /// By variable.
@@ -131,7 +131,7 @@ pub struct LevelSums {
     pub places: Vec<f64>,
 }
 
-impl Levels {
+impl BinnedSums {
     pub(super) fn empty(record: &SweepRecord) -> Self {
         let spans = Span::all(record);
         let of = spans.iter().map(|span| LevelSums {
@@ -139,7 +139,7 @@ impl Levels {
             sums: vec![0.0; span.levels * record.outputs.len()],
             places: vec![0.0; span.levels * spans.len()],
         });
-        Levels {
+        BinnedSums {
             of: of.collect(),
             scaled: vec![0.0; spans.len()],
             spans,
@@ -175,7 +175,7 @@ impl Levels {
 /// Sums over Saltelli's groups: a design A, a design B, then A with one variable after the other from
 /// B, called C below. Groups with a design that has no values are left out.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Exchanges {
+pub struct SaltelliSums {
     /// Number of groups.
     pub groups: u64,
     /// Sums of y_A + y_B.
@@ -193,11 +193,11 @@ pub struct Exchanges {
     complete: bool,
 }
 
-impl Exchanges {
+impl SaltelliSums {
     pub(super) fn empty(record: &SweepRecord) -> Self {
         let Some(group) = record.group() else {
             let none = Vec::new;
-            return Exchanges {
+            return SaltelliSums {
                 groups: 0,
                 sum: none(),
                 squares: none(),
@@ -209,7 +209,7 @@ impl Exchanges {
             };
         };
         let (d, c) = (record.variables.len(), record.outputs.len());
-        Exchanges {
+        SaltelliSums {
             groups: 0,
             sum: vec![0.0; c],
             squares: vec![0.0; c],

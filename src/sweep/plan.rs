@@ -23,14 +23,14 @@ pub struct SweepPlan<'s> {
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
     gains: Vec<Column>,
-    wishes: Vec<Wish>,
+    wishes: Vec<TargetSample>,
     samples: Samples,
     study: &'s Study,
 }
 
 /// A target over the stations.
 #[derive(Clone, Debug)]
-struct Wish {
+struct TargetSample {
     quantity: usize,
     tolerance: f64,
     weight: f64,
@@ -73,7 +73,7 @@ impl<'s> SweepPlan<'s> {
         let stations = Stations::of(&study.motion, &suspension.frame, &further);
         let plan = with_gains(study);
         let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
-        let wishes = wanted.iter().map(|(target, wanted)| Wish {
+        let wishes = wanted.iter().map(|(target, wanted)| TargetSample {
             quantity: quantities
                 .iter()
                 .position(|q| *q == Quantity::Characteristic(target.characteristic))
@@ -161,14 +161,14 @@ impl<'s> SweepPlan<'s> {
                 add(named(output, word, &value.unit), output, kind, &value.unit);
             }
             // What is made of velocities is a gain itself.
-            if quantity.depth() == 0 {
+            if quantity.rate_order() == 0 {
                 let name = named(output, "gain", &gain.unit);
                 add(name, output, Kind::Gain, &gain.unit);
             }
         }
         for (k, wish) in self.wishes.iter().enumerate() {
             let output = self.values[wish.quantity].output.as_str();
-            let same = |w: &&Wish| w.quantity == wish.quantity;
+            let same = |w: &&TargetSample| w.quantity == wish.quantity;
             let earlier = self.wishes[..k].iter().filter(same).count();
             let name = match earlier {
                 0 => format!("rms_{output}"),
@@ -210,7 +210,7 @@ impl<'s> SweepPlan<'s> {
             put(min);
             put(max);
             put(value_at(self.stations.design()) * factor);
-            if self.quantities[k].depth() == 0 {
+            if self.quantities[k].rate_order() == 0 {
                 put(block.slope(design, k) * gain.factor());
             }
         }

@@ -1,7 +1,7 @@
 //! Where every design of a sweep is solved.
 
 use crate::model::{Axis, Drive, Frame};
-use crate::solve::March;
+use crate::solve::StationOrder;
 use crate::study::Motion;
 
 /// Drive values times rack displacements: those of the motion first, then those needed besides, for
@@ -11,7 +11,7 @@ pub struct Stations {
     /// What drives.
     pub drive: Drive,
     /// Drive values and the order in which they are visited.
-    pub march: March,
+    pub station_order: StationOrder,
     /// Rack displacements, towards the kernel's +y.
     pub racks: Vec<f64>,
     /// How many of the drive values are the motion's.
@@ -50,7 +50,7 @@ impl Stations {
         let sign = frame.sign(Axis::Y);
         Stations {
             drive: motion.drive.in_kernel(),
-            march: March::through(&values),
+            station_order: StationOrder::through(&values),
             racks: racks.iter().map(|rack| rack * sign).collect(),
             of_motion: motion.values.len(),
             racks_of_motion: motion.rack.len(),
@@ -66,7 +66,7 @@ impl Stations {
 
     /// Drive values, the motion's first.
     pub fn values(&self) -> &[f64] {
-        self.march.values()
+        self.station_order.values()
     }
 
     /// The number of the station with this rack displacement and drive value, both by number.

@@ -4,7 +4,7 @@
 //! every sum has one order of additions, whatever the threads, chunks and shards were.
 
 use super::front::{Candidate, Front};
-use super::moments::{Exchanges, Levels, Moments};
+use super::moments::{BinnedSums, Moments, SaltelliSums};
 use super::{Rows, SweepRecord};
 
 /// How many of the best designs are kept, and how many examples of a failure.
@@ -13,7 +13,7 @@ const EXAMPLES: usize = 5;
 
 /// Statistics of some designs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tally {
+pub struct SweepStatistics {
     /// Designs looked at.
     pub designs: u64,
     /// Those solved at every station.
@@ -29,9 +29,9 @@ pub struct Tally {
     /// Sums over designs with every output there is.
     pub moments: Moments,
     /// Sums by the level of each variable.
-    pub levels: Levels,
+    pub levels: BinnedSums,
     /// Sums over Saltelli's groups.
-    pub exchanges: Exchanges,
+    pub exchanges: SaltelliSums,
 }
 
 /// Designs that failed for one reason.
@@ -62,10 +62,10 @@ pub struct OutputRange {
     pub max: (f64, u64),
 }
 
-impl Tally {
+impl SweepStatistics {
     /// Of no designs.
     pub fn empty(record: &SweepRecord) -> Self {
-        Tally {
+        SweepStatistics {
             designs: 0,
             solved: 0,
             failures: Vec::new(),
@@ -73,14 +73,14 @@ impl Tally {
             best: Vec::new(),
             front: Front::default(),
             moments: Moments::empty(record),
-            levels: Levels::empty(record),
-            exchanges: Exchanges::empty(record),
+            levels: BinnedSums::empty(record),
+            exchanges: SaltelliSums::empty(record),
         }
     }
 
     /// Of the rows of a block.
     pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
-        let mut tally = Tally::empty(record);
+        let mut tally = SweepStatistics::empty(record);
         let (misfit, deviations) = (record.misfit(), record.deviations());
         let reference: Vec<f64> = record
             .outputs
@@ -141,7 +141,7 @@ impl Tally {
     }
 
     /// Adds the tally of the designs that follow.
-    pub fn absorb(&mut self, record: &SweepRecord, next: &Tally) {
+    pub fn absorb(&mut self, record: &SweepRecord, next: &SweepStatistics) {
         self.designs += next.designs;
         self.solved += next.solved;
         for failure in &next.failures {

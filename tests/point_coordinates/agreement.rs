@@ -3,14 +3,14 @@
 use super::scatter::Scatter;
 use super::unsuitable;
 use hardpoint::attia::Drive;
+use hardpoint::attia::PointCoordinates;
 use hardpoint::attia::Rates;
 use hardpoint::attia::Singular;
 use hardpoint::attia::{Strut, StrutPoints};
-use hardpoint::attia::PointCoordinates;
 use hardpoint::mechanism::Pose;
 use hardpoint::model::{self, Mechanism, Topology};
 use hardpoint::number::{Jet, Vector3};
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
 const TRAVELS: [f64; 4] = [-0.08, -0.04, 0.04, 0.08];
@@ -42,12 +42,17 @@ fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let (mechanism, design) = mechanism_of(strut);
     let mut solver = Solver::new(&mechanism, &design).ok()?;
     let mut poses = [None; 4];
-    let march = March::through(&TRAVELS);
+    let station_order = StationOrder::through(&TRAVELS);
     solver
-        .march(model::Drive::Travel, &march, 0.0, |_, station, pose| {
-            poses[station] = pose.ok().copied();
-            ControlFlow::Continue(())
-        })
+        .for_each_pose(
+            model::Drive::Travel,
+            &station_order,
+            0.0,
+            |_, station, pose| {
+                poses[station] = pose.ok().copied();
+                ControlFlow::Continue(())
+            },
+        )
         .ok()?;
     Some((poses, solver.size()))
 }
@@ -56,7 +61,7 @@ fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
 fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let equations = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel).ok()?;
     let (mut poses, mut condition) = ([None; 4], 0.0_f64);
-    equations.march(&equations.design(), &TRAVELS, |station, pose| {
+    equations.for_each_pose(&equations.design(), &TRAVELS, |station, pose| {
         poses[station] = pose.ok().map(|pose| {
             condition = condition.max(equations.condition(pose));
             let series = equations.knuckle_pose::<1>(pose, Rates::BY_DRIVE).unwrap();
@@ -116,15 +121,21 @@ fn production_solves_what_the_paper_s_equations_cannot_describe() {
         };
         let (mechanism, design) = mechanism_of(&strut);
         let mut solver = Solver::new(&mechanism, &design).unwrap();
-        let march = March::through(&travels);
+        let station_order = StationOrder::through(&travels);
         let mut solved = 0;
         solver
-            .march(model::Drive::Travel, &march, 0.0, |_, station, pose| {
-                let pose = pose.unwrap_or_else(|f| panic!("{what:?} at {}: {f}", travels[station]));
-                check_assembly(&strut, pose, travels[station]);
-                solved += 1;
-                ControlFlow::Continue(())
-            })
+            .for_each_pose(
+                model::Drive::Travel,
+                &station_order,
+                0.0,
+                |_, station, pose| {
+                    let pose =
+                        pose.unwrap_or_else(|f| panic!("{what:?} at {}: {f}", travels[station]));
+                    check_assembly(&strut, pose, travels[station]);
+                    solved += 1;
+                    ControlFlow::Continue(())
+                },
+            )
             .unwrap();
         assert_eq!(solved, 2);
     }

@@ -1,10 +1,10 @@
 //! Points of interest on every body, in both formulations, against answers of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector};
-use hardpoint::attia::Moving;
 use hardpoint::attia::Drive;
-use hardpoint::attia::StrutPoints;
+use hardpoint::attia::Moving;
 use hardpoint::attia::PointCoordinates;
+use hardpoint::attia::StrutPoints;
 use hardpoint::curves::{Curves, curves};
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
@@ -112,7 +112,7 @@ fn extra_points_on_every_body_move_as_the_reference_says() {
     for formulation in ["knuckle_pose", "point_coordinates"] {
         let study = study(&case, &travels, formulation);
         let curves = curves(&study.suspension, &Plan::of(&study)).unwrap();
-        equations.march(&equations.design(), &travels, |station, pose| {
+        equations.for_each_pose(&equations.design(), &travels, |station, pose| {
             let (pose, state) = (pose.unwrap(), states[station]);
             let by_order =
                 |name: &str| ["positions", "d1", "d2"].map(|key| vector(&state[key][name]));

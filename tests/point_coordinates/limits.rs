@@ -2,9 +2,9 @@
 
 use super::{at, bound, nominal, reference, size, strut, unsuitable, with_points};
 use hardpoint::attia::Drive;
+use hardpoint::attia::{PointCoordinates, Pose, Station, solve_travel};
 use hardpoint::attia::{Refusal, Singular};
 use hardpoint::attia::{Strut, StrutPoints};
-use hardpoint::attia::{PointCoordinates, Pose, Station, solve_travel};
 use hardpoint::number::Vector3;
 use std::f64::consts::PI;
 

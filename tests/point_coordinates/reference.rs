@@ -1,12 +1,12 @@
 //! Answers of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector, with_points};
-use hardpoint::attia::Moving;
-use hardpoint::attia::{attia_camber, attia_kingpin};
 use hardpoint::attia::Drive;
-use hardpoint::attia::{Motion, Rates};
+use hardpoint::attia::Moving;
 use hardpoint::attia::StrutPoints;
+use hardpoint::attia::{Motion, Rates};
 use hardpoint::attia::{PointCoordinates, Pose, Station};
+use hardpoint::attia::{attia_camber, attia_kingpin};
 use hardpoint::number::{Jet, Vector3};
 use serde_json::Value;
 

@@ -2,8 +2,8 @@
 
 use super::{at, bound, nominal, size, with_points};
 use hardpoint::attia::Drive;
-use hardpoint::attia::{Strut, StrutPoints};
 use hardpoint::attia::{PointCoordinates, Pose, solve_travel};
+use hardpoint::attia::{Strut, StrutPoints};
 use hardpoint::number::Vector3;
 
 /// A generator good enough to scatter hardpoints (Numerical Recipes' quick 64-bit one).

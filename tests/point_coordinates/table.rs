@@ -2,9 +2,9 @@
 
 use super::{DATA, at, reference, strut};
 use hardpoint::attia::Drive;
+use hardpoint::attia::PointCoordinates;
 use hardpoint::attia::Rates;
 use hardpoint::attia::StrutPoints;
-use hardpoint::attia::PointCoordinates;
 use hardpoint::number::Vector3;
 
 /// The paper's example with its drive, at a time of Table 2: eleven vectors in the table's order.

@@ -5,12 +5,12 @@ pub mod quadratics;
 pub mod random;
 pub mod small_steps;
 
-use hardpoint::characteristics::{Characteristic, Quantity, View};
+use hardpoint::characteristics::{Characteristic, Quantity, WheelReading};
 use hardpoint::model::{
     Axis, Body, Drive, Frame, FrameConvention, Mechanism, Point, PointId, Side, Topology,
 };
 use hardpoint::number::{Jet, Vector3};
-use hardpoint::solve::{March, Solver};
+use hardpoint::solve::{Solver, StationOrder};
 use serde_json::Value;
 
 /// A number that is stored as a decimal string.
@@ -146,8 +146,8 @@ pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
 }
 
 /// A march with one station, and stations on the way to it so that the steps are ordinary ones.
-pub fn march_to(value: f64) -> March {
-    March::through(&[value])
+pub fn march_to(value: f64) -> StationOrder {
+    StationOrder::through(&[value])
 }
 
 /// The largest of some absolute values.
@@ -179,7 +179,7 @@ pub fn sensitivity_errors(
     case: &Case,
     state: &Value,
     sign: f64,
-    view: &View<3>,
+    view: &WheelReading<3>,
     linearised: &hardpoint::derive::Linearised<'_, 3>,
 ) -> [Worst; 3] {
     let mut errors = [Worst::default(); 3];

@@ -5,8 +5,8 @@ use super::support::quadratics::{Quadratics, design_pose};
 use super::support::random::Random;
 use super::truth::{Errors, PLACES, Truth, lift, place, slope};
 use super::{at, template, travel};
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::Lifted;
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::DesignSeries;
 use hardpoint::mechanism::Pose;
 use hardpoint::model::{Constraint, Mechanism, PointId};
 use hardpoint::number::DoubleDouble as Dd;
@@ -148,7 +148,7 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
     for _ in 0..20 {
         let design = random.scattered(&suspension.design, 10.0);
         let (value, rack) = (50.0 * random.signed(), 10.0 * random.signed());
-        let lifted = Lifted::<3>::new(mechanism, &design);
+        let design_series = DesignSeries::<3>::new(mechanism, &design);
         let point = travel(value, rack);
         at(mechanism, &design, point, |solver, pose| {
             let truth = Truth::around(mechanism, &design, pose, value, rack);
@@ -174,9 +174,9 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
                 }
             }
             let linearised = solver
-                .linearised(&lifted, pose, &point.along_drive())
+                .linearised(&design_series, pose, &point.along_drive())
                 .unwrap();
-            let view = View::of(&linearised.at, Constants::default());
+            let view = WheelReading::of(&linearised.at, Constants::default());
             let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
             for (i, c) in read.into_iter().enumerate() {
                 let series = view.value(&linearised.at, Quantity::Characteristic(c));

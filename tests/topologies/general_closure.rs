@@ -3,8 +3,8 @@
 use super::support::Worst;
 use super::support::random::Random;
 use super::{at, template, travel};
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::Pose;
 use hardpoint::model::{Drive, Mechanism};
 use hardpoint::number::{Jet, Vector3};
@@ -29,12 +29,12 @@ fn read(
     design: &[Vector3<f64>],
     point: MotionPoint<f64>,
 ) -> Option<(Reading, f64)> {
-    let lifted = Lifted::<3>::new(mechanism, design);
+    let design_series = DesignSeries::<3>::new(mechanism, design);
     at(mechanism, design, point, |solver, pose| {
         let linearised = solver
-            .linearised(&lifted, pose, &point.along_drive())
+            .linearised(&design_series, pose, &point.along_drive())
             .unwrap();
-        let view = View::of(&linearised.at, Constants::default());
+        let view = WheelReading::of(&linearised.at, Constants::default());
         let mut values = Vec::new();
         let mut sensitivities = vec![[Vector3::default(); 3]; READ.len() * design.len()];
         let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];

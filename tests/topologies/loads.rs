@@ -4,8 +4,8 @@ use super::support::Worst;
 use super::support::random::Random;
 use super::{at, template, travel};
 use hardpoint::analyse::{Load, Reaction, Support};
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::Lifted;
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::DesignSeries;
 use hardpoint::model::{Axis, Body};
 use hardpoint::number::Vector3;
 
@@ -22,7 +22,7 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
         let suspension = template(name);
         let mechanism = &suspension.mechanism;
         let spring = mechanism.spring.unwrap();
-        let lifted = Lifted::<2>::new(mechanism, &suspension.design);
+        let design_series = DesignSeries::<2>::new(mechanism, &suspension.design);
         let (mut balance, mut work) = (Worst::default(), Worst::default());
         for _ in 0..200 {
             // A racing car's rocker goes no further.
@@ -33,10 +33,10 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
             };
             let point = travel(most * random.signed(), 10.0 * random.signed());
             at(mechanism, &suspension.design, point, |solver, pose| {
-                let posture = solver
-                    .posture_series(&lifted, pose, &point.along_drive())
+                let configuration = solver
+                    .configuration_series(&design_series, pose, &point.along_drive())
                     .unwrap();
-                let place = |id| posture.point(id).map(|c| c[0]);
+                let place = |id| configuration.point(id).map(|c| c[0]);
                 let load = Load {
                     point: place(mechanism.wheel_centre) - Vector3::new(0.0, 0.0, 310.0),
                     force: random.vector(3000.0),
@@ -80,9 +80,9 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                 balance.note(force.norm() / size);
                 balance.note(moment.norm() / (size * solver.size()));
 
-                let view = View::of(&posture, Constants::of(&suspension));
+                let view = WheelReading::of(&configuration, Constants::of(&suspension));
                 let rate =
-                    |quantity, order: usize| view.value(&posture, quantity).derivative(order);
+                    |quantity, order: usize| view.value(&configuration, quantity).derivative(order);
                 let centre = Vector3::from(
                     Axis::ALL
                         .map(|axis| rate(Quantity::Coordinate(mechanism.wheel_centre, axis), 1)),

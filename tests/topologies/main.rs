@@ -12,8 +12,8 @@ mod rockers;
 mod semi_trailing_arm;
 mod truth;
 
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::{DesignFault, Failure, Pose};
 use hardpoint::model::{Drive, Mechanism, Suspension, Topology};
 use hardpoint::number::{Jet, Vector3};
@@ -45,7 +45,7 @@ fn at<R>(
     let mut solver = Solver::new(mechanism, design)?;
     let mut found = None;
     let mut read = Some(read);
-    solver.march(
+    solver.for_each_pose(
         point.drive,
         &march_to(point.value),
         point.rack,
@@ -73,13 +73,13 @@ fn characteristics(
     wanted: &[Characteristic],
 ) -> Result<Vec<Jet<f64, 3>>, Failure> {
     let mechanism = &suspension.mechanism;
-    let lifted = Lifted::<3>::new(mechanism, design);
+    let design_series = DesignSeries::<3>::new(mechanism, design);
     at(mechanism, design, point, |solver, pose| {
-        let posture = solver
-            .posture_series(&lifted, pose, &point.along_drive())
+        let configuration = solver
+            .configuration_series(&design_series, pose, &point.along_drive())
             .unwrap();
-        let view = View::of(&posture, Constants::of(suspension));
-        let value = |c: &Characteristic| view.value(&posture, Quantity::Characteristic(*c));
+        let view = WheelReading::of(&configuration, Constants::of(suspension));
+        let value = |c: &Characteristic| view.value(&configuration, Quantity::Characteristic(*c));
         wanted.iter().map(value).collect()
     })
     .unwrap()

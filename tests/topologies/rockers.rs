@@ -5,8 +5,8 @@ use super::support::random::Random;
 use super::truth::{Errors, PLACES, Truth, half_tangent, lift, slope};
 use super::{at, characteristics, template, travel};
 use hardpoint::analyse::{Load, Reaction, Support};
-use hardpoint::characteristics::{Characteristic as C, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic as C, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::{Body, Drive, Mechanism, PointId, RockerId, Suspension, Topology};
 use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
@@ -72,13 +72,16 @@ fn read_arm(
         value: angle,
         rack: 0.0,
     };
-    let lifted = Lifted::<3>::new(mechanism, design);
+    let design_series = DesignSeries::<3>::new(mechanism, design);
     at(mechanism, design, point, |solver, pose| {
-        let posture = solver
-            .posture_series(&lifted, pose, &point.along_drive())
+        let configuration = solver
+            .configuration_series(&design_series, pose, &point.along_drive())
             .unwrap();
-        let spring = posture.point(mechanism.spring.unwrap().lower);
-        (posture.rocker_angle(RockerId(0)), spring.map(|c| c[0]))
+        let spring = configuration.point(mechanism.spring.unwrap().lower);
+        (
+            configuration.rocker_angle(RockerId(0)),
+            spring.map(|c| c[0]),
+        )
     })
     .unwrap()
     .unwrap()
@@ -228,14 +231,14 @@ fn rods_keep_their_lengths() {
         let mut worst = Worst::default();
         for _ in 0..500 {
             let design = random.scattered(&suspension.design, 8.0);
-            let lifted = Lifted::<1>::new(mechanism, &design);
+            let design_series = DesignSeries::<1>::new(mechanism, &design);
             let point = travel(35.0 * random.signed(), 15.0 * random.signed());
             at(mechanism, &design, point, |solver, pose| {
-                let posture = solver
-                    .posture_series(&lifted, pose, &point.along_drive())
+                let configuration = solver
+                    .configuration_series(&design_series, pose, &point.along_drive())
                     .unwrap();
                 for rocker in &mechanism.rockers {
-                    let now = |id: PointId| posture.point(id).map(|c| c[0]);
+                    let now = |id: PointId| configuration.point(id).map(|c| c[0]);
                     let length = (design[rocker.inner.0] - design[rocker.outer.0]).norm();
                     let found = (now(rocker.inner) - now(rocker.outer)).norm();
                     worst.note((found - length) / length);
@@ -293,12 +296,12 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
             let design = random.scattered(&suspension.design, 8.0);
             let (value, rack) = (30.0 * random.signed(), 15.0 * random.signed());
             let point = travel(value, rack);
-            let lifted = Lifted::<3>::new(mechanism, &design);
+            let design_series = DesignSeries::<3>::new(mechanism, &design);
             at(mechanism, &design, point, |solver, pose| {
                 let linearised = solver
-                    .linearised(&lifted, pose, &point.along_drive())
+                    .linearised(&design_series, pose, &point.along_drive())
                     .unwrap();
-                let view = View::of(&linearised.at, Constants::of(&suspension));
+                let view = WheelReading::of(&linearised.at, Constants::of(&suspension));
                 let truth = Truth::around(mechanism, &design, pose, value, rack);
                 let exact: Vec<_> = design.iter().copied().map(lift).collect();
                 // Length, and tangents of half the angles with the signs of the catalogue.
@@ -441,12 +444,12 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
     let mut random = Random(25);
     for _ in 0..100 {
         let point = travel(30.0 * random.signed(), 10.0 * random.signed());
-        let lifted = Lifted::<2>::new(mechanism, &suspension.design);
+        let design_series = DesignSeries::<2>::new(mechanism, &suspension.design);
         at(mechanism, &suspension.design, point, |solver, pose| {
-            let posture = solver
-                .posture_series(&lifted, pose, &point.along_drive())
+            let configuration = solver
+                .configuration_series(&design_series, pose, &point.along_drive())
                 .unwrap();
-            let place = |id| posture.point(id).map(|c| c[0]);
+            let place = |id| configuration.point(id).map(|c| c[0]);
             let load = Load {
                 point: place(mechanism.wheel_centre),
                 force: Vector3::new(0.0, 0.0, 2000.0),
@@ -493,9 +496,9 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
             let left = about(rocker.inner, -pull) + about(spring.lower, push);
             assert!(left.abs() < 1e-12 * 4000.0 * 100.0, "rocker: {left:e}");
 
-            let view = View::of(&posture, Constants::of(&suspension));
+            let view = WheelReading::of(&configuration, Constants::of(&suspension));
             let quantity = Quantity::Characteristic(C::MotionRatio);
-            let ratio = view.value(&posture, quantity)[0];
+            let ratio = view.value(&configuration, quantity)[0];
             assert!((found.support * ratio - 2000.0).abs() < 1e-12 * 2000.0);
         })
         .unwrap()

@@ -3,8 +3,8 @@
 use super::support::Worst;
 use super::support::random::Random;
 use super::{at, characteristics, template, travel};
-use hardpoint::characteristics::{Characteristic, Constants, Quantity, View};
-use hardpoint::derive::{Lifted, MotionPoint};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::Failure;
 use hardpoint::model::{Axis, Drive};
 use hardpoint::number::{Dual, Jet, Real, Vector3};
@@ -53,12 +53,12 @@ fn turns_about_its_axis() {
         let design = random.scattered(&suspension.design, 60.0);
         let value = 80.0 * random.signed();
         let point = travel(value, 0.0);
-        let lifted = Lifted::<3>::new(mechanism, &design);
+        let design_series = DesignSeries::<3>::new(mechanism, &design);
         at(mechanism, &design, point, |solver, pose| {
             let linearised = solver
-                .linearised(&lifted, pose, &point.along_drive())
+                .linearised(&design_series, pose, &point.along_drive())
                 .unwrap();
-            let view = View::of(&linearised.at, Constants::default());
+            let view = WheelReading::of(&linearised.at, Constants::default());
             type Wanted = Dual<Jet<f64, 3>, 12>;
             let seeded: Vec<Vector3<Wanted>> = design[..4]
                 .iter()

@@ -6,8 +6,8 @@
 use super::support::Worst;
 use super::support::quadratics::{Quadratics, design_pose};
 use super::{at, travel};
-use hardpoint::characteristics::{Constants, Quantity, View};
-use hardpoint::derive::Lifted;
+use hardpoint::characteristics::{Constants, Quantity, WheelReading};
+use hardpoint::derive::DesignSeries;
 use hardpoint::mechanism::{Failure, Pose};
 use hardpoint::model::{Axis, Body, Mechanism, PointId, Rocker};
 use hardpoint::number::DoubleDouble as Dd;
@@ -146,8 +146,8 @@ pub fn place(
 /// A point turned with a rocker, by the tangent of half the angle.
 fn turn_about(design: &[Vector3<Dd>], rocker: &Rocker, u: Dd, point: Vector3<Dd>) -> Vector3<Dd> {
     let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
-    let half_turn = (second - first).normalised() * u;
-    first + Matrix3::identity(u).turned(half_turn).apply(point - first)
+    let rodrigues = (second - first).normalised() * u;
+    first + Matrix3::identity(u).turned(rodrigues).apply(point - first)
 }
 
 /// Tangent of half the angle of a rocker, from its design position, about the line from its first to its
@@ -194,7 +194,7 @@ impl Errors {
         // Fine steps where coarse ones may have jumped.
         let track = |steps| quadratics.track(start, value, rack, steps);
         let point = travel(value, rack);
-        let lifted = Lifted::<3>::new(mechanism, design).with_steering_axis(false);
+        let design_series = DesignSeries::<3>::new(mechanism, design).with_steering_axis(false);
         let read = at(mechanism, design, point, |solver, pose| {
             let size = solver.size();
             let same = |steps| {
@@ -213,9 +213,9 @@ impl Errors {
             }
             self.solved += 1;
             let linearised = solver
-                .linearised(&lifted, pose, &point.along_drive())
+                .linearised(&design_series, pose, &point.along_drive())
                 .unwrap();
-            let view = View::of(&linearised.at, Constants::default());
+            let view = WheelReading::of(&linearised.at, Constants::default());
             let points: Vec<PointId> = [
                 "tie_rod_outer",
                 "toe_link_outer",

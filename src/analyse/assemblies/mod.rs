@@ -15,7 +15,7 @@ mod rods;
 
 use super::certificate::{Certificate, Certifier};
 use crate::derive::MotionPoint;
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Arm, Constraint, Drive, Mechanism};
 use crate::number::Interval;
 use crate::number::Vector3;
@@ -41,7 +41,7 @@ pub struct Assembly {
 
 /// Something that is one way or the other in an assembly, and neither way only where it changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trait {
+pub enum AssemblyMode {
     /// A strut's mount above or below the foot of the ball joint on its axis.
     Strut,
     /// The side of the upper arm on which the steering axis is, seen along the arm's axis.
@@ -54,24 +54,24 @@ pub enum Trait {
     Determinant,
 }
 
-impl Trait {
+impl AssemblyMode {
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Trait::Strut => "strut",
-            Trait::UpperArm => "upper_arm",
-            Trait::TieRod => "tie_rod",
-            Trait::Arm => "arm",
-            Trait::Determinant => "determinant",
+            AssemblyMode::Strut => "strut",
+            AssemblyMode::UpperArm => "upper_arm",
+            AssemblyMode::TieRod => "tie_rod",
+            AssemblyMode::Arm => "arm",
+            AssemblyMode::Determinant => "determinant",
         }
     }
 
     /// The word for either.
     pub fn word(self, as_designed: bool) -> &'static str {
         match (self, as_designed) {
-            (Trait::Strut, true) => "upright",
-            (Trait::Strut, false) => "inverted",
-            (Trait::Determinant, false) => "reversed",
+            (AssemblyMode::Strut, true) => "upright",
+            (AssemblyMode::Strut, false) => "inverted",
+            (AssemblyMode::Determinant, false) => "reversed",
             (_, true) => "as designed",
             (_, false) => "across",
         }
@@ -82,7 +82,7 @@ impl Trait {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
     /// What tells assemblies of this mechanism apart.
-    pub traits: Vec<Trait>,
+    pub traits: Vec<AssemblyMode>,
     /// By arm angle; without an arm, by the rotation from the design position.
     pub found: Vec<Assembly>,
     /// Where it could not be decided whether there is one more; nothing for all but degenerate designs.
@@ -140,12 +140,12 @@ impl Solver<'_> {
 }
 
 /// What tells assemblies of a mechanism apart.
-fn traits(mechanism: &Mechanism) -> Vec<Trait> {
+fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
-        (Some(roles), _) if roles.is_strut() => vec![Trait::Strut, Trait::TieRod],
-        (Some(_), _) => vec![Trait::UpperArm, Trait::TieRod],
-        (None, [Constraint::Revolute { .. }]) => vec![Trait::Arm],
-        _ => vec![Trait::Determinant],
+        (Some(roles), _) if roles.is_strut() => vec![AssemblyMode::Strut, AssemblyMode::TieRod],
+        (Some(_), _) => vec![AssemblyMode::UpperArm, AssemblyMode::TieRod],
+        (None, [Constraint::Revolute { .. }]) => vec![AssemblyMode::Arm],
+        _ => vec![AssemblyMode::Determinant],
     }
 }
 
@@ -186,7 +186,7 @@ impl<'a> Search<'a> {
         if certificate.is_none() && !self.solver.closes(&pose, &self.point) {
             return None;
         }
-        let at = self.solver.posture(&pose, self.point.rack);
+        let at = self.solver.configuration(&pose, self.point.rack);
         let mechanism = self.solver.mechanism();
         let angle = mechanism.arms.first().map(|arm| {
             let circle = Circle::of(*arm, self.solver.design());
@@ -202,10 +202,10 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a pose is as the design in each of the mechanism's traits.
-    fn branch(&self, now: &Posture<f64>) -> Vec<Option<bool>> {
+    fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
-        let design = self.solver.posture(&start, 0.0);
-        let alike = |what: &Trait| {
+        let design = self.solver.configuration(&start, 0.0);
+        let alike = |what: &AssemblyMode| {
             let (sign, designed) = (self.sign(*what, now)?, self.sign(*what, &design)?);
             Some((sign < 0.0) == (designed < 0.0))
         };
@@ -213,26 +213,26 @@ impl<'a> Search<'a> {
     }
 
     /// Something that has a trait's sign.
-    fn sign(&self, of: Trait, at: &Posture<f64>) -> Option<f64> {
+    fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);
         let steering_axis =
             |roles: &Roles| at.point(roles.upper_end()) - at.point(roles.ball_joint());
         match of {
-            Trait::Strut => {
+            AssemblyMode::Strut => {
                 let line = roles?.strut_line(self.solver.design())?;
                 Some(at.pose.rotation.apply(line).dot(steering_axis(&roles?)))
             }
-            Trait::UpperArm => {
+            AssemblyMode::UpperArm => {
                 Some(velocity(at, mechanism.arms.get(1)?).dot(steering_axis(&roles?)))
             }
-            Trait::TieRod => {
+            AssemblyMode::TieRod => {
                 let from = at.point(roles?.ball_joint());
                 let [inner, outer] = roles?.tie_rod().map(|id| at.point(id) - from);
                 Some(outer.dot(steering_axis(&roles?).cross(inner)))
             }
-            Trait::Arm => Some(velocity(at, mechanism.arms.first()?).z),
-            Trait::Determinant => {
+            AssemblyMode::Arm => Some(velocity(at, mechanism.arms.first()?).z),
+            AssemblyMode::Determinant => {
                 let lu = self.solver.factorise(&at.pose, &self.point)?;
                 Some(lu.determinant())
             }
@@ -283,7 +283,7 @@ impl<'a> Search<'a> {
 }
 
 /// Velocity of an arm's outer joint for a turn about its axis, up to a positive factor.
-fn velocity(at: &Posture<f64>, arm: &Arm) -> Vector3<f64> {
+fn velocity(at: &Configuration<f64>, arm: &Arm) -> Vector3<f64> {
     let from = at.point(arm.rear);
     (at.point(arm.front) - from).cross(at.point(arm.outer) - from)
 }

@@ -7,7 +7,7 @@ use crate::mechanism::Unproven;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Drive;
 use crate::solve::Station;
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
 /// The most steps a path from one station to the next may be proved in.
@@ -16,16 +16,16 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// As [`Solver::march`], with a proof of every pose: that it is right, and that it lies on the branch
+    /// As [`Solver::for_each_pose`], with a proof of every pose: that it is right, and that it lies on the branch
     /// of the design position. What cannot be proved is refused.
     ///
     /// # Errors
     /// If the design position itself is singular.
-    pub fn march_certified(
+    pub fn for_each_certified_pose(
         &mut self,
         certifier: &Certifier,
         drive: Drive,
-        march: &March,
+        station_order: &StationOrder,
         rack: f64,
         mut visit: impl FnMut(
             &Self,
@@ -34,8 +34,8 @@ impl Solver<'_> {
         ) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
         let mut found: Vec<Result<Pose<f64>, Failure>> =
-            vec![Err(Failure::Singular); march.values().len()];
-        self.march(drive, march, rack, |_, station, pose| {
+            vec![Err(Failure::Singular); station_order.values().len()];
+        self.for_each_pose(drive, station_order, rack, |_, station, pose| {
             found[station] = pose.copied();
             ControlFlow::Continue(())
         })?;
@@ -48,12 +48,12 @@ impl Solver<'_> {
             }
             Err(failure) => Err(failure),
         };
-        for side in march.sides() {
+        for side in station_order.sides() {
             let mut from = start;
             for station in side {
                 let point = MotionPoint {
                     drive,
-                    value: march.values()[*station],
+                    value: station_order.values()[*station],
                     rack,
                 };
                 let certified = found[*station].and_then(|pose| {

@@ -14,7 +14,7 @@ use super::theorem::ROUNDING;
 use super::{N, Square};
 use crate::derive::MotionPoint;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Drive, Mechanism};
 use crate::number::Dual;
 use crate::number::Interval;
@@ -77,8 +77,8 @@ impl Quadratic {
         scale: f64,
         drive: Drive,
     ) -> Self {
-        let lifted: Vec<_> = design.iter().map(|p| p.map(constant)).collect();
-        let closure = Closure::new(mechanism, &lifted);
+        let design_series: Vec<_> = design.iter().map(|p| p.map(constant)).collect();
+        let closure = Closure::new(mechanism, &design_series);
         let origin = design[mechanism.origin.0];
         let input = |j: usize| {
             let value = match j {
@@ -106,9 +106,9 @@ impl Quadratic {
                 cosine: input(DRIVE[1]),
             },
         };
-        let at = Posture {
+        let at = Configuration {
             mechanism,
-            design: &lifted,
+            design: &design_series,
             pose,
             rack: input(RACK),
             steering: None,

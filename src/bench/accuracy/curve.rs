@@ -3,10 +3,10 @@
 use super::poses::lagrange;
 use super::subject::{Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::mechanism::Posture;
+use crate::mechanism::Configuration;
 use crate::model::Drive;
 use crate::number::{DoubleDouble, Scalar};
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -101,14 +101,17 @@ pub(super) fn measure(
                 .iter()
                 .map(|(travel, _)| between.weights(&stations, *travel))
                 .collect();
-            let march = March::through(&stations);
+            let station_order = StationOrder::through(&stations);
             let mut solved = vec![f64::NAN; count];
             let mut curve = vec![f64::NAN; exact.len()];
             let mut draw = |curve: &mut [f64]| {
-                let visited =
-                    solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
+                let visited = solver.for_each_pose(
+                    Drive::Travel,
+                    &station_order,
+                    subject.rack,
+                    |_, station, pose| {
                         solved[station] = pose.map_or(f64::NAN, |pose| {
-                            camber(&Posture {
+                            camber(&Configuration {
                                 mechanism: &suspension.mechanism,
                                 design: &suspension.design,
                                 pose: *pose,
@@ -117,7 +120,8 @@ pub(super) fn measure(
                             })
                         });
                         ControlFlow::Continue(())
-                    });
+                    },
+                );
                 visited.expect("the design was solved before");
                 for (value, (first, weights)) in curve.iter_mut().zip(&weights) {
                     let near = solved[*first..].iter().zip(weights);

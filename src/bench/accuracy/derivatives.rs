@@ -3,13 +3,13 @@
 
 use super::subject::{Measured, Subject};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::characteristics::{Characteristic, Inputs, Quantity, Slots, View};
-use crate::derive::{Lifted, MotionPoint};
-use crate::mechanism::{Pose, Posture};
+use crate::characteristics::{Characteristic, Inputs, Quantity, Slots, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Drive, PointId};
 use crate::number::{DoubleDouble, Dual, Jet, Scalar, Vector3};
 use crate::solve::trial::Forward;
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
 /// Gradients by station, output and point, in this order.
@@ -86,15 +86,19 @@ impl<'t> Task<'t> {
         let constants = self.subject.constants();
         for (station, (pose, travel)) in poses.iter().zip(&self.subject.travels).enumerate() {
             let mut point = 0;
-            forward.each(pose, T::of(*travel), |_, at: &Posture<'_, Dual<T, 3>>| {
-                let inputs = Inputs::standing(at, constants, self.reads);
-                for (output, c) in self.outputs.iter().enumerate() {
-                    let by = c.evaluate(&inputs).partials;
-                    let gradient = Vector3::from(by).map(|v: T| v.value());
-                    gradients.put(station, output, point, gradient);
-                }
-                point += 1;
-            });
+            forward.each(
+                pose,
+                T::of(*travel),
+                |_, at: &Configuration<'_, Dual<T, 3>>| {
+                    let inputs = Inputs::standing(at, constants, self.reads);
+                    for (output, c) in self.outputs.iter().enumerate() {
+                        let by = c.evaluate(&inputs).partials;
+                        let gradient = Vector3::from(by).map(|v: T| v.value());
+                        gradients.put(station, output, point, gradient);
+                    }
+                    point += 1;
+                },
+            );
         }
     }
 
@@ -112,10 +116,11 @@ impl<'t> Task<'t> {
             value: self.subject.travels[station],
             rack: self.subject.rack,
         };
-        let Ok(linearised) = solver.linearised(&adjoint.lifted, pose, &motion.along_drive()) else {
+        let Ok(linearised) = solver.linearised(&adjoint.design_series, pose, &motion.along_drive())
+        else {
             return;
         };
-        let view = View::reading(&linearised.at, self.subject.constants(), self.reads);
+        let view = WheelReading::reading(&linearised.at, self.subject.constants(), self.reads);
         for (output, c) in self.outputs.iter().enumerate() {
             let quantity = Quantity::Characteristic(*c);
             let buffer = &mut adjoint.buffer;
@@ -132,7 +137,7 @@ impl<'t> Task<'t> {
         let count = suspension.design.len();
         let place = |i: usize| self.points.iter().position(|p| p.0 == i);
         Adjoint {
-            lifted: Lifted::new(&suspension.mechanism, &suspension.design)
+            design_series: DesignSeries::new(&suspension.mechanism, &suspension.design)
                 .with_steering_axis(false)
                 .with_sensitivities_to(&suspension.mechanism, &self.points),
             buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); count],
@@ -151,29 +156,34 @@ impl<'t> Task<'t> {
     }
 
     /// The outputs of a design at every station, poses solved anew.
-    fn values(&self, solver: &mut Solver<'_>, march: &March, values: &mut [f64]) {
+    fn values(&self, solver: &mut Solver<'_>, station_order: &StationOrder, values: &mut [f64]) {
         let rack = self.subject.rack;
         let constants = self.subject.constants();
-        let visited = solver.march(Drive::Travel, march, rack, |solver, station, pose| {
-            let at = &mut values[station * self.outputs.len()..][..self.outputs.len()];
-            match pose {
-                Err(_) => at.fill(f64::NAN),
-                Ok(pose) => {
-                    let posture = Posture {
-                        mechanism: solver.mechanism(),
-                        design: solver.design(),
-                        pose: *pose,
-                        rack,
-                        steering: None,
-                    };
-                    let inputs = Inputs::standing(&posture, constants, self.reads);
-                    for (value, c) in at.iter_mut().zip(&self.outputs) {
-                        *value = c.evaluate(&inputs);
+        let visited = solver.for_each_pose(
+            Drive::Travel,
+            station_order,
+            rack,
+            |solver, station, pose| {
+                let at = &mut values[station * self.outputs.len()..][..self.outputs.len()];
+                match pose {
+                    Err(_) => at.fill(f64::NAN),
+                    Ok(pose) => {
+                        let configuration = Configuration {
+                            mechanism: solver.mechanism(),
+                            design: solver.design(),
+                            pose: *pose,
+                            rack,
+                            steering: None,
+                        };
+                        let inputs = Inputs::standing(&configuration, constants, self.reads);
+                        for (value, c) in at.iter_mut().zip(&self.outputs) {
+                            *value = c.evaluate(&inputs);
+                        }
                     }
                 }
-            }
-            ControlFlow::Continue(())
-        });
+                ControlFlow::Continue(())
+            },
+        );
         if visited.is_err() {
             values.fill(f64::NAN);
         }
@@ -182,7 +192,7 @@ impl<'t> Task<'t> {
 
 /// The workspace of adjoint sensitivities.
 struct Adjoint {
-    lifted: Lifted<1>,
+    design_series: DesignSeries<1>,
     buffer: Vec<Vector3<Jet<f64, 1>>>,
     /// The place of each point among those asked for.
     place: Vec<Option<usize>>,
@@ -300,7 +310,7 @@ fn analytic_and_differences(
     let suspension = subject.suspension;
     let stations = subject.travels.len();
     let exact = task.exact();
-    let march = March::through(&subject.travels);
+    let station_order = StationOrder::through(&subject.travels);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let mut adjoint = task.adjoint_room();
     let mut gradients = task.room();
@@ -309,11 +319,11 @@ fn analytic_and_differences(
             .prepare(&suspension.design)
             .expect("the design was solved before");
         adjoint
-            .lifted
+            .design_series
             .prepare(&suspension.mechanism, &suspension.design);
-        let visited = solver.march(
+        let visited = solver.for_each_pose(
             Drive::Travel,
-            &march,
+            &station_order,
             subject.rack,
             |solver, station, pose| {
                 if let Ok(pose) = pose {
@@ -351,7 +361,7 @@ fn analytic_and_differences(
                 let solve =
                     |solver: &mut Solver<'_>, moved: &[Vector3<f64>], values: &mut [f64]| {
                         match solver.prepare(moved) {
-                            Ok(()) => task.values(solver, &march, values),
+                            Ok(()) => task.values(solver, &station_order, values),
                             Err(_) => values.fill(f64::NAN),
                         }
                     };

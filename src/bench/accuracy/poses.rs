@@ -6,11 +6,11 @@ use crate::attia;
 use crate::attia::PointCoordinates;
 use crate::attia::{Strut, StrutPoints};
 use crate::bench::Job;
-use crate::mechanism::{Pose, Posture, Work};
+use crate::mechanism::{Configuration, Pose, Work};
 use crate::model::{Drive, LengthUnit};
 use crate::number::{DoubleDouble, Vector3};
 use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
-use crate::solve::{March, PoseError, Solver};
+use crate::solve::{PoseError, Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -57,7 +57,7 @@ struct Walk {
 
 impl Walk {
     fn new(travels: &[f64], start: Start) -> Self {
-        let march = March::through(travels);
+        let station_order = StationOrder::through(travels);
         let order = match start {
             Start::Cold => 0,
             Start::Predicted(order) => order,
@@ -84,7 +84,7 @@ impl Walk {
             }
             steps
         };
-        let [up, down] = march.sides();
+        let [up, down] = station_order.sides();
         Walk {
             sides: [side(up), side(down)],
             cold: start == Start::Cold,
@@ -153,7 +153,7 @@ impl<'s, T: Measured, E: Equations<T>> Way<'s, T, E> {
                 if travel.value() != 0.0 {
                     known.push(found);
                 }
-                let at = Posture {
+                let at = Configuration {
                     mechanism: &self.subject.suspension.mechanism,
                     design: &self.design,
                     pose: self.equations.pose(&found),
@@ -310,17 +310,19 @@ pub(in crate::bench) fn unchecked_and_checked<'s>(
         way.run(|_, camber| sum += camber);
         black_box(sum);
     };
-    let march = March::through(&subject.travels);
+    let station_order = StationOrder::through(&subject.travels);
     let solver = RefCell::new(Solver::new(mechanism, &suspension.design)?);
     let checked = move || {
         let mut sum = 0.0;
-        let visited =
-            solver
-                .borrow_mut()
-                .march(Drive::Travel, &march, subject.rack, |_, _, pose| {
-                    sum += pose.map_or(f64::NAN, |pose| read(subject, pose));
-                    ControlFlow::Continue(())
-                });
+        let visited = solver.borrow_mut().for_each_pose(
+            Drive::Travel,
+            &station_order,
+            subject.rack,
+            |_, _, pose| {
+                sum += pose.map_or(f64::NAN, |pose| read(subject, pose));
+                ControlFlow::Continue(())
+            },
+        );
         visited.expect("the design was solved before");
         black_box(sum);
     };
@@ -340,7 +342,7 @@ pub(in crate::bench) fn unchecked_and_checked<'s>(
 const UNCHECKED: f64 = 1e-13;
 
 fn read(subject: &Subject<'_>, pose: &Pose<f64>) -> f64 {
-    camber(&Posture {
+    camber(&Configuration {
         mechanism: &subject.suspension.mechanism,
         design: &subject.suspension.design,
         pose: *pose,
@@ -353,7 +355,7 @@ fn read(subject: &Subject<'_>, pose: &Pose<f64>) -> f64 {
 /// then with ever less asked for.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
-    let march = March::through(&subject.travels);
+    let station_order = StationOrder::through(&subject.travels);
     let read = |pose: &Pose<f64>| read(subject, pose);
     let mut found = Vec::new();
     for metres in [0.0, 1e-9, 1e-7, 1e-5, 1e-3] {
@@ -365,12 +367,17 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
             });
         }
         let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
-            let visited = solver.march(Drive::Travel, &march, subject.rack, |_, station, pose| {
-                if let Ok(pose) = pose {
-                    visit(station, pose);
-                }
-                ControlFlow::Continue(())
-            });
+            let visited = solver.for_each_pose(
+                Drive::Travel,
+                &station_order,
+                subject.rack,
+                |_, station, pose| {
+                    if let Ok(pose) = pose {
+                        visit(station, pose);
+                    }
+                    ControlFlow::Continue(())
+                },
+            );
             visited.expect("the design was solved before");
             solver.work()
         };
@@ -410,7 +417,7 @@ fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement
     let read = |pose: &attia::Pose| {
         let rates = attia::Rates::default();
         let pose = equations.knuckle_pose::<1>(pose, rates).ok()?;
-        Some(camber(&Posture {
+        Some(camber(&Configuration {
             mechanism: &suspension.mechanism,
             design: &suspension.design,
             pose: pose.map(|c| c[0]),
@@ -419,7 +426,7 @@ fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement
         }))
     };
     let run = |visit: &mut dyn FnMut(usize, f64)| {
-        equations.march(&start, &subject.travels, |station, pose| {
+        equations.for_each_pose(&start, &subject.travels, |station, pose| {
             if let Some(camber) = pose.ok().and_then(read) {
                 visit(station, camber);
             }

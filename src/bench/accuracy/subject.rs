@@ -2,12 +2,12 @@
 
 use crate::bench::Unmeasurable;
 use crate::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::model::{Drive, SteeringAxis, Suspension};
 use crate::number::{DoubleDouble, Real, Scalar, Vector3};
 use crate::plan::Plan;
 use crate::solve::trial::{Equations, SixEquations, solve};
-use crate::solve::{March, Solver};
+use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
 use std::ops::ControlFlow;
 
@@ -109,20 +109,25 @@ impl<'s> Subject<'s> {
         let equations = SixEquations::new(mechanism, &design, DoubleDouble::of(self.rack));
         let mut solver = Solver::new(mechanism, &self.suspension.design)?;
         let mut found = Vec::new();
-        let march = March::through(travels);
-        solver.march(Drive::Travel, &march, self.rack, |_, station, pose| {
-            if let Ok(pose) = pose {
-                let mut start = pose.map(DoubleDouble::from);
-                // To more than a double's digits its rotation is none.
-                for _ in 0..2 {
-                    start.rotation = start.rotation.orthonormalised();
+        let station_order = StationOrder::through(travels);
+        solver.for_each_pose(
+            Drive::Travel,
+            &station_order,
+            self.rack,
+            |_, station, pose| {
+                if let Ok(pose) = pose {
+                    let mut start = pose.map(DoubleDouble::from);
+                    // To more than a double's digits its rotation is none.
+                    for _ in 0..2 {
+                        start.rotation = start.rotation.orthonormalised();
+                    }
+                    let travel = DoubleDouble::of(travels[station]);
+                    let (exact, _) = solve(&equations, start, travel, 0.0);
+                    found.push((travels[station], equations.pose(&exact)));
                 }
-                let travel = DoubleDouble::of(travels[station]);
-                let (exact, _) = solve(&equations, start, travel, 0.0);
-                found.push((travels[station], equations.pose(&exact)));
-            }
-            ControlFlow::Continue(())
-        })?;
+                ControlFlow::Continue(())
+            },
+        )?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(found)
     }
@@ -136,14 +141,14 @@ impl<'s> Subject<'s> {
     /// Exact camber of an exact pose.
     pub fn camber_of(&self, pose: &Pose<DoubleDouble>) -> DoubleDouble {
         let design = self.design();
-        let posture = Posture {
+        let configuration = Configuration {
             mechanism: &self.suspension.mechanism,
             design: &design,
             pose: *pose,
             rack: DoubleDouble::of(self.rack),
             steering: None,
         };
-        camber(&posture)
+        camber(&configuration)
     }
 
     /// The error of a camber at a station, in degrees.
@@ -178,9 +183,9 @@ impl<'s> Subject<'s> {
     }
 }
 
-/// Camber of a posture.
+/// Camber of a configuration.
 #[inline]
-pub fn camber<T: Real>(at: &Posture<T>) -> T {
+pub fn camber<T: Real>(at: &Configuration<T>) -> T {
     let slots = Slots::default().with(Characteristic::Camber.info().reads);
     let inputs = Inputs::standing(at, Constants::default(), slots);
     Characteristic::Camber.evaluate(&inputs)

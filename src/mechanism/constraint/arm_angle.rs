@@ -10,8 +10,8 @@
 //! The axis is taken so that a positive angle raises the outer joint, whichever way round its two
 //! points are named.
 
+use crate::mechanism::Configuration;
 use crate::mechanism::DEGENERATE;
-use crate::mechanism::Posture;
 use crate::mechanism::pose::Sink;
 use crate::model::{Arm, PointId};
 use crate::number::Real;
@@ -56,13 +56,13 @@ pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
 
 impl<T: Real> ArmAngle<T> {
     #[inline]
-    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let arm = Turned::of(at);
         (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
     }
 
     #[inline]
-    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let arm = Turned::of(at);
         let (e, from, to) = (arm.axis, arm.designed, arm.now);
         let weight = weight * arm.inverse_radius;
@@ -96,7 +96,7 @@ struct Turned<T> {
 
 impl<T: Real> Turned<T> {
     #[inline]
-    fn of(at: &Posture<T>) -> Self {
+    fn of(at: &Configuration<T>) -> Self {
         let arm = at.mechanism.arms[0];
         let rear = at.designed(arm.rear);
         let base = at.designed(arm.front) - rear;

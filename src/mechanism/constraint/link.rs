@@ -11,7 +11,7 @@
 //! length and is held fixed (where F = 0 it does not matter).
 
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
@@ -39,13 +39,13 @@ impl<T: Real> Link<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let d = at.carried(self.outer) - at.grounded(self.inner);
         (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
     }
 
     #[inline(always)]
-    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let (inner, outer) = (self.inner, self.outer);
         let weight = weight * self.scale;
         let now = (at.carried(outer) - at.grounded(inner)) * weight;
@@ -57,7 +57,7 @@ impl<T: Real> Link<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(at.designed_lever(self.outer));
         let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.scale;
         let lever_rate = along.turn.cross(lever);

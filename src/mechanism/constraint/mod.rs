@@ -21,7 +21,7 @@ use link::Link;
 use revolute::Pinned;
 use strut_line::StrutLine;
 
-use super::pose::{Posture, Sink, Twist, Wrench};
+use super::pose::{Configuration, Sink, Twist, Wrench};
 use crate::model::Constraint;
 use crate::number::Real;
 use crate::number::Vector3;
@@ -51,7 +51,7 @@ impl<T: Real> Row<T> {
 
     /// F, as a length.
     #[inline(always)]
-    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         match self {
             Row::Link(row) => row.residual(at),
             Row::StrutLine(row) => row.residual(at),
@@ -61,7 +61,7 @@ impl<T: Real> Row<T> {
 
     /// Adds `weight` times the differential to the sink.
     #[inline(always)]
-    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         match self {
             Row::Link(row) => row.differential(at, weight, sink),
             Row::StrutLine(row) => row.differential(at, weight, sink),
@@ -72,7 +72,7 @@ impl<T: Real> Row<T> {
     /// How force, moment and force along the rack of the differential change along a motion of the knuckle,
     /// the rack held.
     #[inline(always)]
-    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         match self {
             Row::Link(row) => row.wrench_rate(at, along),
             Row::StrutLine(row) => row.wrench_rate(at, along),

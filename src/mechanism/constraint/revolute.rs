@@ -13,7 +13,7 @@
 
 use super::normals;
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::PointId;
 use crate::number::Real;
 use crate::number::{Matrix3, Vector3};
@@ -43,20 +43,20 @@ impl<T: Real> Pinned<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         self.direction
             .dot(at.carried(self.point) - at.designed(self.point))
     }
 
     #[inline(always)]
-    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
         at.push_carried(self.point, along, sink);
         sink.hardpoint(self.point, -along);
     }
 
     #[inline(always)]
-    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(at.designed_lever(self.point));
         Wrench {
             force: lever.zero(),

@@ -12,7 +12,7 @@
 
 use super::normals;
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::PointId;
 use crate::number::Real;
 use crate::number::Vector3;
@@ -52,13 +52,13 @@ impl<T: Real> StrutLine<T> {
     }
 
     #[inline]
-    pub(crate) fn residual(&self, at: &Posture<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let gap = at.point(self.top) - at.pose.origin;
         at.pose.rotation.apply(self.normal).dot(gap) - self.normal.dot(at.designed_lever(self.top))
     }
 
     #[inline]
-    pub(crate) fn differential(&self, at: &Posture<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let StrutLine { top, normal, .. } = *self;
         let gap = at.point(top) - at.pose.origin;
         let turned = at.pose.rotation.apply(normal) * weight;
@@ -74,7 +74,7 @@ impl<T: Real> StrutLine<T> {
     }
 
     #[inline]
-    pub(crate) fn wrench_rate(&self, at: &Posture<T>, along: &Twist<T>) -> Wrench<T> {
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let gap = at.point(self.top) - at.pose.origin;
         let turned = at.pose.rotation.apply(self.normal);
         let turned_rate = along.turn.cross(turned);

@@ -4,7 +4,7 @@ use super::Page;
 use super::escape::html;
 use crate::report::TuningSummary;
 use crate::report::curve_table::CurveTable;
-use crate::report::failures::Stretch;
+use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
 use serde::Serialize;
@@ -106,7 +106,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         facts.push(("At a bound", bounds));
     }
     if let Some(design) = run.record.designs.last() {
-        let failed: usize = design.failures.iter().map(Stretch::stations).sum();
+        let failed: usize = design.failures.iter().map(FailureRange::stations).sum();
         let all = design.stations;
         let solved = all.saturating_sub(failed);
         let class = if failed == 0 { "" } else { " class=\"bad\"" };

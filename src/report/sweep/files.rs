@@ -8,7 +8,7 @@ use super::rows_csv;
 use super::table_file::{TableFile, open_lines};
 use crate::report::{RunDirectory, WriteError};
 use crate::study::Study;
-use crate::sweep::{FORM, SweepPlan, SweepRecord, Tally, Worker};
+use crate::sweep::{FORM, SweepPlan, SweepRecord, SweepStatistics, Worker};
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
@@ -48,7 +48,7 @@ impl SweepText {
     /// Works on a block: its rows and curves as text, and its statistics.
     pub fn finish(&self, record: &SweepRecord, worker: &mut Worker<'_>, block: u64) -> Finished {
         let rows = worker.rows(block);
-        let (tally, first) = (Tally::of(record, rows), rows.first);
+        let (tally, first) = (SweepStatistics::of(record, rows), rows.first);
         let (mut designs, mut curves) = (Vec::new(), Vec::new());
         rows_csv::append(rows, &mut designs);
         if let Some(csv) = &self.curves {
@@ -69,7 +69,7 @@ pub struct Finished {
     /// Its curves, as they stand in the file.
     curves: Vec<u8>,
     /// Its statistics.
-    pub tally: Tally,
+    pub tally: SweepStatistics,
 }
 
 /// The files of a sweep that is running.
@@ -79,7 +79,7 @@ pub struct SweepFiles {
 }
 
 /// A sweep taken up again: its files, the tally of what is there and the number of the next block.
-pub type Resumed = (SweepFiles, Tally, u64);
+pub type Resumed = (SweepFiles, SweepStatistics, u64);
 
 impl SweepFiles {
     /// Begins the files of a sweep, in a directory or, for the designs alone, on standard output.
@@ -123,7 +123,7 @@ impl SweepFiles {
         text: &SweepText,
         directory: &RunDirectory,
     ) -> Result<Resumed, NotThisSweep> {
-        let mut tally = Tally::empty(record);
+        let mut tally = SweepStatistics::empty(record);
         let mut next = record.blocks().start;
         let path = directory.path().join(record.file_name("designs"));
         if !directory.path().join("sweep.json").is_file() {
@@ -168,7 +168,7 @@ impl SweepFiles {
                     break;
                 }
             }
-            tally.absorb(record, &Tally::of(record, &rows));
+            tally.absorb(record, &SweepStatistics::of(record, &rows));
             length += bytes;
             next += 1;
         }

@@ -4,7 +4,7 @@ use super::files::{NotThisSweep, read_record};
 use super::rows_csv;
 use super::table_file::{TableFile, open_lines};
 use crate::report::{RunDirectory, WriteError};
-use crate::sweep::{SweepRecord, Tally};
+use crate::sweep::{SweepRecord, SweepStatistics};
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
@@ -89,8 +89,8 @@ impl Parts {
     }
 
     /// Sums all shards up, which must be finished; `watch` hears of every block's designs.
-    pub fn tally(&self, mut watch: impl FnMut(u64)) -> Result<Tally, NotThisSweep> {
-        let mut tally = Tally::empty(&self.record);
+    pub fn tally(&self, mut watch: impl FnMut(u64)) -> Result<SweepStatistics, NotThisSweep> {
+        let mut tally = SweepStatistics::empty(&self.record);
         for (directory, part) in &self.parts {
             let path = directory.join(part.file_name("designs"));
             let unreadable = |e: io::Error| wrong(&path, e.to_string());
@@ -103,7 +103,7 @@ impl Parts {
                     return Err(wrong(directory, reason.to_owned()));
                 };
                 watch(rows.designs() as u64);
-                tally.absorb(&self.record, &Tally::of(&self.record, &rows));
+                tally.absorb(&self.record, &SweepStatistics::of(&self.record, &rows));
             }
         }
         Ok(tally)

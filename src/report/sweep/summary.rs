@@ -3,7 +3,7 @@
 use super::rows_csv;
 use crate::report::Table;
 use crate::report::solve_summary::brief;
-use crate::sweep::{Candidate, Effects, SweepRecord, Tally};
+use crate::sweep::{Candidate, Effects, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
 /// `summary.json` of a sweep.
@@ -84,7 +84,7 @@ pub(in crate::report) struct DesignSummary {
 
 impl SweepSummary {
     /// The summary of a sweep or of a part of it.
-    pub fn of(record: &SweepRecord, tally: &Tally) -> Self {
+    pub fn of(record: &SweepRecord, tally: &SweepStatistics) -> Self {
         let effects = Effects::all(record, tally);
         let (misfit, deviations) = (record.misfit(), record.deviations());
         let best = tally.best.iter().map(|c: &Candidate| DesignSummary {
@@ -202,7 +202,7 @@ impl SweepSummary {
 
 /// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in
 /// another, where there are several.
-pub fn pareto_csv(record: &SweepRecord, tally: &Tally) -> Option<Vec<u8>> {
+pub fn pareto_csv(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<u8>> {
     if record.deviations().len() < 2 {
         return None;
     }
@@ -215,7 +215,7 @@ pub fn pareto_csv(record: &SweepRecord, tally: &Tally) -> Option<Vec<u8>> {
 
 fn output(
     record: &SweepRecord,
-    tally: &Tally,
+    tally: &SweepStatistics,
     effects: Option<&Effects>,
     k: usize,
 ) -> OutputSummary {

@@ -29,7 +29,7 @@ use super::{ClosedForm, Roles, State};
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Posture, Wrench};
+use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Arm, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
@@ -46,7 +46,7 @@ pub(crate) struct Members<T> {
 pub(crate) struct Adjoint<'a, T> {
     roles: &'a Roles,
     members: &'a Members<T>,
-    at: &'a Posture<'a, T>,
+    at: &'a Configuration<'a, T>,
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
@@ -184,7 +184,7 @@ impl<T: Real> Members<T> {
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
-    /// Of a state, that is the posture `at`, moving by the travel with the ball joint's velocity and a turn
+    /// Of a state, that is the configuration `at`, moving by the travel with the ball joint's velocity and a turn
     /// of the knuckle.
     #[inline(always)]
     pub(crate) fn of(
@@ -192,7 +192,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
         members: &'a Members<T>,
         form: &ClosedForm<T>,
         state: &State<T>,
-        at: &'a Posture<'a, T>,
+        at: &'a Configuration<'a, T>,
         ball_joint_velocity: Vector3<T>,
         turn: Vector3<T>,
     ) -> Self {

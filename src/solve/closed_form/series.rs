@@ -29,21 +29,21 @@ impl ClosedForm<f64> {
         if motion.rack.0[1..].iter().any(|c| *c != 0.0) {
             return None;
         }
-        let lifted = self.map(Jet::constant);
+        let design_series = self.map(Jet::constant);
         let series = match motion.drive {
             Drive::ArmAngle => {
                 let (sine, cosine) = motion.value.scaled(0.5).sin_cos();
-                lifted.pose(&lifted.at_half_tangent(sine / cosine, motion.rack))
+                design_series.pose(&design_series.at_half_tangent(sine / cosine, motion.rack))
             }
             Drive::Travel => {
-                let state = lifted.at_half_tangent(Jet::variable(tangent), motion.rack);
-                let rise = lifted.travel(&state);
+                let state = design_series.at_half_tangent(Jet::variable(tangent), motion.rack);
+                let rise = design_series.travel(&state);
                 let mut along = Jet::constant(0.0);
                 for k in 1..N {
                     let known = composed(rise, along)[k];
                     along.0[k] = (motion.value[k] - known) / rise[1];
                 }
-                lifted.pose(&state).map(|c| composed(c, along))
+                design_series.pose(&state).map(|c| composed(c, along))
             }
         };
         let origin = series.origin;

@@ -1,7 +1,7 @@
 //! Steps by the closed form, where nothing is close to changing (slope, toggle).
 
 use super::follow::{LONGEST_TURN, distance};
-use super::{Place, Solver};
+use super::{PathPoint, Solver};
 use crate::derive::MotionPoint;
 use crate::mechanism::Pose;
 use crate::model::Drive;
@@ -22,7 +22,7 @@ const SAME: f64 = 1e-9;
 /// What the closed form knows of a place: tangent of half the arm angle, its slope by the drive, and
 /// the same at the place before.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Quick {
+pub(crate) struct ClosedFormPredictor {
     pub(crate) tangent: f64,
     pub(crate) slope: f64,
     pub(crate) before: Option<(f64, f64, f64)>,
@@ -37,12 +37,16 @@ pub(crate) struct Quick {
 
 impl Solver<'_> {
     /// What the closed form needs to go on from a pose.
-    pub(crate) fn quick_from(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Quick> {
+    pub(crate) fn quick_from(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Option<ClosedFormPredictor> {
         let (form, series) = (self.form.as_ref()?, self.series.as_ref()?);
         let tangent = form.half_tangent(pose);
         // Beyond a right angle the tangent of the half angle loses its advantage. Far from the origin
         // the closed form would lose what the closure equations keep.
-        if !(tangent.abs() <= 1.0 && self.reach < FAR * self.size) {
+        if !(tangent.abs() <= 1.0 && self.coordinate_scale < FAR * self.size) {
             return None;
         }
         // The path may have passed a toggle: then the closed form speaks of another assembly.
@@ -58,7 +62,7 @@ impl Solver<'_> {
             return None;
         }
         let rise = series.travel(&state)[1];
-        Some(Quick {
+        Some(ClosedFormPredictor {
             tangent,
             slope: match point.drive {
                 Drive::Travel => 1.0 / rise,
@@ -72,7 +76,11 @@ impl Solver<'_> {
     }
 
     /// One step by the closed form, if nothing speaks against it.
-    pub(crate) fn step_by_closed_form(&self, from: &Place, to: &MotionPoint<f64>) -> Option<Place> {
+    pub(crate) fn step_by_closed_form(
+        &self,
+        from: &PathPoint,
+        to: &MotionPoint<f64>,
+    ) -> Option<PathPoint> {
         let (form, series) = (self.form.as_ref()?, self.series.as_ref()?);
         let quick = from.quick?;
         if to.rack != from.point.rack {
@@ -82,7 +90,7 @@ impl Solver<'_> {
         let rack = Jet::constant(to.rack);
         // What may be left of the tangent's error.
         let allowed = match quick.speed {
-            Some(speed) => speed.scaled(MARGIN).times_in(self.demand.allowed),
+            Some(speed) => speed.scaled(MARGIN).times_in(self.error_budget.allowed),
             None => 0.0,
         };
         let mut left = 0.0;
@@ -161,16 +169,16 @@ impl Solver<'_> {
             Drive::Travel => Some(moved.length / (end - start).abs()),
             Drive::ArmAngle => None,
         };
-        let speed = self.demand.is_modest().then(|| {
+        let speed = self.error_budget.is_relaxed().then(|| {
             let speed = moved.scaled(1.0 / step.abs());
             let fastest = quick.speed.map_or(speed, |before| before.max(speed));
-            self.demand.note(fastest.scaled(2.0 * left));
+            self.error_budget.note(fastest.scaled(2.0 * left));
             speed
         });
-        Some(Place {
+        Some(PathPoint {
             point: *to,
             pose,
-            quick: Some(Quick {
+            quick: Some(ClosedFormPredictor {
                 tangent,
                 slope,
                 before: Some((start, quick.tangent, quick.slope)),
@@ -187,7 +195,7 @@ impl Solver<'_> {
 fn stays_clear(
     form: &ClosedForm<Jet<f64, 2>>,
     rack: Jet<f64, 2>,
-    from: &Quick,
+    from: &ClosedFormPredictor,
     (tangent, margins): (f64, &[Jet<f64, 2>; 2]),
 ) -> bool {
     let step = tangent - from.tangent;
@@ -215,7 +223,7 @@ fn keep_clear(before: &[Jet<f64, 2>; 2], after: &[Jet<f64, 2>; 2], step: f64) ->
     })
 }
 
-impl Quick {
+impl ClosedFormPredictor {
     /// The tangent at `end` by the cubic through the last two places and their slopes, or along the
     /// slope where there is only one.
     fn extrapolated(&self, start: f64, end: f64) -> f64 {

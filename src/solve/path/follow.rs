@@ -1,6 +1,6 @@
 //! Following the closure equations with steps small enough that Newton's method cannot leave the branch.
 
-use super::{Place, Settled, Solver};
+use super::{FactorisedPose, PathPoint, Solver};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
 use crate::mechanism::Driver;
@@ -24,11 +24,11 @@ impl Solver<'_> {
     /// that takes many, by the arc length of the path, which passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
-        from: &Place,
+        from: &PathPoint,
         to: &MotionPoint<f64>,
     ) -> Result<Pose<f64>, Failure> {
         self.lift();
-        let lifted = self.lifted.as_ref().expect("just made");
+        let design_series = self.design_series.as_ref().expect("just made");
         let start = from.point;
         let between = |t: f64| MotionPoint {
             drive: to.drive,
@@ -51,7 +51,7 @@ impl Solver<'_> {
             };
             let accepted = lu.as_ref().and_then(|lu| {
                 self.work.note(|w| w.right_hand_sides += 2);
-                let series = lifted.series(self.mechanism, lu, &pose, &direction);
+                let series = design_series.series(self.mechanism, lu, &pose, &direction);
                 let predicted = predict(&series, target - reached);
                 let point = if target == 1.0 { *to } else { between(target) };
                 self.correct(&pose, &predicted, &point, lu.determinant())
@@ -72,7 +72,7 @@ impl Solver<'_> {
             }
         }
         if let Some(factors) = lu {
-            self.settled = Some(Settled {
+            self.settled = Some(FactorisedPose {
                 pose,
                 point: *to,
                 factors,
@@ -111,19 +111,19 @@ impl Solver<'_> {
 
     /// Whether a pose obeys the closure equations to within their rounding.
     pub(crate) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
-        let at = self.posture(pose, point.rack);
+        let at = self.configuration(pose, point.rack);
         let residuals = self.closure.residuals(&at, point.driver());
         // Each is formed of a dozen products and sums of lengths within the reach.
         residuals
             .iter()
-            .all(|r| r.abs() <= 16.0 * ROUNDING * self.reach)
+            .all(|r| r.abs() <= 16.0 * ROUNDING * self.coordinate_scale)
     }
 
     /// Newton's method from a pose that is close already; `None` where it does not settle.
     pub(crate) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
         let (mut pose, mut last) = (*pose, f64::INFINITY);
         for _ in 0..60 {
-            let at = self.posture(&pose, point.rack);
+            let at = self.configuration(&pose, point.rack);
             self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
             if correction >= last || correction.is_nan() {
@@ -154,10 +154,10 @@ impl Solver<'_> {
         let mut pose = *predicted;
         let mut last = f64::INFINITY;
         for iteration in 0..12 {
-            let at = self.posture(&pose, point.rack);
+            let at = self.configuration(&pose, point.rack);
             self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, driver, self.size)?;
-            let rounding = ROUNDING * self.reach;
+            let rounding = ROUNDING * self.coordinate_scale;
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
@@ -167,9 +167,9 @@ impl Solver<'_> {
                 length: 2.0 * left,
                 angle: left / self.size,
             };
-            let modest = iteration > 0 && left.times_in(self.demand.allowed) >= 1.0;
+            let modest = iteration > 0 && left.times_in(self.error_budget.allowed) >= 1.0;
             if modest {
-                self.demand.note(left);
+                self.error_budget.note(left);
             }
             // Rounding level: the corrections no longer shrink.
             if modest

@@ -14,21 +14,21 @@ mod stations;
 
 pub use crate::mechanism::{DesignFault, Failure};
 pub(crate) use follow::predict;
-pub use stations::March;
+pub use stations::StationOrder;
 
-use super::accuracy::{Demand, PoseError};
+use super::accuracy::{ErrorBudget, PoseError};
 use super::closed_form::ClosedForm;
 use super::continuation::{Curve, Moving};
-use crate::derive::{Lifted, MotionPoint};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::linear::lu::{Lu6, Matrix6};
 use crate::mechanism::Closure;
+use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{DEGENERATE, ROUNDING};
-use crate::mechanism::{Pose, Posture};
-use crate::mechanism::{Tally, Work};
+use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism, PointId};
 use crate::number::Jet;
 use crate::number::{Matrix3, Vector3};
-use closed_step::Quick;
+use closed_step::ClosedFormPredictor;
 use std::ops::ControlFlow;
 
 /// Sizes whose eighth powers, and their inverses, are ordinary doubles.
@@ -44,22 +44,22 @@ pub struct Solver<'m> {
     /// The same over series.
     series: Option<ClosedForm<Jet<f64, 2>>>,
     /// For the predictor of the step-by-step path; made when first needed.
-    lifted: Option<Lifted<3>>,
+    design_series: Option<DesignSeries<3>>,
     lifted_is_current: bool,
     size: f64,
     /// The largest coordinate, at least the size: what positions are rounded at.
-    reach: f64,
+    coordinate_scale: f64,
     /// The last pose that Newton's method settled at, with its factors.
-    settled: Option<Settled>,
+    settled: Option<FactorisedPose>,
     /// The last pose that is one of the closed form's.
-    formed: Option<Formed>,
-    pub(crate) work: Tally,
-    demand: Demand,
+    formed: Option<ClosedFormPose>,
+    pub(crate) work: WorkCounter,
+    error_budget: ErrorBudget,
 }
 
 /// A pose whose Jacobian is factorised already.
 #[derive(Clone, Copy, Debug)]
-struct Settled {
+struct FactorisedPose {
     pose: Pose<f64>,
     point: MotionPoint<f64>,
     factors: Lu6<f64>,
@@ -67,7 +67,7 @@ struct Settled {
 
 /// A pose of the closed form.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Formed {
+pub(crate) struct ClosedFormPose {
     pose: Pose<f64>,
     point: MotionPoint<f64>,
     /// Tangent of half the arm's angle.
@@ -81,10 +81,10 @@ pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 
 /// A place on the path.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct PathPoint {
     point: MotionPoint<f64>,
     pose: Pose<f64>,
-    quick: Option<Quick>,
+    quick: Option<ClosedFormPredictor>,
 }
 
 impl<'m> Solver<'m> {
@@ -96,14 +96,14 @@ impl<'m> Solver<'m> {
             closure: Closure::new(mechanism, design),
             form: None,
             series: None,
-            lifted: None,
+            design_series: None,
             lifted_is_current: false,
             size: 1.0,
-            reach: 1.0,
+            coordinate_scale: 1.0,
             settled: None,
             formed: None,
-            work: Tally::default(),
-            demand: Demand::default(),
+            work: WorkCounter::default(),
+            error_budget: ErrorBudget::default(),
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -118,13 +118,13 @@ impl<'m> Solver<'m> {
             }
         }
         self.size = self.mechanism.size(design);
-        self.reach = self.mechanism.reach(design);
+        self.coordinate_scale = self.mechanism.coordinate_scale(design);
         self.lifted_is_current = false;
         self.settled = None;
         self.formed = None;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
-        if !(self.reach * DEGENERATE < self.size && SIZES.contains(&self.size)) {
+        if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
             return Err(DesignFault::OutOfScale);
         }
         self.check_distinct()?;
@@ -145,7 +145,7 @@ impl<'m> Solver<'m> {
     /// Refuses rods and axes without a length, or so short that rounding of the coordinates leaves fewer
     /// than six digits of their direction.
     fn check_distinct(&self) -> Result<(), DesignFault> {
-        let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.reach);
+        let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.coordinate_scale);
         let distinct = |first: PointId, second: PointId| {
             let apart = self.design[second.0] - self.design[first.0];
             if apart.norm_squared() > shortest * shortest {
@@ -165,13 +165,13 @@ impl<'m> Solver<'m> {
 
     /// Asks for less than full double precision: poses that are off by no more than this.
     pub fn with_accuracy(mut self, allowed: PoseError) -> Self {
-        self.demand = Demand::new(allowed);
+        self.error_budget = ErrorBudget::new(allowed);
         self
     }
 
     /// A bound on the error of every pose found so far.
     pub fn error_bound(&self) -> PoseError {
-        self.demand.bound(self.reach, self.size)
+        self.error_budget.bound(self.coordinate_scale, self.size)
     }
 
     /// What was done since the solver was made.
@@ -200,19 +200,19 @@ impl<'m> Solver<'m> {
     /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
     /// from the design position; `visit` gets the station's number and its pose or the reason there is
     /// none, and may break off the march.
-    pub fn march(
+    pub fn for_each_pose(
         &mut self,
         drive: Drive,
-        march: &March,
+        station_order: &StationOrder,
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
         let start = self.rack_placed(drive, rack)?;
-        for side in [&march.up, &march.down] {
+        for side in [&station_order.up, &station_order.down] {
             let mut place = start;
             for &station in side {
                 if let Ok(from) = place {
-                    let value = march.values[station];
+                    let value = station_order.values[station];
                     place = self.advance(
                         &from,
                         MotionPoint {
@@ -232,7 +232,7 @@ impl<'m> Solver<'m> {
                     if quick.before.is_none() && !is_design || is_steep {
                         return None;
                     }
-                    Some(Formed {
+                    Some(ClosedFormPose {
                         pose: at.pose,
                         point: at.point,
                         tangent: quick.tangent,
@@ -252,7 +252,7 @@ impl<'m> Solver<'m> {
         &mut self,
         drive: Drive,
         rack: f64,
-    ) -> Result<Result<Place, Failure>, DesignFault> {
+    ) -> Result<Result<PathPoint, Failure>, DesignFault> {
         let start = self.start(drive)?;
         Ok(match rack {
             0.0 => Ok(start),
@@ -294,7 +294,7 @@ impl<'m> Solver<'m> {
         from: &MotionPoint<f64>,
         to: &MotionPoint<f64>,
     ) -> Result<Pose<f64>, Failure> {
-        let place = Place {
+        let place = PathPoint {
             point: *from,
             pose: *pose,
             quick: None,
@@ -309,9 +309,9 @@ impl<'m> Solver<'m> {
             mechanism: self.mechanism,
             design: &self.design,
             closure: &self.closure,
-            lifted: self.lifted.as_ref().expect("just made"),
+            design_series: self.design_series.as_ref().expect("just made"),
             size: self.size,
-            rounding: ROUNDING * self.reach / self.size,
+            rounding: ROUNDING * self.coordinate_scale / self.size,
             work: &self.work,
             moving,
             held,
@@ -321,36 +321,40 @@ impl<'m> Solver<'m> {
     /// Brings the lifted design up to date.
     fn lift(&mut self) {
         if !self.lifted_is_current {
-            match &mut self.lifted {
-                Some(lifted) => lifted.prepare(self.mechanism, &self.design),
-                None => self.lifted = Some(Lifted::new(self.mechanism, &self.design)),
+            match &mut self.design_series {
+                Some(design_series) => design_series.prepare(self.mechanism, &self.design),
+                None => self.design_series = Some(DesignSeries::new(self.mechanism, &self.design)),
             }
             self.lifted_is_current = true;
         }
     }
 
     /// The design position, if the drive can move the mechanism from there.
-    fn start(&mut self, drive: Drive) -> Result<Place, DesignFault> {
+    fn start(&mut self, drive: Drive) -> Result<PathPoint, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
             .ok_or(DesignFault::Singular)?;
         debug_assert!(lu.determinant().is_finite());
-        self.settled = Some(Settled {
+        self.settled = Some(FactorisedPose {
             pose,
             point,
             factors: lu,
         });
-        Ok(Place {
+        Ok(PathPoint {
             point,
             pose,
             quick: self.quick_from(&pose, &point),
         })
     }
 
-    pub(crate) fn posture<'a>(&'a self, pose: &Pose<f64>, rack: f64) -> Posture<'a, f64> {
-        Posture {
+    pub(crate) fn configuration<'a>(
+        &'a self,
+        pose: &Pose<f64>,
+        rack: f64,
+    ) -> Configuration<'a, f64> {
+        Configuration {
             mechanism: self.mechanism,
             design: &self.design,
             pose: *pose,
@@ -378,13 +382,13 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         point: &MotionPoint<f64>,
     ) -> Option<(Matrix6<f64>, Lu6<f64>)> {
-        let at = self.posture(pose, point.rack);
+        let at = self.configuration(pose, point.rack);
         let jacobian = self.closure.jacobian(&at, point.driver());
         self.work.note(|w| w.factorisations += 1);
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
-    fn advance(&mut self, from: &Place, to: MotionPoint<f64>) -> Result<Place, Failure> {
+    fn advance(&mut self, from: &PathPoint, to: MotionPoint<f64>) -> Result<PathPoint, Failure> {
         if to == from.point {
             return Ok(*from);
         }
@@ -392,7 +396,7 @@ impl<'m> Solver<'m> {
             Some(place) => Ok(place),
             None => {
                 let pose = self.follow(from, &to)?;
-                Ok(Place {
+                Ok(PathPoint {
                     point: to,
                     pose,
                     quick: self.quick_from(&pose, &to),

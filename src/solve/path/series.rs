@@ -1,40 +1,40 @@
 //! What is known of a pose once it is found: its derivatives, its condition, the loads it carries.
 
-use super::{Formed, Solver};
+use super::{ClosedFormPose, Solver};
 use crate::derive::Factorised;
 use crate::derive::Linearised;
-use crate::derive::{Lifted, MotionPoint};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Failure;
-use crate::mechanism::{Pose, Posture};
+use crate::mechanism::{Configuration, Pose};
 use crate::number::Jet;
 
 impl Solver<'_> {
-    /// The posture in a pose found by this solver, as a power series along the motion.
-    pub fn posture_series<'a, const N: usize>(
+    /// The configuration in a pose found by this solver, as a power series along the motion.
+    pub fn configuration_series<'a, const N: usize>(
         &'a self,
-        lifted: &'a Lifted<N>,
+        design_series: &'a DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Result<Posture<'a, Jet<f64, N>>, Failure> {
-        if let Some(series) = self.formed_series(lifted, pose, motion) {
-            return Ok(lifted.at(self.mechanism, series, motion.rack));
+    ) -> Result<Configuration<'a, Jet<f64, N>>, Failure> {
+        if let Some(series) = self.formed_series(design_series, pose, motion) {
+            return Ok(design_series.at(self.mechanism, series, motion.rack));
         }
-        let (posture, _) = self.factorised_series(lifted, pose, motion, false)?;
-        Ok(posture)
+        let (configuration, _) = self.factorised_series(design_series, pose, motion, false)?;
+        Ok(configuration)
     }
 
-    /// The posture with the factors of its Jacobian, if there was a need for them; with `linearise` there
+    /// The configuration with the factors of its Jacobian, if there was a need for them; with `linearise` there
     /// is.
     pub(crate) fn factorised_series<'a, const N: usize>(
         &'a self,
-        lifted: &'a Lifted<N>,
+        design_series: &'a DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
         linearise: bool,
     ) -> Result<Factorised<'a, N>, Failure> {
         let known = self.factors_at(pose, &motion.value_point());
-        lifted
-            .posture(
+        design_series
+            .configuration(
                 self.mechanism,
                 &self.closure,
                 &self.design,
@@ -50,11 +50,11 @@ impl Solver<'_> {
     /// The series of a pose that the closed form gave, by the closed form.
     pub(crate) fn formed_series<const N: usize>(
         &self,
-        lifted: &Lifted<N>,
+        design_series: &DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Option<Pose<Jet<f64, N>>> {
-        if N == 1 || lifted.is_steered() {
+        if N == 1 || design_series.is_steered() {
             return None;
         }
         let formed = self.formed_at(pose, &motion.value_point())?;
@@ -66,7 +66,7 @@ impl Solver<'_> {
     }
 
     /// What the closed form knows of a pose that it gave.
-    fn formed_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Formed> {
+    fn formed_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&ClosedFormPose> {
         let formed = self.formed.as_ref()?;
         (formed.pose == *pose && formed.point == *point).then_some(formed)
     }
@@ -80,15 +80,15 @@ impl Solver<'_> {
         self.formed_at(pose, point)?.condition
     }
 
-    /// As [`Solver::posture_series`], ready for sensitivities.
+    /// As [`Solver::configuration_series`], ready for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
-        lifted: &'a Lifted<N>,
+        design_series: &'a DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Linearised<'a, N>, Failure> {
-        let (posture, factors) = self.factorised_series(lifted, pose, motion, true)?;
+        let (configuration, factors) = self.factorised_series(design_series, pose, motion, true)?;
         let factors = factors.ok_or(Failure::Singular)?;
-        Ok(lifted.linearised(posture, factors, motion, &self.work))
+        Ok(design_series.linearised(configuration, factors, motion, &self.work))
     }
 }

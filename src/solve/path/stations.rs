@@ -3,7 +3,7 @@
 /// The order in which stations are visited: outward from the design position, so that every step
 /// starts at a neighbour.
 #[derive(Clone, Debug, PartialEq)]
-pub struct March {
+pub struct StationOrder {
     /// Drive values by station.
     pub(crate) values: Vec<f64>,
     /// Stations at and above the design position, upward.
@@ -12,14 +12,14 @@ pub struct March {
     pub(crate) down: Vec<usize>,
 }
 
-impl March {
+impl StationOrder {
     /// The march through these drive values.
     pub fn through(values: &[f64]) -> Self {
         let (mut up, mut down): (Vec<_>, Vec<_>) =
             (0..values.len()).partition(|i| values[*i] >= 0.0);
         up.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
         down.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-        March {
+        StationOrder {
             values: values.to_vec(),
             up,
             down,

@@ -1,15 +1,15 @@
 //! One unknown: the tangent of half the angle of the lower arm, by the closed form.
 
-use super::route::{Leg, Place};
+use super::route::{Leg, RouteStep};
 use super::{
     InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
     within_half,
 };
 use crate::derive::Gradient;
-use crate::mechanism::{Posture, Wrench};
+use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, Mechanism, SteeringAxis};
-use crate::number::Bundle;
 use crate::number::Jet;
+use crate::number::SimdReal;
 use crate::number::Vector3;
 use crate::solve::closed_form::Roles;
 use crate::solve::closed_form::{Adjoint, Members};
@@ -43,7 +43,7 @@ struct ArmPose<'f, B> {
     drive: Drive,
 }
 
-impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
+impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     #[inline(always)]
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
         match &vector.0 {
@@ -91,8 +91,8 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     }
 
     #[inline(always)]
-    fn posture(&self, rack: B) -> Posture<'_, B> {
-        Posture {
+    fn configuration(&self, rack: B) -> Configuration<'_, B> {
+        Configuration {
             mechanism: self.design.mechanism,
             design: self.design.design,
             pose: self.design.form.pose_by_two(&self.state),
@@ -105,7 +105,7 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     fn adjoint<'p>(
         &'p self,
         members: &'p LaneMembers<B>,
-        at: &'p Posture<'p, B>,
+        at: &'p Configuration<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
         let LaneMembers(Some(members)) = members else {
@@ -124,7 +124,7 @@ impl<B: Bundle> LanePose<B> for ArmPose<'_, B> {
     }
 }
 
-impl<B: Bundle> LaneAdjoint<B> for Adjoint<'_, B> {
+impl<B: SimdReal> LaneAdjoint<B> for Adjoint<'_, B> {
     #[inline(always)]
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
         Adjoint::subtract(self, wrench, gradient);
@@ -167,7 +167,7 @@ impl ByArm {
     }
 
     #[inline(always)]
-    pub(crate) fn design<'d, B: Bundle>(
+    pub(crate) fn design<'d, B: SimdReal>(
         &self,
         mechanism: &'d Mechanism,
         design: &'d [Vector3<B>],
@@ -183,17 +183,17 @@ impl ByArm {
 
     /// The members of a design that bear forces.
     #[inline(always)]
-    pub(crate) fn members<B: Bundle>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
+    pub(crate) fn members<B: SimdReal>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
         Members::of(&self.roles, &design.form, design.design)
     }
 
     /// Visits every place; says which lanes are right throughout.
     #[inline(always)]
-    pub(crate) fn march<B: Bundle>(
+    pub(crate) fn track<B: SimdReal>(
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
-        places: &[Place],
+        places: &[RouteStep],
         tolerance: f64,
         history: &mut [B],
         visit: &mut impl Visit<B>,
@@ -205,7 +205,7 @@ impl ByArm {
 
         let mut sound = like.everywhere();
         let slope = like.lit(self.slope);
-        let mut last = [Watch {
+        let mut last = [BranchGuard {
             tangent: zero,
             rate: slope,
             margin: zero,
@@ -250,9 +250,9 @@ impl ByArm {
                 }
                 let tangent = corrected;
                 history[number] = tangent;
-                sound = sound & settled & Watch::is_sound(&state, tangent);
+                sound = sound & settled & BranchGuard::is_sound(&state, tangent);
                 if place.leg == Leg::Rack {
-                    let watch = Watch::start(&state, tangent, slope);
+                    let watch = BranchGuard::start(&state, tangent, slope);
                     if number > 0 {
                         sound = sound & watch.continues(&last[0]);
                     }
@@ -284,7 +284,7 @@ impl ByArm {
 
 /// What is watched along the path.
 #[derive(Clone, Copy)]
-struct Watch<B> {
+struct BranchGuard<B> {
     tangent: B,
     /// Slope of the tangent by the drive over the last step.
     rate: B,
@@ -292,7 +292,7 @@ struct Watch<B> {
     margin: B,
 }
 
-impl<B: Bundle> Watch<B> {
+impl<B: SimdReal> BranchGuard<B> {
     /// The least squared sine of an angle that the closed form divides by.
     const LEAST: f64 = 0.0625;
     /// The least margin of the upper end, a sine as well.
@@ -305,7 +305,7 @@ impl<B: Bundle> Watch<B> {
     #[inline(always)]
     fn start(state: &State<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
-        Watch {
+        BranchGuard {
             tangent,
             rate,
             margin: (a.0 * (b.0 * c.0)) * state.upper_margin(),
@@ -315,7 +315,7 @@ impl<B: Bundle> Watch<B> {
     /// At the place after this one, a step of the drive further on.
     #[inline(always)]
     fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
-        Watch::start(state, tangent, (tangent - self.tangent) * inverse_step)
+        BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
     /// Whether the closed form is well conditioned here. False for NaN.

@@ -30,7 +30,7 @@
     reason = "the closures of iterators may be left as calls, compiled for no lanes"
 )]
 
-use super::route::{Leg, Place};
+use super::route::{Leg, RouteStep};
 use super::{
     InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
     within_half,
@@ -40,12 +40,12 @@ use crate::derive::sensitivity::HardpointGradient;
 use crate::derive::steering::screw_axis;
 use crate::mechanism::RowSet;
 use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Pose, Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Pose, Twist, Wrench};
 use crate::model::{Drive, Mechanism};
 use crate::number::Jet;
 use crate::number::Real;
-use crate::number::{Bundle, Piece};
 use crate::number::{Matrix3, Vector3};
+use crate::number::{Outlined, SimdReal};
 use std::array::from_fn;
 use std::cell::{Cell, Ref, RefCell};
 
@@ -113,14 +113,14 @@ impl<'d, B: Real> LinkageDesign<'d, B> {
 
     /// The mechanism with these unknowns.
     #[inline(always)]
-    fn posture(&self, [x, y, z, a, b, c]: [B; UNKNOWNS], rack: B) -> Posture<'d, B> {
+    fn configuration(&self, [x, y, z, a, b, c]: [B; UNKNOWNS], rack: B) -> Configuration<'d, B> {
         let shift = Vector3::new(x, y, z);
-        Posture {
+        Configuration {
             mechanism: self.mechanism,
             design: self.design,
             pose: Pose {
                 origin: self.design[self.mechanism.origin.0] + shift,
-                rotation: Matrix3::by_half_turn(Vector3::new(a, b, c)),
+                rotation: Matrix3::by_rodrigues(Vector3::new(a, b, c)),
             },
             rack,
             steering: None,
@@ -332,14 +332,14 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 /// A pose of a linkage.
 struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
-    at: Posture<'d, B>,
+    at: Configuration<'d, B>,
     travel: B,
     /// Room for the equations about the pose; whether they are there.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
 }
 
-/// The closure equations about a posture.
+/// The closure equations about a configuration.
 struct Linear<B> {
     residuals: [B; 6],
     /// Derivatives by the rack's displacement.
@@ -350,12 +350,12 @@ struct Linear<B> {
 /// Fills in [`Linear`].
 struct Linearising<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
-    at: &'p Posture<'d, B>,
+    at: &'p Configuration<'d, B>,
     travel: B,
     linear: &'p mut Linear<B>,
 }
 
-impl<B: Bundle> Piece for Linearising<'_, '_, B> {
+impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
     type Output = ();
 
     #[inline(always)]
@@ -372,7 +372,7 @@ impl<B: Bundle> Piece for Linearising<'_, '_, B> {
     }
 }
 
-impl<B: Bundle> Linear<B> {
+impl<B: SimdReal> Linear<B> {
     /// Of which nothing is known yet.
     #[inline(always)]
     fn unformed(way: &ByLinkage, like: B) -> Self {
@@ -391,12 +391,12 @@ impl<B: Bundle> Linear<B> {
     }
 }
 
-impl<B: Bundle> LinkagePose<'_, '_, B> {
+impl<B: SimdReal> LinkagePose<'_, '_, B> {
     /// The equations about the pose, formed when first asked for.
     #[inline(always)]
     fn linear(&self) -> Ref<'_, Linear<B>> {
         if !self.is_linear.replace(true) {
-            self.travel.apart(Linearising {
+            self.travel.outlined(Linearising {
                 linkage: self.linkage,
                 at: &self.at,
                 travel: self.travel,
@@ -407,7 +407,7 @@ impl<B: Bundle> LinkagePose<'_, '_, B> {
     }
 }
 
-impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
+impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     #[inline(always)]
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
         match vector.0 {
@@ -478,7 +478,7 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
-    fn posture(&self, _: B) -> Posture<'_, B> {
+    fn configuration(&self, _: B) -> Configuration<'_, B> {
         self.at
     }
 
@@ -486,7 +486,7 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
     fn adjoint<'p>(
         &'p self,
         _: &'p LaneMembers<B>,
-        at: &'p Posture<'p, B>,
+        at: &'p Configuration<'p, B>,
         _: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
         LinkageAdjoint {
@@ -501,12 +501,12 @@ impl<B: Bundle> LanePose<B> for LinkagePose<'_, '_, B> {
 /// What gradients take, by the closure equations.
 struct LinkageAdjoint<'p, B> {
     closure: &'p Closure<B>,
-    at: &'p Posture<'p, B>,
+    at: &'p Configuration<'p, B>,
     travel: B,
     linear: Ref<'p, Linear<B>>,
 }
 
-impl<B: Bundle> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
+impl<B: SimdReal> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
     #[inline(always)]
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized)) {
         let mut multipliers = self.linear.blocks.solve_transposed(wrench);
@@ -530,7 +530,7 @@ impl ByLinkage {
     ) -> Option<ByLinkage> {
         (drive == Drive::Travel).then_some(())?;
         let linkage = LinkageDesign::new(mechanism, base);
-        let at = linkage.posture([0.0; UNKNOWNS], 0.0);
+        let at = linkage.configuration([0.0; UNKNOWNS], 0.0);
         let wrenches = linkage.closure.wrenches(&at, Driver::Travel(0.0));
         let mut blocks = Blocks::unformed(Order::of(&wrenches, size)?, 1.0 / size);
         for (number, wrench) in wrenches.iter().enumerate() {
@@ -549,10 +549,10 @@ impl ByLinkage {
 
     /// Visits every place; says which lanes are right throughout.
     #[inline(always)]
-    pub(crate) fn march<B: Bundle>(
+    pub(crate) fn track<B: SimdReal>(
         &self,
         linkage: &LinkageDesign<'_, B>,
-        places: &[Place],
+        places: &[RouteStep],
         tolerance: f64,
         history: &mut [B],
         visit: &mut impl Visit<B>,
@@ -565,7 +565,7 @@ impl ByLinkage {
         let mut sound = zero.everywhere();
         // Stencils that look at nothing look here, times zero: what another group has left may be NaN.
         history[..UNKNOWNS].fill(zero);
-        let mut last = [Watch {
+        let mut last = [BranchGuard {
             turned: Vector3::new(zero, zero, zero),
             determinants: [zero; 2],
         }; 2];
@@ -585,9 +585,9 @@ impl ByLinkage {
             let mut determinants = [zero; 2];
             let mut round = 1;
             loop {
-                let at = linkage.posture(unknowns, rack);
+                let at = linkage.configuration(unknowns, rack);
                 let mut linear = room.borrow_mut();
-                zero.apart(Linearising {
+                zero.outlined(Linearising {
                     linkage,
                     at: &at,
                     travel,
@@ -599,7 +599,7 @@ impl ByLinkage {
                     close =
                         is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
                 }
-                let at = linkage.posture(next, rack);
+                let at = linkage.configuration(next, rack);
                 let missed = linkage.closure.residuals_inlined(&at, driver);
                 let [a, b, c, d, e, g] = missed;
                 let small = is_less(Vector3::new(a, b, c), tolerance)
@@ -624,7 +624,7 @@ impl ByLinkage {
                 let first = UNKNOWNS * number;
                 history[first..first + UNKNOWNS].copy_from_slice(&unknowns);
                 let [_, _, _, x, y, z] = unknowns;
-                let watch = Watch {
+                let watch = BranchGuard {
                     turned: Vector3::new(x, y, z),
                     determinants,
                 };
@@ -641,7 +641,7 @@ impl ByLinkage {
                 if let Some(station) = place.station {
                     let pose = LinkagePose {
                         linkage,
-                        at: linkage.posture(unknowns, rack),
+                        at: linkage.configuration(unknowns, rack),
                         travel,
                         linear: &room,
                         is_linear: Cell::new(false),
@@ -695,13 +695,13 @@ impl Order {
 
 /// What is watched along the path.
 #[derive(Clone, Copy)]
-struct Watch<B> {
+struct BranchGuard<B> {
     /// The knuckle's turn, as tan(angle/2) times the axis.
     turned: Vector3<B>,
     determinants: [B; 2],
 }
 
-impl<B: Bundle> Watch<B> {
+impl<B: SimdReal> BranchGuard<B> {
     /// Whether the Jacobian is about as well conditioned as in the base design. False for NaN.
     #[inline(always)]
     fn is_sound(&self, base: &[f64; 2]) -> B::Mask {
@@ -722,6 +722,6 @@ impl<B: Bundle> Watch<B> {
 
 /// Whether every component is less than a bound, whatever its sign.
 #[inline(always)]
-fn is_less<B: Bundle>(vector: Vector3<B>, bound: B) -> B::Mask {
+fn is_less<B: SimdReal>(vector: Vector3<B>, bound: B) -> B::Mask {
     vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)
 }

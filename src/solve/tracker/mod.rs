@@ -24,11 +24,11 @@ mod linkage;
 mod route;
 
 use super::closed_form::{Carried, Members, Roles};
-use super::path::March;
+use super::path::StationOrder;
 use crate::derive::Gradient;
-use crate::mechanism::{Posture, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
-use crate::number::Bundle;
+use crate::number::SimdReal;
 use crate::number::Vector3;
 use arm::{ArmDesign, ByArm};
 use linkage::{ByLinkage, LinkageDesign};
@@ -38,7 +38,7 @@ use route::{Route, Stencil};
 #[derive(Clone, Debug)]
 pub struct Batch<'a> {
     mechanism: &'a Mechanism,
-    way: Way,
+    way: Method,
     drive: Drive,
     /// One for each displacement of the rack.
     routes: Vec<Route>,
@@ -51,20 +51,20 @@ pub struct Batch<'a> {
 }
 
 #[derive(Clone, Debug)]
-enum Way {
+enum Method {
     Arm(ByArm),
     Linkage(ByLinkage),
 }
 
 /// What is read off the poses.
-pub trait Visit<B: Bundle> {
+pub trait Visit<B: SimdReal> {
     /// A pose. Lanes that are lost hold anything, NaN included.
     fn pose(&mut self, station: usize, at: &impl LanePose<B>);
 }
 
 /// The constants of a design in each lane.
 #[derive(Clone)]
-pub struct LaneDesign<'d, B: Bundle> {
+pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
     /// The point of the knuckle that poses tell.
     origin: Vector3<B>,
@@ -73,7 +73,7 @@ pub struct LaneDesign<'d, B: Bundle> {
 }
 
 #[derive(Clone)]
-enum Form<'d, B: Bundle> {
+enum Form<'d, B: SimdReal> {
     Arm(ArmDesign<'d, B>),
     Linkage(LinkageDesign<'d, B>),
 }
@@ -95,7 +95,7 @@ pub struct KnucklePoint<B>(KnuckleVector<B>);
 /// What the gradients in all poses of a design have in common, where there is something.
 pub struct LaneMembers<B>(Option<Members<B>>);
 
-impl<B: Bundle> LaneDesign<'_, B> {
+impl<B: SimdReal> LaneDesign<'_, B> {
     /// Whether all rods have a length.
     #[inline(always)]
     pub fn is_regular(&self) -> B::Mask {
@@ -119,7 +119,7 @@ impl<B: Bundle> LaneDesign<'_, B> {
 }
 
 /// The mechanism in a pose, in each lane.
-pub trait LanePose<B: Bundle> {
+pub trait LanePose<B: SimdReal> {
     /// Where a vector of the knuckle points now.
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B>;
     /// Where the knuckle's origin is now.
@@ -134,13 +134,13 @@ pub trait LanePose<B: Bundle> {
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
-    /// The same as a posture, with the rack where it is.
-    fn posture(&self, rack: B) -> Posture<'_, B>;
-    /// What gradients take, driven by the travel; from the posture and the rates of this pose.
+    /// The same as a configuration, with the rack where it is.
+    fn configuration(&self, rack: B) -> Configuration<'_, B>;
+    /// What gradients take, driven by the travel; from the configuration and the rates of this pose.
     fn adjoint<'p>(
         &'p self,
         members: &'p LaneMembers<B>,
-        at: &'p Posture<'p, B>,
+        at: &'p Configuration<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p;
 
@@ -152,7 +152,7 @@ pub trait LanePose<B: Bundle> {
 }
 
 /// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
-pub trait LaneAdjoint<B: Bundle> {
+pub trait LaneAdjoint<B: SimdReal> {
     /// Subtracts from the gradient of an output, taken at a fixed pose, what the closure equations make of
     /// its derivative by the pose.
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
@@ -167,7 +167,7 @@ pub struct LaneRates<B> {
     steering_axis: Vector3<B>,
 }
 
-impl<B: Bundle> LaneRates<B> {
+impl<B: SimdReal> LaneRates<B> {
     /// Of a vector of the knuckle that points here now.
     #[inline(always)]
     pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
@@ -213,15 +213,15 @@ impl<'a> Batch<'a> {
         mechanism: &'a Mechanism,
         base: &[Vector3<f64>],
         drive: Drive,
-        march: &March,
+        station_order: &StationOrder,
         racks: &[f64],
     ) -> Option<Self> {
-        let (size, reach) = (mechanism.size(base), mechanism.reach(base));
+        let (size, coordinate_scale) = (mechanism.size(base), mechanism.coordinate_scale(base));
         let way = match Roles::of(mechanism) {
-            Some(roles) => Way::Arm(ByArm::of(roles, base, drive, size)?),
-            None => Way::Linkage(ByLinkage::of(mechanism, base, drive, size)?),
+            Some(roles) => Method::Arm(ByArm::of(roles, base, drive, size)?),
+            None => Method::Linkage(ByLinkage::of(mechanism, base, drive, size)?),
         };
-        (reach < FAR * size).then_some(())?;
+        (coordinate_scale < FAR * size).then_some(())?;
         let longest = match drive {
             Drive::Travel => LONGEST_STEP * size,
             Drive::ArmAngle => LONGEST_STEP,
@@ -232,11 +232,11 @@ impl<'a> Batch<'a> {
             drive,
             routes: racks
                 .iter()
-                .map(|rack| Route::through(march, *rack, longest, LONGEST_STEP * size))
+                .map(|rack| Route::through(station_order, *rack, longest, LONGEST_STEP * size))
                 .collect::<Option<_>>()?,
             distinct: mechanism.lengths().collect(),
-            shortest: (SHORTEST_LENGTH * reach).powi(2),
-            tolerance: TOLERANCE * reach,
+            shortest: (SHORTEST_LENGTH * coordinate_scale).powi(2),
+            tolerance: TOLERANCE * coordinate_scale,
         })
     }
 
@@ -248,24 +248,24 @@ impl<'a> Batch<'a> {
     /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
         match &self.way {
-            Way::Arm(way) => axis == Some(way.steering_axis()),
-            Way::Linkage(_) => axis == Some(SteeringAxis::Instantaneous),
+            Method::Arm(way) => axis == Some(way.steering_axis()),
+            Method::Linkage(_) => axis == Some(SteeringAxis::Instantaneous),
         }
     }
 
     /// Room for the history of [`Batch::solve`].
-    pub fn history<B: Bundle>(&self, like: B) -> Vec<B> {
+    pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         let unknowns = match self.way {
-            Way::Arm(_) => 1,
-            Way::Linkage(_) => linkage::UNKNOWNS,
+            Method::Arm(_) => 1,
+            Method::Linkage(_) => linkage::UNKNOWNS,
         };
         vec![like.zero(); unknowns * places.max().unwrap_or(0)]
     }
 
     /// The constants of designs, a point of all lanes after another.
     #[inline(always)]
-    pub fn design<'d, B: Bundle>(&self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B>
+    pub fn design<'d, B: SimdReal>(&self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B>
     where
         'a: 'd,
     {
@@ -278,8 +278,8 @@ impl<'a> Batch<'a> {
         }
         LaneDesign {
             form: match &self.way {
-                Way::Arm(way) => Form::Arm(way.design(self.mechanism, design)),
-                Way::Linkage(_) => Form::Linkage(LinkageDesign::new(self.mechanism, design)),
+                Method::Arm(way) => Form::Arm(way.design(self.mechanism, design)),
+                Method::Linkage(_) => Form::Linkage(LinkageDesign::new(self.mechanism, design)),
             },
             origin,
             distinct,
@@ -288,9 +288,9 @@ impl<'a> Batch<'a> {
 
     /// What the gradients in all poses of designs have in common. The design must be of this batch.
     #[inline(always)]
-    pub fn members<B: Bundle>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
+    pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
         LaneMembers(match (&self.way, &design.form) {
-            (Way::Arm(way), Form::Arm(form)) => Some(way.members(form)),
+            (Method::Arm(way), Form::Arm(form)) => Some(way.members(form)),
             _ => None,
         })
     }
@@ -298,7 +298,7 @@ impl<'a> Batch<'a> {
     /// Visits every station with the rack at its `rack`-th place; says which lanes are right throughout.
     /// The design must be of this batch.
     #[inline(always)]
-    pub fn solve<B: Bundle>(
+    pub fn solve<B: SimdReal>(
         &self,
         design: &LaneDesign<'_, B>,
         rack: usize,
@@ -307,11 +307,11 @@ impl<'a> Batch<'a> {
     ) -> B::Mask {
         let places = &self.routes[rack].places;
         let sound = match (&self.way, &design.form) {
-            (Way::Arm(way), Form::Arm(form)) => {
-                way.march(form, self.drive, places, self.tolerance, history, visit)
+            (Method::Arm(way), Form::Arm(form)) => {
+                way.track(form, self.drive, places, self.tolerance, history, visit)
             }
-            (Way::Linkage(way), Form::Linkage(form)) => {
-                way.march(form, places, self.tolerance, history, visit)
+            (Method::Linkage(way), Form::Linkage(form)) => {
+                way.track(form, places, self.tolerance, history, visit)
             }
             _ => unreachable!("a design of another batch"),
         };
@@ -322,7 +322,7 @@ impl<'a> Batch<'a> {
 /// A weighted sum of places visited, each with `UNKNOWNS` numbers of which it is the one asked for; the
 /// nearest place, which is known last, is added last.
 #[inline(always)]
-fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: Bundle>(
+fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: SimdReal>(
     weights: &Stencil<PLACES>,
     history: &[B],
     unknown: usize,
@@ -340,6 +340,6 @@ fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: Bundle>(
 
 /// Whether `now` lies between half of and twice `before`, whatever its sign.
 #[inline(always)]
-fn within_half<B: Bundle>(now: B, before: B) -> B::Mask {
+fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.lit(0.5))).less(before.zero())
 }

@@ -6,7 +6,7 @@
 //! them; the weights depend on the travels alone and are the same for every design.
 
 use crate::number::Jet;
-use crate::solve::March;
+use crate::solve::StationOrder;
 
 /// Places that values are predicted from,
 const NEIGHBOURS: usize = 8;
@@ -38,7 +38,7 @@ impl Leg {
 
 /// A place on the way.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct RouteStep {
     /// Value of the drive.
     pub value: f64,
     /// Displacement of the rack.
@@ -62,24 +62,24 @@ pub(crate) struct Place {
 /// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
-    pub places: Vec<Place>,
+    pub places: Vec<RouteStep>,
 }
 
 impl Route {
     /// The way through the stations of a march with the rack displaced, in steps of the drive and of the
     /// rack no longer than these; `None` if two stations coincide or one is out of all reach.
     pub(crate) fn through(
-        march: &March,
+        station_order: &StationOrder,
         rack: f64,
         longest: f64,
         longest_of_rack: f64,
     ) -> Option<Route> {
         let mut design_station = None;
         let mut stations: Vec<(f64, Option<usize>, Leg, f64)> = Vec::new();
-        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(march.sides()) {
+        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(station_order.sides()) {
             let mut before = 0.0;
             for &station in side {
-                let value = march.values()[station];
+                let value = station_order.values()[station];
                 if value == before {
                     if value != 0.0 || design_station.is_some() {
                         return None;
@@ -98,7 +98,7 @@ impl Route {
         }
         stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
 
-        let at_zero = |rack: f64, step: f64, number: usize| Place {
+        let at_zero = |rack: f64, step: f64, number: usize| RouteStep {
             value: 0.0,
             rack,
             station: None,
@@ -124,7 +124,7 @@ impl Route {
             let prediction = visited.stencil(value, first, |weight| weight[0]);
             let slope = visited.stencil(value, first, |weight| weight[1]);
             let is_first = visited.values.len() == 1;
-            places.push(Place {
+            places.push(RouteStep {
                 value,
                 rack,
                 station,
@@ -238,8 +238,8 @@ mod tests {
     /// Stencils of n places are exact for polynomials of degree n - 1.
     #[test]
     fn stencils_reproduce_polynomials() {
-        let march = March::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
-        let route = Route::through(&march, 0.0, 0.3, 1.0).unwrap();
+        let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
+        let route = Route::through(&station_order, 0.0, 0.3, 1.0).unwrap();
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
@@ -259,8 +259,8 @@ mod tests {
 
     #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
-        let march = March::through(&[-2.0, 0.0, 1.0, 0.1]);
-        let route = Route::through(&march, 0.25, 0.5, 0.1).unwrap();
+        let station_order = StationOrder::through(&[-2.0, 0.0, 1.0, 0.1]);
+        let route = Route::through(&station_order, 0.25, 0.5, 0.1).unwrap();
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
@@ -269,9 +269,9 @@ mod tests {
         assert_eq!(racks[3], 0.25);
         assert_eq!(route.places[3].station, Some(1));
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
-        assert!(Route::through(&March::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
+        assert!(Route::through(&StationOrder::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
         // Out of all reach.
-        assert!(Route::through(&March::through(&[1e12]), 0.0, 0.5, 1.0).is_none());
-        assert!(Route::through(&March::through(&[1.0]), 1e12, 0.5, 1.0).is_none());
+        assert!(Route::through(&StationOrder::through(&[1e12]), 0.0, 0.5, 1.0).is_none());
+        assert!(Route::through(&StationOrder::through(&[1.0]), 1e12, 0.5, 1.0).is_none());
     }
 }

@@ -8,18 +8,18 @@ use std::fmt;
 
 /// The drive and the rack at a station.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct StationLabel {
     travel: Option<f64>,
     arm_angle_deg: Option<f64>,
     theta_deg: Option<f64>,
     rack: f64,
 }
 
-impl Place {
+impl StationLabel {
     /// Of a station of a motion with this drive.
     pub fn of(station: &Station, drive: Drive) -> Self {
         let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
-        Place {
+        StationLabel {
             travel: station.travel,
             arm_angle_deg: angle_of(Drive::ArmAngle),
             theta_deg: angle_of(Drive::PaperTheta),
@@ -28,7 +28,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for StationLabel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.arm_angle_deg, self.theta_deg, self.travel) {
             (Some(angle), _, _) => write!(f, "arm angle {} deg", whole(angle))?,

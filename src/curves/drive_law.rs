@@ -6,21 +6,21 @@ use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Jet;
 use crate::plan::Plan;
-use crate::solve::March;
+use crate::solve::StationOrder;
 use crate::study::Drive;
 
 /// The stations a motion has on the kernel's drive, and the order in which they are visited.
-pub struct Course {
+pub struct DriveLaw {
     drive: Drive,
     /// Where the study's drive is not one of the kernel's.
     law: Option<PaperTheta>,
     /// The kernel's drive values.
-    pub march: March,
+    pub station_order: StationOrder,
     /// The number in the motion of each of them.
     pub stations: Vec<usize>,
 }
 
-impl Course {
+impl DriveLaw {
     /// The course of a plan's motion through this design. Stations of which the kernel's drive knows
     /// nothing are left out.
     pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
@@ -28,20 +28,23 @@ impl Course {
             Drive::Travel | Drive::ArmAngle => None,
             Drive::PaperTheta => Some(PaperTheta::of(&suspension.mechanism, &suspension.design)?),
         };
-        let all = plan.march.values().iter().enumerate();
-        let (stations, march) = match law {
-            None => (all.map(|(number, _)| number).collect(), plan.march.clone()),
+        let all = plan.station_order.values().iter().enumerate();
+        let (stations, station_order) = match law {
+            None => (
+                all.map(|(number, _)| number).collect(),
+                plan.station_order.clone(),
+            ),
             Some(law) => {
                 let angle = |theta: f64| law.arm_angle(Jet::<f64, 1>::constant(theta));
                 let found = all.filter_map(|(number, theta)| Some((number, angle(*theta)?[0])));
                 let (stations, angles): (Vec<_>, Vec<_>) = found.unzip();
-                (stations, March::through(&angles))
+                (stations, StationOrder::through(&angles))
             }
         };
-        Ok(Course {
+        Ok(DriveLaw {
             drive: plan.drive,
             law,
-            march,
+            station_order,
             stations,
         })
     }
@@ -55,7 +58,7 @@ impl Course {
                 None => along,
                 Some(law) => law
                     .arm_angle(along)
-                    .expect("stations of the course are no dead centres"),
+                    .expect("stations of the drive_law are no dead centres"),
             },
             rack: Jet::constant(rack),
         }

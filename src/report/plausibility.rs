@@ -1,8 +1,8 @@
 //! What a suspension may well be, but seldom is: points that are swapped, a wrong sign or a wrong unit. None of
 //! it is a mistake, so it is only said.
 
-use crate::characteristics::{Characteristic, Constants, View};
-use crate::derive::{Lifted, MotionPoint};
+use crate::characteristics::{Characteristic, Constants, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
 use crate::model::{Constraint, Drive, PointId, Rod, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
@@ -133,17 +133,18 @@ impl<'a> Doubts<'a> {
             mechanism, design, ..
         } = self.suspension;
         let solver = Solver::new(mechanism, design)?;
-        let lifted = Lifted::<2>::new(mechanism, design);
+        let design_series = DesignSeries::<2>::new(mechanism, design);
         let motion = MotionPoint {
             drive: Drive::Travel,
             value: Jet::variable(0.0),
             rack: Jet::constant(0.0),
         };
         // A design position that is a fold has no rates; the solver says so elsewhere.
-        let Ok(at) = solver.posture_series(&lifted, &solver.design_pose(), &motion) else {
+        let Ok(at) = solver.configuration_series(&design_series, &solver.design_pose(), &motion)
+        else {
             return Ok(());
         };
-        let view = View::of(&at, Constants::of(self.suspension));
+        let view = WheelReading::of(&at, Constants::of(self.suspension));
         for (name, angle) in [
             ("camber", Characteristic::Camber),
             ("toe", Characteristic::Toe),

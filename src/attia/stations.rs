@@ -26,7 +26,7 @@ impl PointCoordinates {
     ///
     /// Outward is in what the drive's equation knows of its value: for the paper's angle its cosine, so
     /// that values on both sides of a dead centre are visited in the order of the arm's positions.
-    pub fn march(
+    pub fn for_each_pose(
         &self,
         start: &Pose,
         values: &[f64],

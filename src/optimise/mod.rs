@@ -12,6 +12,7 @@
 //! variable move the more freely the less the residuals see of it, which is the opposite of what a
 //! rank-deficient fit needs.
 
+mod active_set;
 mod bounded_least_squares;
 mod bounds;
 mod fit;
@@ -30,6 +31,7 @@ mod test_problems;
 mod tests;
 mod tune;
 
+pub use active_set::{ActiveSet, Held, Outcome, Rows};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
 pub use fit::{Control, Fit, Iteration, ProgressCallback, Termination, fit};

@@ -1,0 +1,731 @@
+//! Strictly convex quadratic programs by the dual active-set method.
+//!
+//! Minimise |R d + q|^2 / 2 over d subject to
+//!
+//! ```text
+//! a_i . d + c_i  = 0    for the first rows,
+//! a_i . d + c_i <= 0    for the others,
+//! lower <= d <= upper
+//! ```
+//!
+//! with R upper triangular and regular. The method begins at the minimum without any constraint,
+//! which is -R^-1 q, and adds the most violated one after the other, always keeping the point that is
+//! the minimum under those it has (D. Goldfarb, A. Idnani, A numerically stable dual method for
+//! solving strictly convex quadratic programs, Mathematical Programming 27, 1983). It therefore needs
+//! no feasible point to begin with, and where there is none, it ends with a constraint whose gradient
+//! is a combination of those held that all push against it: by Farkas' lemma these exclude one
+//! another, and since the gradients held are independent, no one of them could be left out.
+//!
+//! The method works on J with J^T R^T R J = 1, whose first columns span the gradients held and whose
+//! others are directions in which the held constraints keep their values. It begins as R^-1: the
+//! normal equations are never formed. With normals n pointing into the feasible side, n . d >= b:
+//!
+//! ```text
+//! J^T [n_1 .. n_q] = [T; 0]        T upper triangular, held as it is by plane rotations            (1)
+//! v = J^T n,   z = J_2 v_2,   w = T^-1 v_1       way of d and of the multipliers when n is added    (2)
+//! ```
+
+use super::qr::dot;
+
+/// A constraint of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Held {
+    /// A row.
+    Row(usize),
+    /// The lower bound of a variable.
+    Lower(usize),
+    /// The upper bound of a variable.
+    Upper(usize),
+}
+
+/// Rows a . d + c, the equalities first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rows<'a> {
+    /// The entries of a, row after row.
+    pub normals: &'a [f64],
+    /// c.
+    pub offsets: &'a [f64],
+    /// How many of the rows must vanish; the others must not be positive.
+    pub equalities: usize,
+}
+
+/// What came of a program.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The step is its minimum.
+    Solved,
+    /// These constraints exclude one another, and no one of them could be left out.
+    Infeasible(Vec<Held>),
+    /// Rounding kept the method from ending.
+    Stalled,
+}
+
+/// The method with its workspace.
+#[derive(Clone, Debug)]
+pub struct ActiveSet {
+    variables: usize,
+    /// J, column after column.
+    basis: Vec<f64>,
+    /// T, column after column, n entries each.
+    triangle: Vec<f64>,
+    /// The constraints held, their signs (of equalities, whose normal may point either way) and
+    /// multipliers.
+    held: Vec<Held>,
+    sign: Vec<f64>,
+    multipliers: Vec<f64>,
+    /// Whether a row, a lower or an upper bound is held, in this order.
+    is_held: Vec<bool>,
+    step: Vec<f64>,
+    /// n, v, z and w of (2).
+    normal: Vec<f64>,
+    projected: Vec<f64>,
+    way: Vec<f64>,
+    change: Vec<f64>,
+    /// Norms of the rows.
+    norms: Vec<f64>,
+}
+
+/// A row counts as kept when it is violated by no more than this share of its terms.
+const ROUNDING: f64 = 1e-13;
+/// A gradient of which less than this share (squared) is outside of those held depends on them.
+const DEPENDENT: f64 = 1e-25;
+/// A constraint that depends on those held counts as kept when it is violated by no more than this share
+/// of its terms: the point is known to no more digits where R is badly conditioned.
+const MARGINAL: f64 = 1e-9;
+/// A constraint whose part in a combination is smaller has none.
+const UNINVOLVED: f64 = 1e-9;
+
+impl ActiveSet {
+    /// Room for programs of so many variables.
+    pub fn new(variables: usize) -> Self {
+        let n = variables;
+        ActiveSet {
+            variables,
+            basis: vec![0.0; n * n],
+            triangle: vec![0.0; n * n],
+            held: Vec::with_capacity(n),
+            sign: Vec::with_capacity(n),
+            multipliers: Vec::with_capacity(n + 1),
+            is_held: Vec::new(),
+            step: vec![0.0; n],
+            normal: vec![0.0; n],
+            projected: vec![0.0; n],
+            way: vec![0.0; n],
+            change: vec![0.0; n],
+            norms: Vec::new(),
+        }
+    }
+
+    /// The point found.
+    pub fn step(&self) -> &[f64] {
+        &self.step
+    }
+
+    /// The constraints held there with their multipliers: the minimum obeys R^T (R d + q) + sum of
+    /// multiplier times gradient = 0, the gradients being a of a row, -1 of a lower bound and +1 of an
+    /// upper one. Of rows that must not be positive, and of bounds, multipliers are not negative.
+    pub fn multipliers(&self) -> impl Iterator<Item = (Held, f64)> {
+        let held = self.held.iter().zip(&self.sign);
+        held.zip(&self.multipliers)
+            .map(|((held, sign), multiplier)| (*held, sign * multiplier))
+    }
+
+    /// Solves a program. `triangle` has the n columns of R, of n entries each, `offset` is q; `lower`
+    /// and `upper` may be infinite.
+    pub fn solve(
+        &mut self,
+        triangle: &[f64],
+        offset: &[f64],
+        rows: Rows<'_>,
+        lower: &[f64],
+        upper: &[f64],
+    ) -> Outcome {
+        let n = self.variables;
+        self.begin(triangle, offset, rows);
+        for row in 0..rows.equalities {
+            if let Err(outcome) = self.add_equality(row, rows) {
+                return outcome;
+            }
+        }
+        // Every round adds a constraint and raises the minimum, so the rounds end but for rounding.
+        for _ in 0..20 * (n + rows.offsets.len()) + 100 {
+            let Some((constraint, slack)) = self.most_violated(rows, lower, upper) else {
+                return Outcome::Solved;
+            };
+            if let Err(outcome) = self.add(constraint, slack, rows) {
+                return outcome;
+            }
+        }
+        Outcome::Stalled
+    }
+
+    /// J = R^-1 and d = -R^-1 q, nothing held.
+    fn begin(&mut self, triangle: &[f64], offset: &[f64], rows: Rows<'_>) {
+        let n = self.variables;
+        self.held.clear();
+        self.sign.clear();
+        self.multipliers.clear();
+        self.is_held.clear();
+        self.is_held.resize(rows.offsets.len() + 2 * n, false);
+        self.norms.clear();
+        let normals = rows.normals.chunks_exact(n);
+        self.norms.extend(normals.map(|a| dot(a, a).sqrt()));
+        self.basis.fill(0.0);
+        for column in 0..n {
+            let inverse = &mut self.basis[column * n..][..=column];
+            inverse[column] = 1.0;
+            for k in (0..=column).rev() {
+                let of = &triangle[k * n..];
+                let value = inverse[k] / of[k];
+                inverse[k] = value;
+                for (entry, r) in inverse[..k].iter_mut().zip(of) {
+                    *entry -= value * r;
+                }
+            }
+        }
+        self.step.fill(0.0);
+        for (column, q) in self.basis.chunks_exact(n).zip(offset) {
+            for (step, entry) in self.step.iter_mut().zip(column) {
+                *step -= q * entry;
+            }
+        }
+    }
+
+    /// Takes a row in that must vanish.
+    fn add_equality(&mut self, row: usize, rows: Rows<'_>) -> Result<(), Outcome> {
+        let a = &rows.normals[row * self.variables..][..self.variables];
+        let value = dot(a, &self.step) + rows.offsets[row];
+        // The normal points to where the row comes nearer to zero.
+        let sign = if value > 0.0 { -1.0 } else { 1.0 };
+        for (normal, a) in self.normal.iter_mut().zip(a) {
+            *normal = sign * a;
+        }
+        self.project();
+        let (gain, size) = self.gain();
+        let slack = -value.abs();
+        if gain <= DEPENDENT * size {
+            if -slack <= MARGINAL * self.terms(Held::Row(row), rows) {
+                return Ok(());
+            }
+            let change = &self.change;
+            let pushes = |place: usize| change[place].abs() > UNINVOLVED;
+            return Err(Outcome::Infeasible(self.culprits(Held::Row(row), pushes)));
+        }
+        let length = -slack / gain;
+        self.advance(length, length);
+        self.hold(Held::Row(row), -sign, length);
+        Ok(())
+    }
+
+    /// The constraint violated by the longest way, and how much it lacks.
+    fn most_violated(&self, rows: Rows<'_>, lower: &[f64], upper: &[f64]) -> Option<(Held, f64)> {
+        let n = self.variables;
+        let mut worst = (0.0, None);
+        let mut note = |violation: f64, norm: f64, rounding: f64, constraint| {
+            if violation > ROUNDING * rounding && violation > worst.0 * norm {
+                worst = (violation / norm, Some((constraint, -violation)));
+            }
+        };
+        for row in rows.equalities..rows.offsets.len() {
+            let (a, c) = (&rows.normals[row * n..][..n], rows.offsets[row]);
+            let value = dot(a, &self.step) + c;
+            if value > 0.0 && !self.is_held[row] {
+                let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
+                // A row without a gradient that is violated cannot be mended: it is found out next.
+                let norm = self.norms[row].max(f64::MIN_POSITIVE);
+                note(value, norm, c.abs() + terms.sum::<f64>(), Held::Row(row));
+            }
+        }
+        let count = rows.offsets.len();
+        for (j, step) in self.step.iter().enumerate() {
+            let size = step.abs();
+            if lower[j] > *step && !self.is_held[count + j] {
+                note(lower[j] - step, 1.0, lower[j].abs() + size, Held::Lower(j));
+            }
+            if upper[j] < *step && !self.is_held[count + n + j] {
+                note(step - upper[j], 1.0, upper[j].abs() + size, Held::Upper(j));
+            }
+        }
+        worst.1
+    }
+
+    /// Takes in a constraint that is violated, letting go of those that come to push the wrong way.
+    fn add(&mut self, constraint: Held, slack: f64, rows: Rows<'_>) -> Result<(), Outcome> {
+        let n = self.variables;
+        match constraint {
+            Held::Row(row) => {
+                let a = &rows.normals[row * n..][..n];
+                for (normal, a) in self.normal.iter_mut().zip(a) {
+                    *normal = -a;
+                }
+            }
+            Held::Lower(j) | Held::Upper(j) => {
+                self.normal.fill(0.0);
+                let inward = matches!(constraint, Held::Lower(_));
+                self.normal[j] = if inward { 1.0 } else { -1.0 };
+            }
+        }
+        let (mut slack, mut multiplier) = (slack, 0.0);
+        loop {
+            self.project();
+            let (gain, size) = self.gain();
+            let dependent = gain <= DEPENDENT * size || self.held.len() == n;
+            let full = if dependent {
+                f64::INFINITY
+            } else {
+                -slack / gain
+            };
+            let mut nearest = None;
+            let mut partial = f64::INFINITY;
+            let largest = self.change.iter().take(self.held.len());
+            let tiny = f64::EPSILON * largest.fold(0.0, |most: f64, w| most.max(w.abs()));
+            for place in 0..self.held.len() {
+                let change = self.change[place];
+                if change > tiny && !self.is_equality(place, rows) {
+                    let length = self.multipliers[place] / change;
+                    if length < partial {
+                        (partial, nearest) = (length, Some(place));
+                    }
+                }
+            }
+            if dependent && nearest.is_none() {
+                if -slack <= MARGINAL * self.terms(constraint, rows) {
+                    let place = self.place_of(constraint);
+                    self.is_held[place] = true;
+                    return Ok(());
+                }
+                let change = &self.change;
+                let pushes = |place: usize| change[place].abs() > UNINVOLVED;
+                return Err(Outcome::Infeasible(self.culprits(constraint, pushes)));
+            }
+            let length = full.min(partial);
+            let moved = if dependent { 0.0 } else { length };
+            self.advance(moved, length);
+            multiplier += length;
+            if full <= partial {
+                self.hold(constraint, 1.0, multiplier);
+                return Ok(());
+            }
+            slack += moved * gain;
+            self.release(nearest.expect("the length is that of one held"));
+        }
+    }
+
+    /// The sum of the sizes of what makes up a constraint's value.
+    fn terms(&self, constraint: Held, rows: Rows<'_>) -> f64 {
+        match constraint {
+            Held::Row(row) => {
+                let a = &rows.normals[row * self.variables..][..self.variables];
+                let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
+                rows.offsets[row].abs() + terms.sum::<f64>()
+            }
+            Held::Lower(j) | Held::Upper(j) => 2.0 * self.step[j].abs(),
+        }
+    }
+
+    /// Where `is_held` has a constraint.
+    fn place_of(&self, constraint: Held) -> usize {
+        let n = self.variables;
+        let rows = self.is_held.len() - 2 * n;
+        match constraint {
+            Held::Row(row) => row,
+            Held::Lower(j) => rows + j,
+            Held::Upper(j) => rows + n + j,
+        }
+    }
+
+    fn is_equality(&self, place: usize, rows: Rows<'_>) -> bool {
+        matches!(self.held[place], Held::Row(row) if row < rows.equalities)
+    }
+
+    /// The constraint that cannot be met, and of those held the ones that keep it from being met.
+    fn culprits(&self, constraint: Held, pushes: impl Fn(usize) -> bool) -> Vec<Held> {
+        let held = self.held.iter().enumerate();
+        let mut culprits: Vec<Held> = held
+            .filter(|(place, _)| pushes(*place))
+            .map(|(_, held)| *held)
+            .collect();
+        culprits.push(constraint);
+        culprits.sort_unstable();
+        culprits
+    }
+
+    /// (2) of the normal.
+    fn project(&mut self) {
+        let n = self.variables;
+        let q = self.held.len();
+        for (v, column) in self.projected.iter_mut().zip(self.basis.chunks_exact(n)) {
+            *v = dot(column, &self.normal);
+        }
+        self.way.fill(0.0);
+        for k in q..n {
+            let v = self.projected[k];
+            for (way, entry) in self.way.iter_mut().zip(&self.basis[k * n..]) {
+                *way += v * entry;
+            }
+        }
+        self.change[..q].copy_from_slice(&self.projected[..q]);
+        for k in (0..q).rev() {
+            let column = &self.triangle[k * n..];
+            let value = self.change[k] / column[k];
+            self.change[k] = value;
+            for (entry, t) in self.change[..k].iter_mut().zip(column) {
+                *entry -= value * t;
+            }
+        }
+    }
+
+    /// By how much the constraint's value rises per length of the way, and how much it would if nothing
+    /// were held.
+    fn gain(&self) -> (f64, f64) {
+        let free = &self.projected[self.held.len()..];
+        (dot(free, free), dot(&self.projected, &self.projected))
+    }
+
+    /// Goes so far along the way, and so far along that of the multipliers.
+    fn advance(&mut self, length: f64, by_multipliers: f64) {
+        if length != 0.0 {
+            for (step, way) in self.step.iter_mut().zip(&self.way) {
+                *step += length * way;
+            }
+        }
+        for (multiplier, change) in self.multipliers.iter_mut().zip(&self.change) {
+            *multiplier -= by_multipliers * change;
+        }
+    }
+
+    /// Holds the constraint whose v is in `projected`: rotates the columns of J that span what is free
+    /// so that only the first of them sees it.
+    fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
+        let n = self.variables;
+        let q = self.held.len();
+        for k in (q + 1..n).rev() {
+            let (above, below) = (self.projected[k - 1], self.projected[k]);
+            if below == 0.0 {
+                continue;
+            }
+            let length = above.hypot(below);
+            let (cosine, sine) = (above / length, below / length);
+            self.projected[k - 1] = length;
+            self.projected[k] = 0.0;
+            rotate(&mut self.basis, n, k, cosine, sine);
+        }
+        self.triangle[q * n..][..=q].copy_from_slice(&self.projected[..=q]);
+        self.held.push(constraint);
+        self.sign.push(sign);
+        self.multipliers.push(multiplier);
+        let place = self.place_of(constraint);
+        self.is_held[place] = true;
+    }
+
+    /// Lets go of the constraint at a place: T loses a column, and rotations make it a triangle again.
+    fn release(&mut self, place: usize) {
+        let n = self.variables;
+        let q = self.held.len();
+        let freed = self.place_of(self.held[place]);
+        self.is_held[freed] = false;
+        self.held.remove(place);
+        self.sign.remove(place);
+        self.multipliers.remove(place);
+        self.triangle.copy_within((place + 1) * n..q * n, place * n);
+        for k in place..q - 1 {
+            let column = &self.triangle[k * n..];
+            let (above, below) = (column[k], column[k + 1]);
+            if below == 0.0 {
+                continue;
+            }
+            let length = above.hypot(below);
+            let (cosine, sine) = (above / length, below / length);
+            for column in self.triangle[k * n..(q - 1) * n].chunks_exact_mut(n) {
+                let (above, below) = (column[k], column[k + 1]);
+                column[k] = cosine * above + sine * below;
+                column[k + 1] = cosine * below - sine * above;
+            }
+            rotate(&mut self.basis, n, k + 1, cosine, sine);
+        }
+    }
+}
+
+/// Turns the columns `k - 1` and `k` of a matrix with columns of n entries.
+fn rotate(matrix: &mut [f64], n: usize, k: usize, cosine: f64, sine: f64) {
+    let (before, from) = matrix.split_at_mut(k * n);
+    let columns = before[(k - 1) * n..].iter_mut().zip(&mut from[..n]);
+    for (x, y) in columns {
+        (*x, *y) = (cosine * *x + sine * *y, cosine * *y - sine * *x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::Noise;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A program in plain matrices.
+    struct Program {
+        triangle: DMatrix<f64>,
+        offset: DVector<f64>,
+        normals: DMatrix<f64>,
+        offsets: DVector<f64>,
+        equalities: usize,
+        lower: DVector<f64>,
+        upper: DVector<f64>,
+    }
+
+    impl Program {
+        /// Random; every third has parallel and repeated rows, every fifth a factor spread over seven
+        /// decades, every second bounds that a vertex of the rows may lie on.
+        fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
+            let mut noise = Noise::new(seed);
+            let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
+            for k in 0..n {
+                let size = if seed.is_multiple_of(5) {
+                    10f64.powf(-7.0 * k as f64 / n as f64)
+                } else {
+                    1.0
+                };
+                triangle[(k, k)] = size * (1.0 + noise.next().abs());
+                triangle
+                    .row_mut(k)
+                    .columns_mut(k + 1, n - k - 1)
+                    .scale_mut(size);
+            }
+            let mut normals = DMatrix::from_fn(rows, n, |_, _| noise.next());
+            let inside = DVector::from_fn(n, |_, _| noise.next());
+            // Most programs have a point inside; on the border of every row where they are degenerate.
+            let spread = if seed.is_multiple_of(4) { 0.0 } else { 1.0 };
+            let mut slack: Vec<f64> = (0..rows).map(|_| spread * noise.next().abs()).collect();
+            if seed.is_multiple_of(7) {
+                slack.iter_mut().for_each(|s| *s -= 0.3);
+            }
+            if seed.is_multiple_of(3) {
+                for row in equalities + 1..rows {
+                    if row % 2 == 0 {
+                        let scale = if row % 4 == 0 { 1.0 } else { -2.0 };
+                        let before = normals.row(row - 1) * scale;
+                        normals.set_row(row, &before);
+                    }
+                }
+            }
+            let values = &normals * &inside;
+            let offsets = DVector::from_fn(rows, |i, _| {
+                let slack = if i < equalities { 0.0 } else { slack[i] };
+                -values[i] - slack
+            });
+            let wide = if seed.is_multiple_of(2) { 0.0 } else { 0.5 };
+            let lower = inside.map(|x| x - wide - noise.next().abs() * 0.5);
+            let upper = inside.map(|x| x + wide + noise.next().abs() * 0.5);
+            Program {
+                offset: DVector::from_fn(n, |_, _| 3.0 * noise.next()),
+                triangle,
+                normals,
+                offsets,
+                equalities,
+                lower,
+                upper,
+            }
+        }
+
+        fn run(&self) -> (Outcome, ActiveSet) {
+            let mut method = ActiveSet::new(self.offset.len());
+            let normals: Vec<f64> = self.normals.transpose().as_slice().to_vec();
+            let rows = Rows {
+                normals: &normals,
+                offsets: self.offsets.as_slice(),
+                equalities: self.equalities,
+            };
+            let (triangle, offset) = (self.triangle.as_slice(), self.offset.as_slice());
+            let (lower, upper) = (self.lower.as_slice(), self.upper.as_slice());
+            let outcome = method.solve(triangle, offset, rows, lower, upper);
+            (outcome, method)
+        }
+
+        fn value(&self, d: &DVector<f64>) -> f64 {
+            0.5 * (&self.triangle * d + &self.offset).norm_squared()
+        }
+
+        /// How far a point is from obeying rows and bounds.
+        fn violation(&self, d: &DVector<f64>) -> f64 {
+            let rows = &self.normals * d + &self.offsets;
+            let rows = rows
+                .iter()
+                .enumerate()
+                .map(|(i, value)| match i < self.equalities {
+                    true => value.abs(),
+                    false => *value,
+                });
+            let bounds = (0..d.len()).map(|j| (self.lower[j] - d[j]).max(d[j] - self.upper[j]));
+            rows.chain(bounds).fold(0.0, f64::max)
+        }
+
+        /// The gradient of a constraint.
+        fn gradient(&self, held: Held) -> DVector<f64> {
+            let mut gradient = DVector::zeros(self.offset.len());
+            match held {
+                Held::Row(row) => gradient = self.normals.row(row).transpose(),
+                Held::Lower(j) => gradient[j] = -1.0,
+                Held::Upper(j) => gradient[j] = 1.0,
+            }
+            gradient
+        }
+
+        /// The least value over all ways to hold constraints whose point is feasible.
+        fn by_enumeration(&self) -> f64 {
+            let n = self.offset.len();
+            let mut all: Vec<Held> = (self.equalities..self.offsets.len())
+                .map(Held::Row)
+                .collect();
+            all.extend((0..n).flat_map(|j| [Held::Lower(j), Held::Upper(j)]));
+            let inverse = self.triangle.clone().try_inverse().unwrap();
+            let free = -(&inverse * &self.offset);
+            let mut least = f64::INFINITY;
+            for code in 0..1_u32 << all.len() {
+                let chosen = (0..all.len())
+                    .filter(|k| code >> k & 1 == 1)
+                    .map(|k| all[k]);
+                let held: Vec<Held> = (0..self.equalities).map(Held::Row).chain(chosen).collect();
+                if held.len() > n {
+                    continue;
+                }
+                let mut point = free.clone();
+                if !held.is_empty() {
+                    let gradients: Vec<_> = held.iter().map(|h| self.gradient(*h)).collect();
+                    let goal = DVector::from_fn(held.len(), |k, _| match held[k] {
+                        Held::Row(row) => -self.offsets[row],
+                        Held::Lower(j) => -self.lower[j],
+                        Held::Upper(j) => self.upper[j],
+                    });
+                    let gradients = DMatrix::from_columns(&gradients);
+                    let across = inverse.transpose() * &gradients;
+                    let Some(cholesky) = (across.transpose() * &across).cholesky() else {
+                        continue;
+                    };
+                    let away = goal - gradients.transpose() * &free;
+                    point += &inverse * &across * cholesky.solve(&away);
+                }
+                if self.violation(&point) < 1e-9 {
+                    least = least.min(self.value(&point));
+                }
+            }
+            least
+        }
+    }
+
+    #[test]
+    fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
+        let (mut solved, mut refused) = (0, 0);
+        for seed in 0..400 {
+            let n = 1 + seed as usize % 9;
+            let equalities = if seed % 3 == 1 { n / 3 } else { 0 };
+            let rows = equalities + (seed as usize * 7) % 40;
+            let program = Program::random(seed, n, rows, equalities);
+            let (outcome, method) = program.run();
+            let d = DVector::from_column_slice(method.step());
+            match outcome {
+                Outcome::Solved => {
+                    solved += 1;
+                    let mut slope = program
+                        .triangle
+                        .tr_mul(&(&program.triangle * &d + &program.offset));
+                    let mut size = program.triangle.norm() * program.offset.norm();
+                    for (held, multiplier) in method.multipliers() {
+                        let is_equality = matches!(held, Held::Row(row) if row < equalities);
+                        assert!(
+                            is_equality || multiplier >= -1e-9 * size,
+                            "{seed}: {held:?}"
+                        );
+                        let push = program.gradient(held) * multiplier;
+                        size += push.norm();
+                        slope += push;
+                    }
+                    assert!(
+                        slope.norm() < 1e-8 * size,
+                        "{seed}: {}",
+                        slope.norm() / size
+                    );
+                    assert!(
+                        program.violation(&d) < 1e-8,
+                        "{seed}: {}",
+                        program.violation(&d)
+                    );
+                }
+                // A combination of the gradients with factors of the right signs vanishes, while that of
+                // the constraints' values does not become negative anywhere.
+                Outcome::Infeasible(culprits) => {
+                    refused += 1;
+                    let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();
+                    let gradients = DMatrix::from_columns(&gradients);
+                    // There is one dependence: no one of them could be left out.
+                    let square = gradients.tr_mul(&gradients);
+                    let eigen = square.symmetric_eigen();
+                    let least = eigen.eigenvalues.imin();
+                    let factors = eigen.eigenvectors.column(least).into_owned();
+                    assert!(
+                        (&gradients * &factors).norm() < 1e-6,
+                        "{seed}: {culprits:?}"
+                    );
+                    let constants = DVector::from_fn(culprits.len(), |k, _| match culprits[k] {
+                        Held::Row(row) => program.offsets[row],
+                        Held::Lower(j) => program.lower[j],
+                        Held::Upper(j) => -program.upper[j],
+                    });
+                    let value = factors.dot(&constants);
+                    for (held, factor) in culprits.iter().zip(&factors) {
+                        let is_equality = matches!(held, Held::Row(row) if *row < equalities);
+                        assert!(
+                            is_equality || factor * value > -1e-9,
+                            "{seed}: {culprits:?}"
+                        );
+                    }
+                    assert!(value.abs() > 1e-12, "{seed}: {value}");
+                }
+                Outcome::Stalled => panic!("{seed}: stalled"),
+            }
+        }
+        assert!(solved > 200 && refused > 30, "{solved} {refused}");
+    }
+
+    #[test]
+    fn the_minimum_is_the_least_of_all_active_sets() {
+        // The enumeration squares the factor's condition: none of the badly conditioned ones.
+        for seed in (0..75).filter(|seed| seed % 5 != 0) {
+            let n = 1 + seed as usize % 3;
+            let equalities = usize::from(seed % 3 == 1 && n > 1);
+            let program =
+                Program::random(1000 + seed, n, equalities + seed as usize % 5, equalities);
+            let (outcome, method) = program.run();
+            let least = program.by_enumeration();
+            match outcome {
+                Outcome::Solved => {
+                    let found = program.value(&DVector::from_column_slice(method.step()));
+                    assert!(
+                        (found - least).abs() < 1e-8 * (1.0 + least),
+                        "{seed}: {found} {least}"
+                    );
+                }
+                _ => assert!(least.is_infinite(), "{seed}: {outcome:?} {least}"),
+            }
+        }
+    }
+
+    /// Two rows that exclude one another are named, and none of the others.
+    #[test]
+    fn a_planted_contradiction_is_named_alone() {
+        let normals = [1.0, 1.0, 0.0, 0.3, -1.0, 0.2, -1.0, -1.0, 0.0];
+        let rows = Rows {
+            normals: &normals,
+            offsets: &[1.0, -5.0, 2.0],
+            equalities: 0,
+        };
+        let mut method = ActiveSet::new(3);
+        let triangle = DMatrix::<f64>::identity(3, 3);
+        let wide = [1e3; 3];
+        let narrow = wide.map(|w| -w);
+        let outcome = method.solve(triangle.as_slice(), &[0.0; 3], rows, &narrow, &wide);
+        // x + y <= -1 and -x - y <= -2.
+        assert_eq!(
+            outcome,
+            Outcome::Infeasible(vec![Held::Row(0), Held::Row(2)])
+        );
+    }
+}

@@ -18,6 +18,7 @@ mod lanes;
 mod spring;
 mod steering;
 mod track;
+mod undefined;
 mod unit;
 mod view;
 mod wheel;

@@ -2,13 +2,14 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::output::design_fault;
+use super::limits::motion_alone;
+use super::output::{design_fault, eprint};
 use crate::attia::PaperTheta;
 use crate::curves::curves;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{SolveSummary, Table, doubts};
+use crate::report::{FailureRange, Format, SolveSummary, Table, doubts, remarks, variable_doubts};
 use crate::solve::StationOrder;
 use crate::study::{Designs, Drive, Formulation, Study};
 use std::io::Write;
@@ -30,10 +31,21 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
 
     let mut out = std::io::stdout().lock();
     let format = arguments.format.into();
-    if format == crate::report::Format::Text {
+    let alone = motion_alone(&study);
+    let moved = curves(&alone.suspension, &Plan::of(&alone)).map_err(fault)?;
+    let mut said = doubts(&study.suspension).map_err(fault)?;
+    said.extend(variable_doubts(&study));
+    said.extend(remarks(&alone, &moved));
+    let failures = FailureRange::all(&moved, plan.drive);
+    said.extend(
+        failures
+            .iter()
+            .map(|failure| format!("not solved: {failure}")),
+    );
+    if format == Format::Text {
         writeln!(out, "{}: valid\n", path.display())?;
-        for doubt in doubts(&study.suspension).map_err(fault)? {
-            writeln!(out, "{doubt}\n")?;
+        for line in said {
+            writeln!(out, "{line}\n")?;
         }
         writeln!(out, "{}\n", motion(&study, &plan))?;
         for line in rods(&study.suspension) {
@@ -52,9 +64,16 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
             }
             false => writeln!(out, "\nDesign position:")?,
         }
+    } else {
+        for line in said {
+            eprint(&format!("{line}\n"));
+        }
     }
     write!(out, "{}", values.render(format))?;
-    Ok(Exit::Done)
+    Ok(match moved.are_complete() {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
 }
 
 /// The study's drive in the design position, whatever the motion is.

@@ -2,13 +2,14 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::output::design_fault;
+use super::output::{design_fault, eprint};
 use crate::analyse::{Limits, Range, RangeEnd};
+use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
-use crate::mechanism::Toggle;
-use crate::model::Axis;
+use crate::mechanism::{DesignFault, Toggle};
+use crate::model::{self, Axis};
 use crate::plan::Plan;
-use crate::report::{Format, Table, shortest};
+use crate::report::{FailureRange, Format, Table, shortest};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
 use std::io::Write;
@@ -21,52 +22,129 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let limits = solver.limits().map_err(fault)?;
+    let by_rack = ranges_by_rack(&study, &mut solver).map_err(fault)?;
+    let moved = curves(suspension, &Plan::of(&motion_alone(&study))).map_err(fault)?;
 
     let mut out = std::io::stdout().lock();
     let format = arguments.format.into();
-    write!(out, "{}", table(&study, &limits).render(format))?;
+    write!(out, "{}", table(&study, &limits, &by_rack).render(format))?;
     if format == Format::Text && study.motion.drive != Drive::PaperTheta {
-        let margin = margin(&study, &mut solver, &limits).map_err(fault)?;
+        let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
         writeln!(out, "\n{margin}")?;
     }
-    Ok(Exit::Done)
+    let failures = FailureRange::all(&moved, study.motion.drive);
+    for failure in &failures {
+        let line = format!("\nnot solved: {failure}\n");
+        match format {
+            Format::Text => write!(out, "{line}")?,
+            _ => eprint(line.trim_start()),
+        }
+    }
+    Ok(match failures.is_empty() {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
 }
 
-/// How far each quantity goes from the design position, the others held there.
-fn table(study: &Study, limits: &Limits) -> Table {
-    let unit = study.suspension.length_unit.symbol();
-    let mut table = Table::new(["quantity", "from", "because", "to", "because there"]);
-    let mut push = |name: String, range: &Range, factor: f64| {
-        let beyond = match (&range.lower, &range.upper) {
+/// The study with its motion as `solve` visits it, and no sensitivities or proofs.
+pub(super) fn motion_alone(study: &Study) -> Study {
+    let mut alone = study.clone();
+    alone.outputs.sensitivities.clear();
+    alone.outputs.certify = false;
+    alone
+}
+
+/// The range of the study's drive at each displacement of the rack that the study asks for, in its axes.
+fn ranges_by_rack(study: &Study, solver: &mut Solver) -> Result<Vec<(f64, Range)>, DesignFault> {
+    let plan = Plan::of(study);
+    let drive = plan.drive.in_kernel();
+    let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));
+    plan.racks.iter().map(|rack| range(*rack)).collect()
+}
+
+/// A row of the table: what goes how far, and in which position of the rest.
+struct Row<'a> {
+    quantity: &'a str,
+    at: String,
+    /// What a value is multiplied by to be printed.
+    factor: f64,
+}
+
+impl Row<'_> {
+    fn of(&self, lower: &RangeEnd, upper: &RangeEnd) -> [String; 6] {
+        let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
             _ => "it goes on beyond half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (shortest(limit.value * factor), limit.cause.to_string()),
-            RangeEnd::FullTurn => (shortest(turn * factor), beyond.to_owned()),
+            RangeEnd::Fold(limit) => (shortest(limit.value * self.factor), limit.cause.to_string()),
+            RangeEnd::FullTurn => (shortest(turn * self.factor), beyond.to_owned()),
             RangeEnd::Unresolved(value) => (
-                shortest(value * factor),
+                shortest(value * self.factor),
                 "the path could not be followed further".to_owned(),
             ),
         };
         let turn = std::f64::consts::PI;
-        let ends = [end(&range.lower, -turn), end(&range.upper, turn)];
+        let (mut from, mut to) = (end(lower, -turn), end(upper, turn));
         // Axes that point the other way swap the ends.
-        let [from, to] = if factor < 0.0 {
-            let [lower, upper] = ends;
-            [upper, lower]
-        } else {
-            ends
-        };
-        table.push([name, from.0, from.1, to.0, to.1]);
+        if self.factor < 0.0 {
+            (from, to) = (to, from);
+        }
+        let (quantity, at) = (self.quantity.to_owned(), self.at.clone());
+        [quantity, at, from.0, from.1, to.0, to.1]
+    }
+}
+
+/// How far each quantity goes, the others held.
+fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
+    let unit = study.suspension.length_unit.symbol();
+    let mut table = Table::new(["quantity", "at", "from", "because", "to", "because there"]);
+    let straight = || match &limits.rack {
+        Some(_) => "rack 0".to_owned(),
+        None => String::new(),
     };
-    push(format!("travel_{unit}"), &limits.travel, 1.0);
+    let mut push = |quantity: &str, at: String, factor: f64, range: &Range| {
+        let row = Row {
+            quantity,
+            at,
+            factor,
+        };
+        table.push(row.of(&range.lower, &range.upper));
+    };
+    let travel = format!("travel_{unit}");
+    push(&travel, straight(), 1.0, &limits.travel);
     if let Some(range) = &limits.rack {
         let sign = study.suspension.frame.sign(Axis::Y);
-        push(format!("rack_{unit}"), range, sign);
+        push(&format!("rack_{unit}"), "travel 0".to_owned(), sign, range);
     }
     if let Some(range) = &limits.arm_angle {
-        push("arm_angle_deg".to_owned(), range, 1.0_f64.to_degrees());
+        push("arm_angle_deg", straight(), 1.0_f64.to_degrees(), range);
+    }
+    if study.motion.rack_moves {
+        let (quantity, factor) = match study.motion.drive.in_kernel() {
+            model::Drive::Travel => (travel.as_str(), 1.0),
+            model::Drive::ArmAngle => ("arm_angle_deg", 1.0_f64.to_degrees()),
+        };
+        for (rack, range) in by_rack.iter().filter(|(rack, _)| *rack != 0.0) {
+            push(quantity, format!("rack {}", shortest(*rack)), factor, range);
+        }
+        let lower = by_rack.iter().map(|(_, range)| &range.lower);
+        let upper = by_rack.iter().map(|(_, range)| &range.upper);
+        let value = |end: &RangeEnd, turn: f64| match end {
+            RangeEnd::FullTurn => turn,
+            end => end.value(),
+        };
+        let turn = std::f64::consts::PI;
+        let lower = lower.max_by(|a, b| value(a, -turn).total_cmp(&value(b, -turn)));
+        let upper = upper.min_by(|a, b| value(a, turn).total_cmp(&value(b, turn)));
+        if let (Some(lower), Some(upper)) = (lower, upper) {
+            let row = Row {
+                quantity,
+                at: "every rack".to_owned(),
+                factor,
+            };
+            table.push(row.of(lower, upper));
+        }
     }
     for range in &limits.rockers {
         let rod = study.suspension.mechanism.rocker(range.rocker).rod;
@@ -77,7 +155,7 @@ fn table(study: &Study, limits: &Limits) -> Table {
         let from = end(range.lower, &limits.travel.lower);
         let to = end(range.upper, &limits.travel.upper);
         let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
-        table.push([name, from.0, from.1, to.0, to.1]);
+        table.push([name, straight(), from.0, from.1, to.0, to.1]);
     }
     table
 }
@@ -86,46 +164,58 @@ fn table(study: &Study, limits: &Limits) -> Table {
 fn margin(
     study: &Study,
     solver: &mut Solver,
-    limits: &Limits,
-) -> Result<String, crate::mechanism::DesignFault> {
+    by_rack: &[(f64, Range)],
+    moved: &Curves,
+) -> Result<String, DesignFault> {
     let plan = Plan::of(study);
     let unit = study.suspension.length_unit.symbol();
     let drive = plan.drive.in_kernel();
-    let (mut least, mut unreached) = ((f64::INFINITY, 0.0), 0);
+    let values = plan.station_order.values();
+    let mut least = (f64::INFINITY, 0.0);
     for rack in &plan.racks {
         let rack = rack * plan.rack_sign;
         solver.for_each_pose(drive, &plan.station_order, rack, |solver, station, pose| {
-            let value = plan.station_order.values()[station];
-            match pose {
-                Ok(pose) => {
-                    let point = MotionPoint { drive, value, rack };
-                    let distance = solver.conditioning(pose, &point).distance;
-                    if distance < least.0 {
-                        least = (distance, value);
-                    }
+            let value = values[station];
+            if let Ok(pose) = pose {
+                let point = MotionPoint { drive, value, rack };
+                let distance = solver.conditioning(pose, &point).distance;
+                if distance < least.0 {
+                    least = (distance, value);
                 }
-                Err(_) => unreached += 1,
             }
             ControlFlow::Continue(())
         })?;
     }
     let (distance, at) = least;
-    let at = shortest(plan.drive.printed(at));
-    let mut text = format!(
-        "Over the study's motion the mechanism stays {distance:.3} {unit} or more from a singularity \
-         (least at {} {at}).",
-        plan.drive.name()
-    );
-    if drive == crate::model::Drive::Travel {
-        let values = plan.station_order.values();
-        let left = values
-            .iter()
-            .map(|v| limits.travel.margin(*v))
-            .fold(f64::INFINITY, f64::min);
-        text += &format!(" Travel left to the nearer end: {left:.3} {unit}.");
+    let reached = moved.stations.len() - moved.failed();
+    let stations = match moved.failed() {
+        0 => "Over the study's motion".to_owned(),
+        _ => format!(
+            "At the {reached} of {} stations that are reached",
+            moved.stations.len()
+        ),
+    };
+    if reached == 0 {
+        return Ok("No station of the study's motion is reached.".to_owned());
     }
-    if unreached > 0 {
-        text += &format!(" {unreached} stations are not reached.");
+    let mut text = format!(
+        "{stations} the mechanism stays {distance:.3} {unit} or more from a singularity (least at {} {}).",
+        plan.drive.name(),
+        shortest(plan.drive.printed(at))
+    );
+    if drive == model::Drive::Travel {
+        let ranges = by_rack.iter().flat_map(|(_, range)| {
+            let margins = values.iter().map(|value| range.margin(*value));
+            margins.collect::<Vec<_>>()
+        });
+        let left = ranges.fold(f64::INFINITY, f64::min);
+        text += &match left >= 0.0 {
+            true => format!(" Travel left to the nearer end: {left:.3} {unit}."),
+            false => format!(
+                " The motion goes {:.3} {unit} beyond the nearer end.",
+                -left
+            ),
+        };
     }
     Ok(text)
 }

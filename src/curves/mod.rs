@@ -129,7 +129,8 @@ impl Curves {
             .count()
     }
 
-    /// Whether everything asked for has been found at every station.
+    /// Whether everything asked for has been found at every station. Where a quantity has no value by its
+    /// definition it may be missing, but not everywhere.
     pub fn are_complete(&self) -> bool {
         let lacks = |s: &Station| {
             let status = &s.status;
@@ -138,6 +139,7 @@ impl Curves {
                 Status::Failed(_) | Status::Unsupported | Status::Toggle(_)
             )
         };
-        !self.stations.iter().any(lacks)
+        let is_empty = |column: usize| self.stations.iter().all(|s| s.values[column].is_none());
+        !self.stations.iter().any(lacks) && !(0..self.columns.len()).any(is_empty)
     }
 }

@@ -1,5 +1,6 @@
-//! What is known of the accuracy of some curves: their conditioning and their certificate.
+//! What has to be said of some curves: their conditioning, their certificate, and what they lack.
 
+use super::completeness::Completeness;
 use super::solve_summary::brief;
 use super::station_label::StationLabel;
 use crate::curves::{Curves, Station, Status};
@@ -7,7 +8,7 @@ use crate::mechanism::Failure;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
-/// What has to be said of the accuracy of some curves, a line each.
+/// What has to be said of some curves, a line each: of their accuracy, and of what has no value.
 pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
     let unit = study.suspension.length_unit.symbol();
     let certificate = CertificateSummary::of(study, curves);
@@ -20,6 +21,7 @@ pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
         .chain(warning)
         .chain(unsupported)
         .chain(toggled(study, curves))
+        .chain(Completeness::of(curves).remarks())
         .collect()
 }
 

@@ -4,6 +4,7 @@
 //! [`pictures`] are made of that alone.
 
 mod accuracy;
+mod completeness;
 mod curve_table;
 mod failures;
 mod files;
@@ -23,6 +24,7 @@ mod table;
 mod tuning_summary;
 
 pub use accuracy::remarks;
+pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
 pub use files::{curves_csv, history_csv, sensitivities_csv};
@@ -30,7 +32,7 @@ pub use finished::FinishedRun;
 pub use influence::Influence;
 pub use page::{page, sweep_page};
 pub use picture::{Picture, pictures};
-pub use plausibility::doubts;
+pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
 pub use run_directory::{NoPlace, RunDirectory, WriteError};

@@ -7,6 +7,7 @@ use crate::mechanism::DesignFault;
 use crate::model::{Constraint, Drive, PointId, Rod, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
+use crate::study::{Designs, Move, Study};
 
 /// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
 const WHEEL_ANGLE: f64 = 15.0;
@@ -27,10 +28,29 @@ pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
         found: Vec::new(),
     };
     doubts.rods();
+    doubts.front_and_rear();
     doubts.steering_axis();
     doubts.figures();
     doubts.angles()?;
     Ok(doubts.found)
+}
+
+/// What is doubtful of the variables of a study, a line each: coordinates given where offsets are expected, and
+/// the other way round.
+pub fn variable_doubts(study: &Study) -> Vec<String> {
+    let mut doubts = Doubts {
+        suspension: &study.suspension,
+        found: Vec::new(),
+    };
+    if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
+        for variable in &sampled.variables {
+            doubts.range(&variable.moves, variable.absolute, variable.range);
+        }
+    }
+    for variable in study.optimise.iter().flat_map(|o| &o.variables) {
+        doubts.range(&variable.moves, false, variable.range);
+    }
+    doubts.found
 }
 
 struct Doubts<'a> {
@@ -68,6 +88,50 @@ impl<'a> Doubts<'a> {
                     "{inner} is outboard of {outer}. Are they swapped, or has one of them the wrong sign?"
                 ));
             }
+        }
+    }
+
+    /// Of two points that are called front and rear, the front one is further forward; or they are side by side,
+    /// as on a transverse axis.
+    fn front_and_rear(&mut self) {
+        let mechanism = &self.suspension.mechanism;
+        for (front, point) in mechanism.points.iter().enumerate() {
+            let Some((before, after)) = point.name.split_once("front") else {
+                continue;
+            };
+            let Some(rear) = mechanism.point(&format!("{before}rear{after}")) else {
+                continue;
+            };
+            let apart = self.at(rear) - self.at(PointId(front));
+            if apart.x > 0.5 * apart.norm() {
+                let (front, rear) = (&point.name, self.name(rear));
+                self.say(format!(
+                    "{front} is behind {rear}. Are they exchanged, or does x point rearward (frame = \"x_rear\")?"
+                ));
+            }
+        }
+    }
+
+    /// Coordinates are where the design is; offsets are about zero, and small beside a coordinate.
+    fn range(&mut self, moves: &[Move], absolute: bool, [low, high]: [f64; 2]) {
+        let [Move { point, axis, .. }] = *moves else {
+            return;
+        };
+        let designed = self.suspension.frame.vector(self.at(point));
+        let coordinate = designed.to_array()[axis as usize];
+        let (name, axis) = (self.name(point), axis.name());
+        let holds = |value: f64| (low..=high).contains(&value);
+        let width = high - low;
+        if absolute && holds(0.0) && (coordinate < low - width || coordinate > high + width) {
+            self.say(format!(
+                "{axis} of {name} is {coordinate} in the design and is to go from {low} to {high}, as absolute = true \
+                 says. Are these offsets?"
+            ));
+        } else if !absolute && holds(coordinate) && low.abs().min(high.abs()) > width {
+            self.say(format!(
+                "{axis} of {name}, which is {coordinate} in the design, is to be moved by {low} to {high}. Are these \
+                 coordinates? In a sweep that is absolute = true"
+            ));
         }
     }
 

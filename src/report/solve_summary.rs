@@ -2,6 +2,7 @@
 
 use super::Table;
 use super::accuracy::{CertificateSummary, ConditionSummary};
+use super::completeness::Completeness;
 use super::station_label::StationLabel;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Work;
@@ -16,6 +17,9 @@ pub struct SolveSummary {
     study: String,
     topology: String,
     stations: usize,
+    /// Stations by status, and empty cells by reason.
+    #[serde(default)]
+    completeness: Completeness,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
     /// Where less than full double precision was asked for.
@@ -91,6 +95,7 @@ impl SolveSummary {
             study: study.name.clone(),
             topology: study.suspension.mechanism.topology.name.to_owned(),
             stations: curves.stations.len(),
+            completeness: Completeness::of(curves),
             failed: failed.collect(),
             outputs: outputs.collect(),
             accuracy: study
@@ -139,9 +144,8 @@ impl SolveSummary {
         table
     }
 
-    /// How many stations were solved, in words.
+    /// How many stations were solved, and what became of the others, in words.
     pub fn headline(&self) -> String {
-        let solved = self.stations - self.failed.len();
         let accuracy = self.accuracy.as_ref().map_or_else(String::new, |a| {
             format!(
                 ", poses within {} {} and {} deg",
@@ -150,7 +154,11 @@ impl SolveSummary {
                 brief(a.bound_angle_deg)
             )
         });
-        format!("{solved} of {} stations solved{accuracy}", self.stations)
+        let solved = self.completeness.headline().unwrap_or_else(|| {
+            let solved = self.stations - self.failed.len();
+            format!("{solved} of {} stations solved", self.stations)
+        });
+        solved + &accuracy
     }
 }
 

@@ -1,0 +1,30 @@
+//! Where a characteristic has no value by its definition, in words: what a table says of its empty cells.
+
+use super::Characteristic;
+
+impl Characteristic {
+    /// Where the formula has no value, as the end of a sentence.
+    pub fn undefined_where(self) -> &'static str {
+        use Characteristic as C;
+        match self {
+            C::RollCentreHeight | C::AntiDive | C::AntiLift | C::AntiSquat => {
+                "the contact point neither rises nor falls there"
+            }
+            C::FrontViewSwingArm => "the wheel does not turn in front view there",
+            C::SideViewSwingArm => "the wheel does not turn in side view there",
+            C::CamberGain
+            | C::BumpSteer
+            | C::CasterGain
+            | C::KingpinInclinationGain
+            | C::MotionRatio
+            | C::AntiRollBarMotionRatio => "the wheel centre neither rises nor falls there",
+            C::ScrubRadius | C::CasterTrail | C::KingpinOffset | C::SpindleTrail => {
+                "the steering axis is level there"
+            }
+            C::Toe => "the wheel lies flat there",
+            C::AttiaCamber => "wheel_centre and strut_upper are at one place",
+            C::AttiaKingpin => "strut_upper and lower_ball_joint are at one place",
+            _ => "it is not a finite number there",
+        }
+    }
+}

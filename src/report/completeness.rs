@@ -1,0 +1,114 @@
+//! How much of what was asked for was found: stations by status, and cells that are empty by definition.
+//!
+//! A cell may be empty at a station that was solved, because the quantity has no value there: a swing arm where
+//! the wheel does not turn. That is no failure, but it is counted, with its reason; and a column without any value
+//! is one that was asked for and not found.
+
+use crate::characteristics::Characteristic;
+use crate::curves::{Curves, Status};
+use serde::{Deserialize, Serialize};
+
+/// Stations by status, and empty cells by reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Completeness {
+    /// In the order in which they are first met.
+    #[serde(default)]
+    statuses: Vec<StatusCount>,
+    /// Column by column; columns next to each other that are empty at as many stations for one reason stand
+    /// together.
+    #[serde(default)]
+    empty: Vec<EmptyCells>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct StatusCount {
+    status: String,
+    stations: usize,
+}
+
+/// Cells that are empty at stations that were solved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct EmptyCells {
+    columns: Vec<String>,
+    stations: usize,
+    /// Whether no station has a value.
+    throughout: bool,
+    reason: String,
+}
+
+impl Completeness {
+    /// Of some curves.
+    pub fn of(curves: &Curves) -> Self {
+        let mut statuses: Vec<StatusCount> = Vec::new();
+        for station in &curves.stations {
+            let status = station.status.word();
+            match statuses.iter_mut().find(|count| count.status == status) {
+                Some(count) => count.stations += 1,
+                None => statuses.push(StatusCount {
+                    status: status.to_owned(),
+                    stations: 1,
+                }),
+            }
+        }
+        let solved = || {
+            let is_solved = |status| matches!(status, Status::Ok | Status::IllConditioned);
+            let stations = curves.stations.iter();
+            stations.filter(move |s| is_solved(s.status))
+        };
+        let mut empty: Vec<EmptyCells> = Vec::new();
+        for (k, column) in curves.columns.iter().enumerate() {
+            let stations = solved().filter(|s| s.values[k].is_none()).count();
+            if stations == 0 {
+                continue;
+            }
+            let reason = Characteristic::named(&column.output).map_or(
+                "it is not a finite number there",
+                Characteristic::undefined_where,
+            );
+            let alike = |e: &&mut EmptyCells| e.stations == stations && e.reason == reason;
+            match empty.last_mut().filter(alike) {
+                Some(cells) => cells.columns.push(column.name.clone()),
+                None => empty.push(EmptyCells {
+                    columns: vec![column.name.clone()],
+                    stations,
+                    throughout: stations == solved().count(),
+                    reason: reason.to_owned(),
+                }),
+            }
+        }
+        Completeness { statuses, empty }
+    }
+
+    /// How many stations were solved, and what became of the others, in words; `None` where nothing was counted.
+    pub fn headline(&self) -> Option<String> {
+        let all: usize = self.statuses.iter().map(|count| count.stations).sum();
+        let is_solved = |count: &&StatusCount| {
+            let solved = [Status::Ok, Status::IllConditioned].map(|status| status.word());
+            solved.contains(&count.status.as_str())
+        };
+        let solved = self.statuses.iter().filter(is_solved);
+        let solved: usize = solved.map(|count| count.stations).sum();
+        let others = self.statuses.iter().filter(|count| !is_solved(count));
+        let others = others.map(|count| format!(", {} {}", count.stations, count.status));
+        let others: String = others.collect();
+        (all > 0).then(|| format!("{solved} of {all} stations solved{others}"))
+    }
+
+    /// What has to be said of empty cells, a line each.
+    pub fn remarks(&self) -> impl Iterator<Item = String> {
+        self.empty.iter().map(|cells| {
+            let columns = cells.columns.join(", ");
+            let have = if cells.columns.len() == 1 {
+                "has"
+            } else {
+                "have"
+            };
+            let reason = &cells.reason;
+            match (cells.throughout, cells.stations) {
+                (true, _) => format!("warning: {columns} {have} no value at any station: {reason}"),
+                (false, 1) => format!("{columns} {have} no value at 1 station: {reason}"),
+                (false, n) => format!("{columns} {have} no value at {n} stations: {reason}"),
+            }
+        })
+    }
+}

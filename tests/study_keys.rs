@@ -1,0 +1,124 @@
+//! `docs/study.md` lists the keys that the reader knows, all of them and no others.
+//!
+//! The reader tells which keys it knows where it meets one that it does not.
+
+use hardpoint::study::Study;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Each table of a study: its name in the manual, what of [`STUDY`] is replaced and by what, so that the table has
+/// the key `bogus`.
+const TABLES: &[(&str, &str, &str)] = &[
+    ("suspension", "topology =", "bogus = 1\ntopology ="),
+    (
+        "suspension.extra_points.NAME",
+        "{ body =",
+        "{ bogus = 1, body =",
+    ),
+    ("wheel", "[wheel]", "[wheel]\nbogus = 1"),
+    ("vehicle", "[vehicle]", "[vehicle]\nbogus = 1"),
+    ("motion", "[motion]", "[motion]\nbogus = 1"),
+    (
+        "motion.travel (every range)",
+        "travel = {",
+        "travel = { bogus = 1,",
+    ),
+    ("motion.time", "travel = { from", "time = { bogus = 1, from"),
+    ("solver", "[solver]", "[solver]\nbogus = 1"),
+    (
+        "solver.accuracy",
+        "[solver]",
+        "[solver]\naccuracy = { bogus = 1 }",
+    ),
+    ("outputs", "[outputs]", "[outputs]\nbogus = 1"),
+    (
+        "outputs.loads",
+        "[outputs]",
+        "[outputs]\nloads = [{ bogus = 1 }]",
+    ),
+    ("sweep", "[sweep]", "[sweep]\nbogus = 1"),
+    (
+        "sweep.variables",
+        "[sweep]",
+        "[sweep]\nvariables = [{ bogus = 1 }]",
+    ),
+    ("optimise", "[optimise]", "[optimise]\nbogus = 1"),
+    (
+        "optimise.variables",
+        "variables = []",
+        "variables = [{ bogus = 1 }]",
+    ),
+    (
+        "optimise.targets",
+        "targets = []",
+        "targets = [{ bogus = 1 }]",
+    ),
+];
+
+/// A study with every table; only its keys matter.
+const STUDY: &str = r#"
+[suspension]
+topology = "macpherson"
+[suspension.hardpoints]
+[suspension.extra_points]
+seat = { body = "knuckle", position = [0.0, 0.0, 0.0] }
+[wheel]
+[vehicle]
+[motion]
+travel = { from = 0.0, to = 1.0, steps = 2 }
+[solver]
+[outputs]
+[sweep]
+[optimise]
+variables = []
+targets = []
+"#;
+
+/// The keys that the reader knows where `text` has the key `bogus`.
+fn known_keys(text: &str) -> BTreeSet<String> {
+    let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
+    let said = refused.render(false);
+    let (_, known) = said
+        .split_once("unknown key \"bogus\"; known here: ")
+        .unwrap_or_else(|| panic!("{said}\n{text}"));
+    let known = known.lines().next().unwrap_or_default();
+    known.split(", ").map(str::to_owned).collect()
+}
+
+/// The keys in the first column of each section of the manual.
+fn documented_keys() -> BTreeMap<String, BTreeSet<String>> {
+    let manual = std::fs::read_to_string(Path::new(ROOT).join("docs/study.md")).unwrap();
+    let mut sections = BTreeMap::new();
+    for section in manual.split("\n## ").skip(1) {
+        let (name, rows) = section.split_once('\n').unwrap();
+        let keys = rows.lines().filter_map(|row| {
+            let (key, _) = row.strip_prefix("| `")?.split_once('`')?;
+            Some(key.to_owned())
+        });
+        sections.insert(name.to_owned(), keys.collect());
+    }
+    sections
+}
+
+#[test]
+fn the_manual_lists_the_keys_that_the_reader_knows() {
+    let documented = documented_keys();
+    let mut read = BTreeMap::new();
+    for (table, what, by) in TABLES {
+        assert!(STUDY.contains(what), "{table}");
+        read.insert(
+            (*table).to_owned(),
+            known_keys(&STUDY.replacen(what, by, 1)),
+        );
+    }
+    assert_eq!(documented, read);
+    // Every section of a study has its table here.
+    let sections = known_keys(&format!("bogus = 1\n{STUDY}"));
+    let tables: BTreeSet<String> = TABLES
+        .iter()
+        .map(|(table, ..)| table.split('.').next().unwrap_or_default().to_owned())
+        .collect();
+    assert_eq!(sections, tables);
+}

@@ -55,6 +55,8 @@ pub enum Termination {
     Stationary,
     /// Every step that would lower the cost, however short, leads where there are no residuals.
     NoFeasibleStep(Infeasible),
+    /// No small move lessens the violation of the constraints.
+    ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
     IterationLimit,
     /// It was asked to stop.
@@ -70,6 +72,7 @@ impl Termination {
             | Termination::StepBelowResolution
             | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
+            | Termination::ConstraintsExcludeEachOther
             | Termination::IterationLimit
             | Termination::Interrupted => false,
         }
@@ -86,6 +89,9 @@ impl fmt::Display for Termination {
             }
             Termination::Stationary => write!(f, "converged: stationary between the bounds"),
             Termination::NoFeasibleStep(reason) => write!(f, "no feasible step: {reason}"),
+            Termination::ConstraintsExcludeEachOther => {
+                write!(f, "the constraints exclude one another")
+            }
             Termination::IterationLimit => write!(f, "the limit of iterations was reached"),
             Termination::Interrupted => write!(f, "interrupted"),
         }

@@ -361,14 +361,14 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
 
 /// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
 /// workspace, and the history counts.
-fn of<P>(problem: &mut Problem<P>) -> &mut P {
+pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
         .as_mut()
         .expect("argmin gives the problem back")
 }
 
-fn count_held(holds: &[ActiveBound]) -> usize {
+pub(super) fn count_held(holds: &[ActiveBound]) -> usize {
     holds
         .iter()
         .filter(|&&hold| hold != ActiveBound::Free)

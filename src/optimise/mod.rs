@@ -15,6 +15,7 @@
 mod active_set;
 mod bounded_least_squares;
 mod bounds;
+mod constrained;
 mod fit;
 mod identifiability;
 mod interpolation;
@@ -34,6 +35,7 @@ mod tune;
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
+pub use constrained::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
 pub use fit::{Control, Fit, Iteration, ProgressCallback, Termination, fit};
 pub use identifiability::{Direction, Identifiability};
 pub use levenberg_marquardt::{LevenbergMarquardt, State};

@@ -1,0 +1,55 @@
+//! What a step must be better than.
+
+/// Pairs of goal and violation that were passed.
+#[derive(Clone, Debug)]
+pub(super) struct Filter {
+    passed: Vec<[f64; 2]>,
+    /// Violations beyond this are refused whatever the goal.
+    most: f64,
+}
+
+/// A pair must be better than each that was passed by this share of the violation.
+const MARGIN: f64 = 1e-5;
+
+impl Filter {
+    /// Nothing passed; violations up to a hundred times that of the start are bearable.
+    pub fn new(violation: f64) -> Self {
+        Filter {
+            passed: Vec::new(),
+            most: 100.0 * violation.max(1.0),
+        }
+    }
+
+    /// Whether a pair is better than every one passed, in its goal or in its violation.
+    pub fn accepts(&self, goal: f64, violation: f64) -> bool {
+        let better = |[passed_goal, passed_violation]: &[f64; 2]| {
+            violation <= (1.0 - MARGIN) * passed_violation
+                || goal <= passed_goal - MARGIN * violation
+        };
+        violation <= self.most && self.passed.iter().all(better)
+    }
+
+    /// Notes a pair as passed.
+    pub fn pass(&mut self, goal: f64, violation: f64) {
+        self.passed.retain(|[g, v]| *g < goal || *v < violation);
+        self.passed.push([goal, violation]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_must_be_better_than_each_passed_in_one_of_the_two() {
+        let mut filter = Filter::new(1.0);
+        filter.pass(10.0, 1.0);
+        filter.pass(20.0, 0.1);
+        assert!(filter.accepts(15.0, 0.5));
+        assert!(filter.accepts(9.0, 50.0));
+        assert!(filter.accepts(1e9, 0.01));
+        assert!(!filter.accepts(15.0, 2.0));
+        assert!(!filter.accepts(20.0, 0.1));
+        assert!(!filter.accepts(0.0, 101.0));
+    }
+}

@@ -1,0 +1,110 @@
+//! Least squares under constraints, by a sequence of convex programs.
+//!
+//! Minimise |a(x)|^2 / 2 within the box of the variables, subject to
+//!
+//! ```text
+//! c_i(x)  = 0    for the first rows,
+//! c_i(x) <= 0    for the others,
+//! |b(x)| <= level
+//! ```
+//!
+//! where a is the *goal*, c are the *rows* and b is what is held to a level: the residuals of a tuning
+//! that is to move as little as can be while it stays good enough, or those of one target on the way
+//! along a front. At x a step d (in half ranges of the variables) is the minimum of
+//!
+//! ```text
+//! |A d + a|^2 / 2 + d . S d / 2    with  C d + c <= 0 (= 0),  |B d + b| <= level,  |d_j| <= radius   (1)
+//! ```
+//!
+//! A, B, C being the Jacobians ([`ConvexModel`](model)). What is squared stays squared: linearised, the
+//! level would have a multiplier that runs away wherever b vanishes. S is nothing in the first
+//! iterations. Where a run takes more than those, residuals are large or constraints are curved, and
+//! Gauss and Newton's method converges slowly; from then on S is a symmetric rank-one estimate of the
+//! curvature that A^T A leaves out (J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear
+//! least-squares algorithm, ACM Trans. Math. Softw. 7, 1981). Earlier it would do harm.
+//!
+//! Steps are accepted by a filter: no pair of goal and violation that was passed may be better in both
+//! (R. Fletcher, S. Leyffer, Nonlinear programming without a penalty function, Mathematical Programming
+//! 91, 2002). Where curvature of the constraints is what refuses a step, one second-order correction is
+//! tried before it is shortened. Where the rows of (1) exclude one another, they are relaxed by what the
+//! most violated of them must at least be; and if that is no less than the violation is already, no small
+//! move lessens it, and the run ends with the rows that are to blame.
+
+mod filter;
+mod model;
+mod solver;
+#[cfg(test)]
+mod tests;
+
+pub use solver::{ConstrainedFit, constrained_fit};
+
+use super::{Evaluation, Infeasible};
+use nalgebra::DVector;
+
+/// A least-squares problem with constraints.
+pub trait Constrained {
+    /// Number of variables, at least one.
+    fn variables(&self) -> usize;
+
+    /// Numbers of residuals.
+    fn shape(&self) -> Shape;
+
+    /// What the norm of the residuals held to a level must not exceed. Infinite where there are none.
+    fn level(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Writes everything at `x`, with its exact derivatives. It must depend on `x` alone.
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible>;
+}
+
+/// Numbers of residuals and rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// Residuals of the goal, at least one.
+    pub goal: usize,
+    /// Residuals held to a level.
+    pub level: usize,
+    /// Rows, all.
+    pub rows: usize,
+    /// How many of them, the first, must vanish.
+    pub equalities: usize,
+}
+
+/// A problem at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assessment {
+    /// a and A.
+    pub goal: Evaluation,
+    /// b and B.
+    pub level: Evaluation,
+    /// c and C. A violation of 1 is one that anybody would see: a millimetre, a degree.
+    pub rows: Evaluation,
+}
+
+impl Assessment {
+    /// Room for a problem.
+    pub fn new(shape: Shape, variables: usize) -> Self {
+        Assessment {
+            goal: Evaluation::new(shape.goal, variables),
+            level: Evaluation::new(shape.level, variables),
+            rows: Evaluation::new(shape.rows, variables),
+        }
+    }
+
+    /// Whether every number is one.
+    pub fn check(&self) -> Result<(), Infeasible> {
+        self.goal.check()?;
+        self.level.check()?;
+        self.rows.check()
+    }
+
+    /// The largest violation of a row, and of the level as a mean over its residuals.
+    pub fn violation(&self, equalities: usize, level: f64) -> f64 {
+        let rows = self.rows.residuals.iter().enumerate();
+        let rows = rows.map(|(i, c)| if i < equalities { c.abs() } else { *c });
+        let count = self.level.residuals.len().max(1) as f64;
+        let above = (self.level.residuals.norm() - level) / count.sqrt();
+        rows.fold(above.max(0.0), f64::max)
+    }
+}

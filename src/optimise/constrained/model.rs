@@ -1,0 +1,656 @@
+//! The convex model of a problem about a point, and the step it proposes.
+
+use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
+use super::super::qr::{dot, triangularise};
+use super::super::{Bounds, Evaluation};
+use super::Assessment;
+use nalgebra::DVector;
+
+/// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
+const DAMPING: f64 = 1e-7;
+/// The level is met to this share of itself.
+const LEVEL_MET: f64 = 1e-7;
+/// The most programs that a multiplier of the level is searched with.
+const SECANTS: usize = 30;
+
+/// |A d + a|^2 as |R d + q|^2 + rest.
+#[derive(Clone, Debug, Default)]
+struct Squares {
+    triangle: Vec<f64>,
+    offset: Vec<f64>,
+    rest: f64,
+}
+
+impl Squares {
+    fn new(variables: usize) -> Self {
+        Squares {
+            triangle: vec![0.0; variables * variables],
+            offset: vec![0.0; variables],
+            rest: 0.0,
+        }
+    }
+
+    /// Reduces residuals, the columns scaled by `width`.
+    fn reduce(&mut self, of: &Evaluation, width: &[f64], matrix: &mut Vec<f64>) {
+        let n = self.offset.len();
+        let rows = of.residuals.len().max(n);
+        matrix.clear();
+        for (column, width) in of.jacobian.column_iter().zip(width) {
+            matrix.extend(column.iter().map(|j| j * width));
+            matrix.resize(matrix.len() + rows - column.len(), 0.0);
+        }
+        let mut vector = std::mem::take(&mut self.offset);
+        vector.clear();
+        vector.extend_from_slice(of.residuals.as_slice());
+        vector.resize(rows, 0.0);
+        triangularise(matrix, rows, &mut vector);
+        for (j, column) in self.triangle.chunks_exact_mut(n).enumerate() {
+            column[..=j].copy_from_slice(&matrix[j * rows..][..=j]);
+        }
+        self.rest = vector[n..].iter().map(|r| r * r).sum();
+        vector.truncate(n);
+        self.offset = vector;
+    }
+
+    fn largest_pivot(&self) -> f64 {
+        let n = self.offset.len();
+        (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
+    }
+
+    /// R d, into `to`.
+    fn image(&self, d: &[f64], to: &mut [f64]) {
+        to.fill(0.0);
+        for (column, d) in self.triangle.chunks_exact(d.len()).zip(d) {
+            for (to, r) in to.iter_mut().zip(column) {
+                *to += r * d;
+            }
+        }
+    }
+
+    /// |A d + a|^2 less |a|^2.
+    fn change(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
+        self.image(d, scratch);
+        let image = scratch.iter().zip(&self.offset);
+        image.map(|(r, q)| r * (r + 2.0 * q)).sum()
+    }
+
+    /// |A d + a|.
+    fn norm_after(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
+        self.image(d, scratch);
+        let image = scratch.iter().zip(&self.offset);
+        let seen: f64 = image.map(|(r, q)| (r + q) * (r + q)).sum();
+        (seen + self.rest).sqrt()
+    }
+
+    /// The entry j of R^T q.
+    fn gradient(&self, j: usize) -> f64 {
+        let n = self.offset.len();
+        dot(&self.triangle[j * n..][..n], &self.offset)
+    }
+}
+
+/// How a step came about.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Proposal {
+    /// It is the minimum of the model.
+    Optimal,
+    /// The rows exclude one another within the radius. The largest violation that must remain, and the
+    /// rows to blame.
+    Relaxed { remaining: f64, culprits: Vec<Held> },
+}
+
+/// The model with its workspace.
+pub(super) struct ConvexModel<'a> {
+    bounds: &'a Bounds,
+    half: Vec<f64>,
+    equalities: usize,
+    level: f64,
+    goal: Squares,
+    held: Squares,
+    /// Rows as they are, their gradients scaled.
+    normals: Vec<f64>,
+    offsets: Vec<f64>,
+    /// The rows that can be violated, by number, and their entries.
+    kept: Vec<usize>,
+    kept_normals: Vec<f64>,
+    kept_offsets: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    room_below: Vec<f64>,
+    room_above: Vec<f64>,
+    method: ActiveSet,
+    elastic: ActiveSet,
+    step: Vec<f64>,
+    /// Multipliers of rows, and of bounds (negative at a lower one), of the last program.
+    row_multipliers: Vec<f64>,
+    bound_multipliers: Vec<f64>,
+    level_multiplier: f64,
+    curvature: Curvature,
+    matrix: Vec<f64>,
+    vector: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+impl<'a> ConvexModel<'a> {
+    /// Room for a problem.
+    pub fn new(bounds: &'a Bounds, equalities: usize, rows: usize, level: f64) -> Self {
+        let n = bounds.variables();
+        ConvexModel {
+            bounds,
+            half: bounds.width().iter().map(|w| 0.5 * w).collect(),
+            equalities,
+            level,
+            goal: Squares::new(n),
+            held: Squares::new(n),
+            normals: vec![0.0; rows * n],
+            offsets: vec![0.0; rows],
+            kept: Vec::with_capacity(rows),
+            kept_normals: Vec::with_capacity(rows * n),
+            kept_offsets: Vec::with_capacity(rows),
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+            room_below: vec![0.0; n],
+            room_above: vec![0.0; n],
+            method: ActiveSet::new(n),
+            elastic: ActiveSet::new(n + 1),
+            step: vec![0.0; n],
+            row_multipliers: vec![0.0; rows],
+            bound_multipliers: vec![0.0; n],
+            level_multiplier: 0.0,
+            curvature: Curvature::new(n),
+            matrix: Vec::new(),
+            vector: Vec::new(),
+            scratch: vec![0.0; n],
+        }
+    }
+
+    /// Makes this the model about `x`.
+    pub fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
+        let n = x.len();
+        self.goal.reduce(&at.goal, &self.half, &mut self.matrix);
+        if at.level.residuals.is_empty() {
+            self.level = f64::INFINITY;
+        } else {
+            self.held.reduce(&at.level, &self.half, &mut self.matrix);
+        }
+        for (j, half) in self.half.iter().enumerate() {
+            let column = at.rows.jacobian.column(j);
+            for (normal, entry) in self.normals.chunks_exact_mut(n).zip(column.iter()) {
+                normal[j] = entry * half;
+            }
+            self.room_below[j] = (self.bounds.lower()[j] - x[j]) / half;
+            self.room_above[j] = (self.bounds.upper()[j] - x[j]) / half;
+        }
+        self.offsets.copy_from_slice(at.rows.residuals.as_slice());
+    }
+
+    /// Finds the step within a radius; with `curved`, under the estimate of the curvature.
+    pub fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
+        for j in 0..self.half.len() {
+            self.lower[j] = self.room_below[j].max(-radius);
+            self.upper[j] = self.room_above[j].min(radius);
+        }
+        self.keep_rows();
+        self.propose(curved)
+    }
+
+    /// Finds the step that also takes back what the rows at the trial exceed their model by.
+    pub fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
+        let n = self.half.len();
+        self.kept_offsets.clear();
+        for &row in &self.kept {
+            let normal = &self.normals[row * n..][..n];
+            self.kept_offsets
+                .push(trial.rows.residuals[row] - dot(normal, &self.step));
+        }
+        // The level is curved, too: what it exceeds its model by is taken off it.
+        let level = self.level;
+        if level.is_finite() {
+            let promised = self.held.norm_after(&self.step, &mut self.scratch);
+            let excess = trial.level.residuals.norm() - promised;
+            self.level = (level - excess).clamp(0.5 * level, 2.0 * level);
+        }
+        let proposal = self.propose(curved);
+        self.level = level;
+        proposal
+    }
+
+    /// The rows that a step within the bounds can violate.
+    fn keep_rows(&mut self) {
+        let n = self.half.len();
+        self.kept.clear();
+        self.kept_normals.clear();
+        self.kept_offsets.clear();
+        for (row, offset) in self.offsets.iter().enumerate() {
+            let normal = &self.normals[row * n..][..n];
+            let reach = || {
+                let bounds = self.lower.iter().zip(&self.upper);
+                let most = normal.iter().zip(bounds);
+                most.map(|(a, (l, u))| (a * l).max(a * u)).sum::<f64>()
+            };
+            if row < self.equalities || offset + reach() > 0.0 {
+                self.kept.push(row);
+                self.kept_normals.extend_from_slice(normal);
+                self.kept_offsets.push(*offset);
+            }
+        }
+    }
+
+    fn propose(&mut self, curved: bool) -> Proposal {
+        let mut proposal = Proposal::Optimal;
+        if self.program(0.0, curved) != Outcome::Solved {
+            let (remaining, culprits) = self.relax();
+            proposal = Proposal::Relaxed {
+                remaining,
+                culprits,
+            };
+            if self.program(0.0, curved) != Outcome::Solved {
+                // What the relaxation found obeys the relaxed rows, though it is no minimum.
+                self.step
+                    .copy_from_slice(&self.elastic.step()[..self.half.len()]);
+                self.clear_multipliers();
+                return proposal;
+            }
+        }
+        if self.level.is_finite() {
+            self.meet_level(curved);
+        }
+        proposal
+    }
+
+    /// Solves the program with the level's residuals weighed by `weight`.
+    fn program(&mut self, weight: f64, curved: bool) -> Outcome {
+        let n = self.half.len();
+        let stacked = if weight > 0.0 { 3 * n } else { 2 * n };
+        let root = weight.sqrt();
+        let pivot = self
+            .goal
+            .largest_pivot()
+            .max(root * self.held.largest_pivot());
+        let damping = if pivot > 0.0 { DAMPING * pivot } else { 1.0 };
+        self.matrix.clear();
+        for j in 0..n {
+            self.matrix
+                .extend_from_slice(&self.goal.triangle[j * n..][..n]);
+            if weight > 0.0 {
+                let held = &self.held.triangle[j * n..][..n];
+                self.matrix.extend(held.iter().map(|r| root * r));
+            }
+            self.matrix.resize((j + 1) * stacked, 0.0);
+            self.matrix[j * stacked + stacked - n + j] = damping;
+        }
+        self.vector.clear();
+        self.vector.extend_from_slice(&self.goal.offset);
+        if weight > 0.0 {
+            self.vector
+                .extend(self.held.offset.iter().map(|q| root * q));
+        }
+        self.vector.resize(stacked, 0.0);
+        triangularise(&mut self.matrix, stacked, &mut self.vector);
+        for j in 0..n {
+            self.matrix.copy_within(j * stacked..j * stacked + n, j * n);
+            self.matrix[j * n + j + 1..(j + 1) * n].fill(0.0);
+        }
+        self.matrix.truncate(n * n);
+        self.vector.truncate(n);
+        if curved {
+            self.curvature.add_to(&mut self.matrix, &mut self.vector);
+        }
+        let rows = Rows {
+            normals: &self.kept_normals,
+            offsets: &self.kept_offsets,
+            equalities: self.equalities,
+        };
+        let (lower, upper) = (&self.lower, &self.upper);
+        let outcome = self
+            .method
+            .solve(&self.matrix, &self.vector, rows, lower, upper);
+        if outcome == Outcome::Solved {
+            for (j, step) in self.step.iter_mut().enumerate() {
+                *step = self.method.step()[j].clamp(lower[j], upper[j]);
+            }
+            self.clear_multipliers();
+            self.level_multiplier = weight;
+            for (held, multiplier) in self.method.multipliers() {
+                match held {
+                    Held::Row(row) => self.row_multipliers[self.kept[row]] = multiplier,
+                    Held::Lower(j) => self.bound_multipliers[j] -= multiplier,
+                    Held::Upper(j) => self.bound_multipliers[j] += multiplier,
+                }
+            }
+        }
+        outcome
+    }
+
+    fn clear_multipliers(&mut self) {
+        self.row_multipliers.fill(0.0);
+        self.bound_multipliers.fill(0.0);
+        self.level_multiplier = 0.0;
+    }
+
+    /// Searches the weight under which the level is just met. The residuals' norm falls as the weight
+    /// grows: the search is a secant over their logarithms, kept between weights on either side.
+    fn meet_level(&mut self, curved: bool) {
+        // A level of zero could only be neared for ever.
+        let goal = self.level.max(1e-12);
+        let excess = |model: &mut Self| {
+            let norm = model.held.norm_after(&model.step, &mut model.scratch);
+            (norm / goal).ln()
+        };
+        if excess(self) <= LEVEL_MET {
+            return;
+        }
+        let scale = self.goal.largest_pivot() / self.held.largest_pivot();
+        let scale = if scale.is_finite() && scale > 0.0 {
+            scale * scale
+        } else {
+            1.0
+        };
+        let mut low = None;
+        let mut high: Option<(f64, f64)> = None;
+        let mut weight = self.curvature.last_weight.unwrap_or(scale);
+        for _ in 0..SECANTS {
+            if self.program(weight, curved) != Outcome::Solved {
+                break;
+            }
+            let at = (weight.ln(), excess(self));
+            if at.1.abs() <= LEVEL_MET {
+                break;
+            }
+            match at.1 > 0.0 {
+                true => low = Some(at),
+                false => high = Some(at),
+            }
+            weight = match (low, high) {
+                // Beyond this the level cannot be met by the model: the step nears it as it can.
+                (Some(low), None) if low.0 > (1e14 * scale).ln() => break,
+                (Some(low), None) => low.0.exp() * 30.0,
+                (None, Some(high)) if high.0 < (1e-14 * scale).ln() => break,
+                (None, Some(high)) => high.0.exp() / 30.0,
+                (Some(low), Some(high)) => {
+                    let share = low.1 / (low.1 - high.1);
+                    (low.0 + share.clamp(0.05, 0.95) * (high.0 - low.0)).exp()
+                }
+                (None, None) => unreachable!("one of the two was just set"),
+            };
+            if let (Some(low), Some(high)) = (low, high)
+                && high.0 - low.0 < 1e-12
+            {
+                break;
+            }
+        }
+        self.curvature.last_weight = Some(self.level_multiplier).filter(|w| *w > 0.0);
+    }
+
+    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
+    /// being less; relaxes the rows to what they are at the point found.
+    fn relax(&mut self) -> (f64, Vec<Held>) {
+        let n = self.half.len();
+        let worst = self.kept_offsets.iter().enumerate();
+        let worst = worst.fold(0.0_f64, |worst, (k, c)| {
+            worst.max(if k < self.equalities { c.abs() } else { *c })
+        });
+        let worst = worst.max(f64::MIN_POSITIVE.sqrt());
+        // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
+        let small = 1e-5;
+        let mut triangle = vec![0.0; (n + 1) * (n + 1)];
+        for k in 0..n {
+            triangle[k * (n + 1) + k] = small;
+        }
+        triangle[(n + 1) * (n + 1) - 1] = 1.0;
+        let mut normals = Vec::with_capacity((self.kept.len() + self.equalities) * (n + 1));
+        let mut offsets = Vec::with_capacity(self.kept.len() + self.equalities);
+        let mut of = Vec::with_capacity(offsets.capacity());
+        let mut push = |sign: f64, k: usize, normal: &[f64], offset: f64| {
+            normals.extend(normal.iter().map(|a| sign * a));
+            normals.push(-worst);
+            offsets.push(sign * offset);
+            of.push(k);
+        };
+        for (k, offset) in self.kept_offsets.iter().enumerate() {
+            let normal = &self.kept_normals[k * n..][..n];
+            push(1.0, k, normal, *offset);
+            if k < self.equalities {
+                push(-1.0, k, normal, *offset);
+            }
+        }
+        let rows = Rows {
+            normals: &normals,
+            offsets: &offsets,
+            equalities: 0,
+        };
+        let lower: Vec<f64> = self.lower.iter().copied().chain([0.0]).collect();
+        let upper: Vec<f64> = self.upper.iter().copied().chain([2.0]).collect();
+        let offset = vec![0.0; n + 1];
+        let outcome = self.elastic.solve(&triangle, &offset, rows, &lower, &upper);
+        debug_assert!(!matches!(outcome, Outcome::Infeasible(_)), "{outcome:?}");
+        let mut culprits: Vec<Held> = Vec::new();
+        for (held, multiplier) in self.elastic.multipliers() {
+            if multiplier < 1e-9 {
+                continue;
+            }
+            match held {
+                Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
+                // A bound of the variable itself, not of the radius.
+                Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
+                    culprits.push(held);
+                }
+                Held::Upper(j) if j < n && self.upper[j] == self.room_above[j] => {
+                    culprits.push(held);
+                }
+                _ => {}
+            }
+        }
+        culprits.sort_unstable();
+        culprits.dedup();
+        let d = &self.elastic.step()[..n];
+        let mut remaining: f64 = 0.0;
+        for (k, offset) in self.kept_offsets.iter_mut().enumerate() {
+            let value = dot(&self.kept_normals[k * n..][..n], d) + *offset;
+            let excess = if k < self.equalities {
+                value
+            } else {
+                value.max(0.0)
+            };
+            remaining = remaining.max(excess.abs());
+            *offset -= excess + 1e-12 * excess.abs();
+        }
+        (remaining, culprits)
+    }
+
+    /// The largest component of the step, in half ranges.
+    pub fn largest_component(&self) -> f64 {
+        self.step.iter().fold(0.0, |most, s| s.abs().max(most))
+    }
+
+    /// By how much the step lowers the goal, says the model without its curvature.
+    pub fn predicted_reduction(&mut self) -> f64 {
+        let Self {
+            goal,
+            step,
+            scratch,
+            curvature,
+            ..
+        } = self;
+        -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
+    }
+
+    /// Multipliers of the rows, of the bounds (negative at a lower one) and of the level.
+    pub fn multipliers(&self) -> (&[f64], &[f64], f64) {
+        (
+            &self.row_multipliers,
+            &self.bound_multipliers,
+            self.level_multiplier,
+        )
+    }
+
+    /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is
+    /// balanced: 0 at a minimum.
+    pub fn imbalance(&self) -> f64 {
+        let n = self.half.len();
+        let (mut left, mut size) = (0.0_f64, 0.0_f64);
+        for j in 0..n {
+            let goal = self.goal.gradient(j);
+            let held = match self.level_multiplier {
+                0.0 => 0.0,
+                weight => weight * self.held.gradient(j),
+            };
+            let mut sum = goal + held + self.bound_multipliers[j];
+            let mut most = goal
+                .abs()
+                .max(held.abs())
+                .max(self.bound_multipliers[j].abs());
+            for (row, multiplier) in self.row_multipliers.iter().enumerate() {
+                let push = multiplier * self.normals[row * n + j];
+                sum += push;
+                most = most.max(push.abs());
+            }
+            left = left.max(sum.abs());
+            size = size.max(most);
+        }
+        // Against the largest slope the residuals could have, where they are nearly at right angles.
+        let steepest =
+            self.goal.largest_pivot() * self.goal.norm_after(&vec![0.0; n], &mut vec![0.0; n]);
+        left / size.max(steepest).max(f64::MIN_POSITIVE)
+    }
+
+    /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.
+    pub fn learn(&mut self, before: &Assessment, after: &Assessment) {
+        let n = self.half.len();
+        let mut y = vec![0.0; n];
+        for j in 0..n {
+            let part = |a: &Evaluation, b: &Evaluation, weights: &[f64]| {
+                let columns = b.jacobian.column(j).into_iter().zip(a.jacobian.column(j));
+                let terms = columns.zip(weights).map(|((b, a), w)| (b - a) * w);
+                terms.sum::<f64>() * self.half[j]
+            };
+            y[j] = part(&before.goal, &after.goal, after.goal.residuals.as_slice())
+                + part(&before.rows, &after.rows, &self.row_multipliers);
+            if self.level_multiplier > 0.0 {
+                let held = part(
+                    &before.level,
+                    &after.level,
+                    after.level.residuals.as_slice(),
+                );
+                y[j] += self.level_multiplier * held;
+            }
+        }
+        self.curvature.learn(&self.step, &y);
+    }
+
+    /// Writes into `to` where the step leads from `x`: onto a bound exactly where it ends there.
+    pub fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
+        for j in 0..x.len() {
+            let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
+            to[j] = if self.step[j] <= self.room_below[j] {
+                lower
+            } else if self.step[j] >= self.room_above[j] {
+                upper
+            } else {
+                (x[j] + self.half[j] * self.step[j]).clamp(lower, upper)
+            };
+        }
+    }
+}
+
+/// A symmetric rank-one estimate of the curvature that squares of linear models leave out.
+struct Curvature {
+    variables: usize,
+    /// S, column after column.
+    matrix: Vec<f64>,
+    /// Whether S is in use.
+    in_use: bool,
+    /// The multiplier of the level found last: where the next search begins.
+    last_weight: Option<f64>,
+}
+
+impl Curvature {
+    fn new(variables: usize) -> Self {
+        Curvature {
+            variables,
+            matrix: vec![0.0; variables * variables],
+            in_use: false,
+            last_weight: None,
+        }
+    }
+
+    fn image(&self, d: &[f64]) -> Vec<f64> {
+        let rows = self.matrix.chunks_exact(self.variables);
+        rows.map(|row| dot(row, d)).collect()
+    }
+
+    /// d . S d, where S is in use.
+    fn quadratic(&self, d: &[f64]) -> f64 {
+        match self.in_use {
+            true => dot(&self.image(d), d),
+            false => 0.0,
+        }
+    }
+
+    /// S d = y from now on, S changed by a matrix of rank one.
+    fn learn(&mut self, d: &[f64], y: &[f64]) {
+        let n = self.variables;
+        let image = self.image(d);
+        let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
+        let along = dot(&off, d);
+        if along.abs() <= 1e-8 * (dot(&off, &off) * dot(d, d)).sqrt() {
+            return;
+        }
+        for j in 0..n {
+            for i in 0..n {
+                self.matrix[j * n + i] += off[i] * off[j] / along;
+            }
+        }
+    }
+
+    /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
+    fn add_to(&mut self, triangle: &mut [f64], offset: &mut [f64]) {
+        let n = self.variables;
+        self.in_use = true;
+        let columns: Vec<&[f64]> = triangle.chunks_exact(n).collect();
+        let slope: Vec<f64> = columns.iter().map(|column| dot(column, offset)).collect();
+        let mut square = vec![0.0; n * n];
+        for j in 0..n {
+            for i in 0..n {
+                square[j * n + i] = dot(columns[i], columns[j]) + self.matrix[j * n + i];
+            }
+        }
+        let trace = (0..n).fold(0.0, |most: f64, k| most.max(square[k * n + k].abs()));
+        let mut shift = 1e-13 * trace.max(f64::MIN_POSITIVE);
+        let factor = loop {
+            match cholesky(&square, n, shift) {
+                Some(factor) => break factor,
+                None => shift *= 10.0,
+            }
+        };
+        triangle.copy_from_slice(&factor);
+        // R^T q = slope.
+        for k in 0..n {
+            let column = &factor[k * n..];
+            offset[k] = (slope[k] - dot(&column[..k], &offset[..k])) / column[k];
+        }
+    }
+}
+
+/// R with R^T R = `square` + `shift`, column after column; `None` where that is not positive definite.
+fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
+    let mut factor = vec![0.0; n * n];
+    for j in 0..n {
+        for i in 0..=j {
+            let (before, column) = factor.split_at(j * n);
+            let other = if i < j { &before[i * n..] } else { column };
+            let sum = square[j * n + i] - dot(&other[..i], &column[..i]);
+            factor[j * n + i] = match i < j {
+                true => sum / factor[i * n + i],
+                false => {
+                    let pivot = sum + shift;
+                    if pivot.is_nan() || pivot <= 0.1 * shift {
+                        return None;
+                    }
+                    pivot.sqrt()
+                }
+            };
+        }
+    }
+    Some(factor)
+}

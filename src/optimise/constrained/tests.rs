@@ -1,0 +1,275 @@
+//! Problems whose constrained minima are known.
+
+use super::super::test_problems::Noise;
+use super::super::{Bounds, Control, Infeasible, Options, Termination};
+use super::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
+use nalgebra::{DMatrix, DVector};
+
+/// Values with their gradients.
+type Values = Vec<(f64, Vec<f64>)>;
+
+/// Goal, level and rows as functions of the variables.
+struct Stated<F> {
+    variables: usize,
+    shape: Shape,
+    level: f64,
+    at: F,
+}
+
+impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
+    fn variables(&self) -> usize {
+        self.variables
+    }
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+    fn level(&self) -> f64 {
+        self.level
+    }
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        let parts = [&mut into.goal, &mut into.level, &mut into.rows];
+        for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {
+            for (i, (value, gradient)) in values.into_iter().enumerate() {
+                part.residuals[i] = value;
+                for (j, entry) in gradient.into_iter().enumerate() {
+                    part.jacobian[(i, j)] = entry;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
+    start: &[f64],
+    equalities: usize,
+    level: f64,
+    mut at: F,
+) -> Stated<F> {
+    let [goal, held, rows] = at(start);
+    Stated {
+        variables: start.len(),
+        shape: Shape {
+            goal: goal.len(),
+            level: held.len(),
+            rows: rows.len(),
+            equalities,
+        },
+        level,
+        at,
+    }
+}
+
+fn solve<F: FnMut(&[f64]) -> [Values; 3]>(
+    start: &[f64],
+    ranges: &[[f64; 2]],
+    equalities: usize,
+    level: f64,
+    at: F,
+) -> ConstrainedFit {
+    let problem = stated(start, equalities, level, at);
+    let bounds = Bounds::new(ranges).unwrap();
+    let start = DVector::from_column_slice(start);
+    let options = Options::default();
+    constrained_fit(0, problem, &bounds, &start, &options, Control::default()).unwrap()
+}
+
+fn near(found: &DVector<f64>, wanted: &[f64], bound: f64) {
+    let off = (found - DVector::from_column_slice(wanted)).amax();
+    assert!(off < bound, "{found} {wanted:?}");
+}
+
+/// Rosenbrock's valley within a disc: the minimum on the circle is where the gradient points outward.
+#[test]
+fn rosenbrock_in_a_disc_ends_on_its_edge() {
+    let at = |x: &[f64]| {
+        let goal = vec![
+            (10.0 * (x[1] - x[0] * x[0]), vec![-20.0 * x[0], 10.0]),
+            (1.0 - x[0], vec![-1.0, 0.0]),
+        ];
+        let disc = x[0] * x[0] + x[1] * x[1] - 1.0;
+        [goal, vec![], vec![(disc, vec![2.0 * x[0], 2.0 * x[1]])]]
+    };
+    for start in [[-1.2, 1.0], [0.0, 0.0], [1.5, -1.5], [2.0, 2.0]] {
+        let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
+        // The root of the conditions of first order on the circle, by Newton's method to all digits.
+        near(&fit.x, &[0.786_415_154_172, 0.617_698_316_529], 1e-8);
+        assert!(fit.is_feasible() && fit.multipliers[0] > 0.0);
+        assert!(fit.imbalance < 1e-6, "{}", fit.imbalance);
+        assert!(fit.history.len() < 40, "{}", fit.history.len());
+    }
+}
+
+/// A projection onto the intersection of a plane and a half-space, as far as the box lets it.
+#[test]
+fn projections_are_exact_and_multipliers_are_prices() {
+    let at = |limit: f64| {
+        move |x: &[f64]| {
+            let goal = (0..3).map(|j| {
+                let mut gradient = vec![0.0; 3];
+                gradient[j] = 1.0;
+                (x[j] - [3.0, 1.0, -2.0][j], gradient)
+            });
+            let plane = (x[0] + x[1] + x[2], vec![1.0; 3]);
+            let half = (x[0] - limit, vec![1.0, 0.0, 0.0]);
+            [goal.collect(), vec![], vec![plane, half]]
+        }
+    };
+    let run = |limit| solve(&[0.0; 3], &[[-5.0, 5.0]; 3], 1, f64::INFINITY, at(limit));
+    let fit = run(1.0);
+    near(&fit.x, &[1.0, 1.0, -2.0], 1e-9);
+    let fit = run(0.5);
+    near(&fit.x, &[0.5, 1.25, -1.75], 1e-9);
+    // The price of the limit: the derivative of the goal by it, negated.
+    let step = 1e-3;
+    let goal = |limit| run(limit).at.goal.cost();
+    let slope = (goal(0.5 + step) - goal(0.5 - step)) / (2.0 * step);
+    assert!(
+        (fit.multipliers[1] + slope).abs() < 1e-6,
+        "{slope} {:?}",
+        fit.multipliers
+    );
+}
+
+/// Two circles that do not meet: the run says so, and where it ends no small move helps.
+#[test]
+fn a_planted_contradiction_ends_with_its_rows() {
+    let at = |x: &[f64]| {
+        let circle = |a: f64| {
+            let value = (x[0] - a) * (x[0] - a) + x[1] * x[1] - 1.0;
+            (value, vec![2.0 * (x[0] - a), 2.0 * x[1]])
+        };
+        let idle = (x[1] - 10.0, vec![0.0, 1.0]);
+        let goal = vec![(x[1] - 1.0, vec![0.0, 1.0]), (x[0], vec![1.0, 0.0])];
+        [goal, vec![], vec![circle(-2.0), idle, circle(2.0)]]
+    };
+    let fit = solve(&[0.3, 2.0], &[[-5.0, 5.0]; 2], 0, f64::INFINITY, at);
+    assert_eq!(fit.termination, Termination::ConstraintsExcludeEachOther);
+    let rows = fit
+        .culprits
+        .iter()
+        .filter(|h| matches!(h, super::super::Held::Row(0 | 2)));
+    assert_eq!(rows.count(), 2, "{:?}", fit.culprits);
+    assert_eq!(fit.culprits.len(), 2);
+    assert!(fit.history.len() < 40);
+}
+
+/// The shortest way to a level of residuals that vanish on a curve: the point of the tube's wall.
+#[test]
+fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
+    // |b| = |x0^2 + x1^2 - 1| <= level from (2, 1): on the ray from the origin.
+    for level in [0.5, 0.1, 1e-3, 1e-6] {
+        let at = |x: &[f64]| {
+            let goal = vec![(x[0] - 2.0, vec![1.0, 0.0]), (x[1] - 1.0, vec![0.0, 1.0])];
+            let circle = x[0] * x[0] + x[1] * x[1] - 1.0;
+            [goal, vec![(circle, vec![2.0 * x[0], 2.0 * x[1]])], vec![]]
+        };
+        for start in [[0.6, 0.8], [2.0, 1.0]] {
+            let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, level, at);
+            let radius = (1.0 + level).sqrt();
+            let unit = 1.0 / 5.0_f64.sqrt();
+            near(&fit.x, &[2.0 * unit * radius, unit * radius], 1e-6);
+            assert!(
+                fit.is_feasible(),
+                "{level} {start:?} {} {}",
+                fit.violation,
+                fit.termination
+            );
+        }
+    }
+}
+
+/// Random problems of curved residuals and curved rows end where multipliers balance.
+#[test]
+fn random_constrained_problems_end_at_kuhn_tucker_points() {
+    let (mut balanced, mut evaluations) = (0, Vec::new());
+    for seed in 0..60 {
+        let mut noise = Noise::new(500 + seed);
+        let n = 2 + seed as usize % 7;
+        let (m, k) = (40, 30);
+        let a = DMatrix::from_fn(m, n, |_, _| noise.next());
+        let b = DVector::from_fn(m, |_, _| noise.next());
+        let goal = DVector::from_fn(n, |_, _| 1.5 * noise.next());
+        let c = DMatrix::from_fn(k, n, |_, _| noise.next());
+        let bend = DVector::from_fn(k, |_, _| 0.3 * noise.next());
+        let slack = DVector::from_fn(k, |_, _| 0.1 + 0.3 * noise.next().abs());
+        let curve = 0.2 * noise.next();
+        let equalities = usize::from(seed % 3 == 0);
+        let at = move |x: &[f64]| {
+            let x = DVector::from_column_slice(x);
+            let square = x.norm_squared();
+            let r = &a * (&x - &goal) + square * curve * &b;
+            let residual = |i: usize| {
+                let gradient = a.row(i).transpose() + 2.0 * curve * b[i] * &x;
+                (r[i], gradient.data.into())
+            };
+            let row = |i: usize| {
+                let slack = if i < equalities { 0.0 } else { slack[i] };
+                let value = c.row(i).transpose().dot(&x) + bend[i] * square - slack;
+                let gradient = c.row(i).transpose() + 2.0 * bend[i] * &x;
+                (value, gradient.data.into())
+            };
+            [
+                (0..m).map(residual).collect(),
+                vec![],
+                (0..k).map(row).collect(),
+            ]
+        };
+        let start = vec![0.0; n];
+        let fit = solve(&start, &vec![[-1.0, 1.2]; n], equalities, f64::INFINITY, at);
+        assert!(
+            fit.is_feasible(),
+            "seed {seed}: {} {}",
+            fit.violation,
+            fit.termination
+        );
+        assert!(
+            fit.termination.at_minimum(),
+            "seed {seed}: {}",
+            fit.termination
+        );
+        balanced += usize::from(fit.imbalance < 1e-6);
+        evaluations.push(fit.evaluations());
+        for (row, multiplier) in fit.multipliers.iter().enumerate().skip(equalities) {
+            assert!(*multiplier >= 0.0, "seed {seed} row {row}: {multiplier}");
+        }
+    }
+    evaluations.sort_unstable();
+    assert!(balanced >= 59, "{balanced} of 60");
+    assert!(evaluations[30] <= 12, "{evaluations:?}");
+}
+
+/// Large residuals: Gauss and Newton's method alone would take hundreds of iterations.
+#[test]
+fn curvature_is_learnt_where_residuals_are_large() {
+    let at = |x: &[f64]| {
+        let goal = (0..20).map(|i| {
+            let t = f64::from(i + 1) / 5.0;
+            let (first, second) = (x[0] + t * x[1] - t.exp(), x[2] + x[3] * t.sin() - t.cos());
+            let value = first * first + second * second;
+            let gradient = vec![
+                2.0 * first,
+                2.0 * first * t,
+                2.0 * second,
+                2.0 * second * t.sin(),
+            ];
+            (value, gradient)
+        });
+        [
+            goal.collect(),
+            vec![],
+            vec![(x[0] - 20.0, vec![1.0, 0.0, 0.0, 0.0])],
+        ]
+    };
+    // Brown and Dennis: least sum of squares 85822.2 (16 of Moré, Garbow and Hillstrom).
+    let fit = solve(
+        &[25.0, 5.0, -5.0, -1.0],
+        &[[-50.0, 50.0]; 4],
+        0,
+        f64::INFINITY,
+        at,
+    );
+    let sum = 2.0 * fit.at.goal.cost();
+    assert!((sum - 85_822.2).abs() < 0.1, "{sum} {}", fit.termination);
+    assert!(fit.evaluations() < 60, "{}", fit.evaluations());
+}

@@ -73,3 +73,6 @@ pub mod report;
 pub mod solve;
 pub mod study;
 pub mod sweep;
+
+pub use mechanism::{BuildError, SuspensionBuilder};
+pub use model::{FrameConvention, LengthUnit, Side, Suspension, Topology, Vehicle};

@@ -4,14 +4,17 @@
 //! are read off it. The [`Closure`] is the list of constraint rows that a pose must obey, each row in a
 //! file of its own; its rows are written once, over any number.
 
+mod builder;
 mod closure;
 pub(crate) mod constraint;
 mod failure;
 pub(crate) mod pose;
 mod rocker;
 mod tolerances;
+mod validation;
 mod work;
 
+pub use builder::{BuildError, SuspensionBuilder};
 pub(crate) use closure::RowSet;
 pub use closure::{Closure, Driver};
 pub use constraint::raises_its_joint;
@@ -19,5 +22,6 @@ pub use failure::{DesignFault, Failure, LimitCause, Toggle, Unproven};
 pub use pose::{Configuration, Pose, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};
+pub use validation::{GeometryFault, HardpointFault};
 pub use work::Work;
 pub(crate) use work::WorkCounter;

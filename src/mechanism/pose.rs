@@ -350,20 +350,36 @@ pub(crate) fn gradient_by<T: Real, const K: usize>(
     gradient: Vector3<T>,
     image: impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
 ) -> [Vector3<T>; K] {
-    std::array::from_fn(|k| {
-        let mut seeded = inputs.map(|p| p.map(Dual::constant));
-        let p = inputs[k];
-        seeded[k] = Vector3::new(
-            Dual::input(p.x, 0),
-            Dual::input(p.y, 1),
-            Dual::input(p.z, 2),
-        );
-        let image = image(seeded);
-        let along = |i: usize| {
-            gradient.x * image.x.partials[i]
-                + gradient.y * image.y.partials[i]
-                + gradient.z * image.z.partials[i]
-        };
-        Vector3::from([0, 1, 2].map(along))
-    })
+    let zero = gradient.x.zero();
+    let mut by = [Vector3::new(zero, zero, zero); K];
+    // A loop, and the image of one seed in a function of its own: unrolled over nested numbers they would
+    // take the compiler longer than anything else.
+    for k in 0..K {
+        by[k] = along_seed(&inputs, k, gradient, &image);
+    }
+    by
+}
+
+/// The derivative of `gradient . image(inputs)` by one of the inputs.
+#[inline(never)]
+fn along_seed<T: Real, const K: usize>(
+    inputs: &[Vector3<T>; K],
+    number: usize,
+    gradient: Vector3<T>,
+    image: &impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
+) -> Vector3<T> {
+    let mut seeded = inputs.map(|p| p.map(Dual::constant));
+    let p = inputs[number];
+    seeded[number] = Vector3::new(
+        Dual::input(p.x, 0),
+        Dual::input(p.y, 1),
+        Dual::input(p.z, 2),
+    );
+    let image = image(seeded);
+    let along = |i: usize| {
+        gradient.x * image.x.partials[i]
+            + gradient.y * image.y.partials[i]
+            + gradient.z * image.z.partials[i]
+    };
+    Vector3::new(along(0), along(1), along(2))
 }

@@ -132,6 +132,17 @@ pub enum SpinAxis {
     Along(Vector3<f64>),
 }
 
+impl SpinAxis {
+    /// The direction that static camber and toe (radians) give the wheel.
+    pub fn standing(camber: f64, toe: f64) -> SpinAxis {
+        SpinAxis::Along(Vector3::new(
+            camber.cos() * toe.sin(),
+            camber.cos() * toe.cos(),
+            -camber.sin(),
+        ))
+    }
+}
+
 /// A spring or damper between two points, the first on the sprung side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spring {

@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Real, Scalar};
+use super::{Real, Scalar, called};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -13,6 +13,9 @@ pub struct Dual<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
+    /// Whether arithmetic is calls (see [`called`]).
+    const LARGE: bool = size_of::<T>() > 8;
+
     /// A constant: it depends on none of the inputs.
     #[inline]
     pub fn constant(value: T) -> Self {
@@ -40,10 +43,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 }
 
-impl<T: Real, const N: usize> Add for Dual<T, N> {
-    type Output = Self;
+impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
-    fn add(self, other: Self) -> Self {
+    fn plus(self, other: Self) -> Self {
         let mut partials = self.partials;
         for (p, q) in partials.iter_mut().zip(other.partials) {
             *p = *p + q;
@@ -53,12 +55,9 @@ impl<T: Real, const N: usize> Add for Dual<T, N> {
             partials,
         }
     }
-}
 
-impl<T: Real, const N: usize> Sub for Dual<T, N> {
-    type Output = Self;
     #[inline]
-    fn sub(self, other: Self) -> Self {
+    fn minus(self, other: Self) -> Self {
         let mut partials = self.partials;
         for (p, q) in partials.iter_mut().zip(other.partials) {
             *p = *p - q;
@@ -67,41 +66,6 @@ impl<T: Real, const N: usize> Sub for Dual<T, N> {
             value: self.value - other.value,
             partials,
         }
-    }
-}
-
-impl<T: Real, const N: usize> Neg for Dual<T, N> {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        let mut partials = self.partials;
-        for p in &mut partials {
-            *p = -*p;
-        }
-        Dual {
-            value: -self.value,
-            partials,
-        }
-    }
-}
-
-impl<T: Real, const N: usize> Mul for Dual<T, N> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        // As for long series: inlined everywhere they would make the crate take minutes to compile.
-        if size_of::<T>() > 8 {
-            self.times_out_of_line(other)
-        } else {
-            self.times(other)
-        }
-    }
-}
-
-impl<T: Real, const N: usize> Dual<T, N> {
-    #[inline(never)]
-    fn times_out_of_line(self, other: Self) -> Self {
-        self.times(other)
     }
 
     #[inline]
@@ -115,11 +79,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
             partials,
         }
     }
-}
 
-impl<T: Real, const N: usize> Div for Dual<T, N> {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
+    #[inline]
+    fn over(self, other: Self) -> Self {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
         let mut partials = self.partials;
@@ -127,6 +89,42 @@ impl<T: Real, const N: usize> Div for Dual<T, N> {
             *p = (*p - value * q) * inverse;
         }
         Dual { value, partials }
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operation:ident) => {
+        impl<T: Real, const N: usize> $trait for Dual<T, N> {
+            type Output = Self;
+            #[inline]
+            fn $method(self, other: Self) -> Self {
+                if Self::LARGE {
+                    called((self, other), |(a, b)| a.$operation(b))
+                } else {
+                    self.$operation(other)
+                }
+            }
+        }
+    };
+}
+
+operator!(Add, add, plus);
+operator!(Sub, sub, minus);
+operator!(Mul, mul, times);
+operator!(Div, div, over);
+
+impl<T: Real, const N: usize> Neg for Dual<T, N> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = -*p;
+        }
+        Dual {
+            value: -self.value,
+            partials,
+        }
     }
 }
 

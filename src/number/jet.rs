@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Real, Scalar};
+use super::{Real, Scalar, called};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -130,7 +130,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     #[inline]
     fn mul(self, other: Self) -> Self {
         if Self::LARGE {
-            self.times_out_of_line(other)
+            called((self, other), |(a, b)| a.times(b))
         } else {
             self.times(other)
         }
@@ -138,14 +138,8 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Jet<T, N> {
-    /// Products of long series are calls: inlined everywhere they would make the crate take minutes to
-    /// compile.
+    /// Whether products, quotients and roots are calls (see [`called`]).
     const LARGE: bool = size_of::<Self>() > 16 && !T::IN_REGISTERS;
-
-    #[inline(never)]
-    fn times_out_of_line(self, other: Self) -> Self {
-        self.times(other)
-    }
 
     #[inline]
     fn times(self, other: Self) -> Self {
@@ -164,6 +158,17 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
+        if Self::LARGE {
+            called((self, other), |(a, b)| a.over(b))
+        } else {
+            self.over(other)
+        }
+    }
+}
+
+impl<T: Real, const N: usize> Jet<T, N> {
+    #[inline]
+    fn over(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
             let mut rest = self.0[k];
@@ -173,6 +178,23 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
             quotient[k] = rest / other.0[0];
         }
         Jet(quotient)
+    }
+}
+
+impl<T: Real, const N: usize> Jet<T, N> {
+    #[inline]
+    fn root(self) -> Self {
+        let mut root = self.0;
+        root[0] = self.0[0].sqrt();
+        let twice = root[0] + root[0];
+        for k in 1..N {
+            let mut rest = self.0[k];
+            for i in 1..k {
+                rest = rest - root[i] * root[k - i];
+            }
+            root[k] = rest / twice;
+        }
+        Jet(root)
     }
 }
 
@@ -186,17 +208,11 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline]
     fn sqrt(self) -> Self {
-        let mut root = self.0;
-        root[0] = self.0[0].sqrt();
-        let twice = root[0] + root[0];
-        for k in 1..N {
-            let mut rest = self.0[k];
-            for i in 1..k {
-                rest = rest - root[i] * root[k - i];
-            }
-            root[k] = rest / twice;
+        if Self::LARGE {
+            called(self, Self::root)
+        } else {
+            self.root()
         }
-        Jet(root)
     }
 
     #[inline(always)]

@@ -87,6 +87,13 @@ pub trait Real:
     }
 }
 
+/// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
+/// series and of derivatives of series would make the crate take minutes to compile.
+#[inline(never)]
+fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
+    operation(operands)
+}
+
 /// One real number, perhaps with derivatives: where it lies can be asked.
 pub trait Scalar: Real {
     /// The value without its derivatives.

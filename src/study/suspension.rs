@@ -5,6 +5,7 @@ use super::file::{self, Coordinates, File};
 use super::geometry;
 use super::names::{choose, nearest};
 use super::value::{Number, Text};
+use crate::mechanism::HardpointFault;
 use crate::model::{
     Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
     Topology, Vehicle,
@@ -107,8 +108,11 @@ fn hardpoints<'a>(
             (None, _) => {
                 sound = false;
                 let name = text.get_ref();
-                let message = format!("{} has no hardpoint {name:?}", topology.name);
-                let error = problems.add(text.span(), message);
+                let fault = HardpointFault::Unknown {
+                    topology: topology.name,
+                    name: name.clone(),
+                };
+                let error = problems.add(text.span(), fault.to_string());
                 let names = || topology.all_hardpoints().map(|h| h.name);
                 if let Some(near) = nearest(name, names().filter(|name| !is_given(name))) {
                     misspelt.push(near);
@@ -121,70 +125,45 @@ fn hardpoints<'a>(
             }
         }
     }
-    let missing: Vec<String> = topology
-        .hardpoints
-        .iter()
-        .filter(|h| h.required && !is_given(h.name) && !misspelt.contains(&h.name))
-        .map(|h| format!("{} ({})", h.name, h.about))
-        .collect();
-    if !missing.is_empty() {
-        let message = format!("missing for {}: {}", topology.name, missing.join(", "));
-        problems.add(section.hardpoints.span(), message);
+    let is_found = |name: &str| is_given(name) || misspelt.contains(&name);
+    if let Some(fault) = HardpointFault::missing(topology, is_found) {
+        problems.add(section.hardpoints.span(), fault.to_string());
         return None;
     }
-    for group in topology.groups {
-        // A misspelt name is said already.
-        if sound && groups_fault(topology, group, &given, problems) {
-            sound = false;
+    // A misspelt name is said already.
+    if sound {
+        let names: Vec<&'static str> = given.iter().map(|g| g.name).collect();
+        for group in topology.groups {
+            if let Some(fault) = HardpointFault::of_group(topology, group, &names) {
+                sound = false;
+                add_group_fault(group, &fault, &given, problems);
+            }
         }
     }
     sound.then_some(given)
 }
 
-/// Notes what is missing of a group of which something is given; whether there was something to note.
-fn groups_fault(
-    topology: &Topology,
+/// Notes what is wrong with a group, where the first of what makes it up is written.
+fn add_group_fault(
     group: &Group,
+    fault: &HardpointFault,
     given: &[Given],
     problems: &mut Problems,
-) -> bool {
-    let is_given = |name: &str| given.iter().any(|g| g.name == name);
-    let count = |list: &[&str]| list.iter().filter(|name| is_given(name)).count();
-    // The list of which most is given, the first of several.
-    let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
-    let Some(list) = nearest.filter(|list| count(list) > 0) else {
-        return false;
-    };
-    let written = given.iter().filter(|g| {
+) {
+    let written = |name: &str| given.iter().find(|g| g.name == name).map(|g| g.text.span());
+    let parts = given.iter().filter(|g| {
         let belongs = |list: &&[&str]| list.contains(&g.name);
         group.complete.iter().any(belongs)
     });
-    if let Some(other) = written.clone().find(|g| !list.contains(&g.name)) {
-        let message = format!(
-            "{} is given beside {}: expected one or the other for {}",
-            other.name, list[0], group.what
-        );
-        problems.add(other.text.span(), message);
-        return true;
-    }
-    let about = |name: &&str| match topology.hardpoint(name) {
-        Some(hardpoint) => format!("{name} ({})", hardpoint.about),
-        None => (*name).to_owned(),
+    let first = parts.map(|g| g.text.span()).min_by_key(|span| span.start);
+    let place = match fault {
+        HardpointFault::Both { first, .. } => written(first),
+        _ => first,
     };
-    let missing: Vec<_> = list
-        .iter()
-        .filter(|name| !is_given(name))
-        .map(about)
-        .collect();
-    if missing.is_empty() {
-        return false;
+    let error = problems.add(place.unwrap_or_default(), fault.to_string());
+    if let HardpointFault::Incomplete { group, .. } = fault {
+        error.help(format!("{group} may be left out as a whole"));
     }
-    let first = written.min_by_key(|g| g.text.span().start);
-    let first = first.expect("something of the list is given");
-    let message = format!("missing for {}: {}", group.what, missing.join(", "));
-    let error = problems.add(first.text.span(), message);
-    error.help(format!("{} may be left out as a whole", group.what));
-    true
 }
 
 /// What the ends of springs and rods stand on, where the study says it.
@@ -270,11 +249,7 @@ fn spin_axis(
         (SpinAxis::Along(_), Some(_)) => {
             let [camber, toe] = angles.map(|angle| below_right_angle(angle, problems));
             let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
-            mechanism.spin_axis = SpinAxis::Along(Vector3::new(
-                camber.cos() * toe.sin(),
-                camber.cos() * toe.cos(),
-                -camber.sin(),
-            ));
+            mechanism.spin_axis = SpinAxis::standing(camber, toe);
             Some(())
         }
     }

@@ -1,0 +1,287 @@
+//! Whether hardpoints make a suspension: all there, distinct, arms and rockers that turn, a believable size,
+//! the right side.
+//!
+//! The same checks serve the [builder](super::SuspensionBuilder) and studies, which add where in the file a
+//! fault is and what to do about it.
+
+use super::rocker::has_leverage;
+use crate::model::{Body, Group, LengthUnit, PointId, Suspension, Topology};
+use thiserror::Error;
+
+/// Points closer than this share of the mechanism's size coincide.
+const COINCIDENT: f64 = 1e-9;
+
+/// Sizes of a suspension that are believed, in metres: from a small model car to a haul truck. The
+/// wrong unit is a factor of a thousand.
+const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
+
+/// Why the hardpoints given are not those of a topology.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum HardpointFault {
+    /// The topology has no hardpoint of this name.
+    #[error("{topology} has no hardpoint {name:?}")]
+    Unknown {
+        /// The topology.
+        topology: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Hardpoints that every suspension of the topology has are not given.
+    #[error("missing for {topology}: {}", .missing.join(", "))]
+    Missing {
+        /// The topology.
+        topology: &'static str,
+        /// The missing ones, each with what it is.
+        missing: Vec<String>,
+    },
+    /// Two ways to make up a group are mixed.
+    #[error("{first} is given beside {second}: expected one or the other for {group}")]
+    Both {
+        /// A hardpoint of one way.
+        first: &'static str,
+        /// The first hardpoint of the other way.
+        second: &'static str,
+        /// What they make.
+        group: &'static str,
+    },
+    /// A group is not complete.
+    #[error("missing for {group}: {}", .missing.join(", "))]
+    Incomplete {
+        /// What the hardpoints make.
+        group: &'static str,
+        /// The missing ones, each with what it is.
+        missing: Vec<String>,
+    },
+}
+
+impl HardpointFault {
+    /// What is missing of the hardpoints that a topology cannot do without.
+    pub fn missing(
+        topology: &'static Topology,
+        is_given: impl Fn(&str) -> bool,
+    ) -> Option<HardpointFault> {
+        let missing: Vec<String> = topology
+            .hardpoints
+            .iter()
+            .filter(|h| h.required && !is_given(h.name))
+            .map(|h| format!("{} ({})", h.name, h.about))
+            .collect();
+        (!missing.is_empty()).then_some(HardpointFault::Missing {
+            topology: topology.name,
+            missing,
+        })
+    }
+
+    /// What is wrong with a group of which something is given.
+    pub fn of_group(
+        topology: &'static Topology,
+        group: &'static Group,
+        given: &[&'static str],
+    ) -> Option<HardpointFault> {
+        let is_given = |name: &&str| given.contains(name);
+        let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
+        // The list of which most is given, the first of several.
+        let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
+        let list = nearest.filter(|list| count(list) > 0)?;
+        let belongs = |name: &&str| group.complete.iter().any(|list| list.contains(name));
+        let mut written = given.iter().filter(|name| belongs(name));
+        if let Some(other) = written.find(|name| !list.contains(name)) {
+            return Some(HardpointFault::Both {
+                first: other,
+                second: list[0],
+                group: group.what,
+            });
+        }
+        let about = |name: &&str| match topology.hardpoint(name) {
+            Some(hardpoint) => format!("{name} ({})", hardpoint.about),
+            None => (*name).to_owned(),
+        };
+        let missing: Vec<String> = list
+            .iter()
+            .filter(|name| !is_given(name))
+            .map(about)
+            .collect();
+        (!missing.is_empty()).then_some(HardpointFault::Incomplete {
+            group: group.what,
+            missing,
+        })
+    }
+}
+
+/// Why hardpoints, all of them given, make no suspension.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GeometryFault {
+    /// Two points that must be distinct are one.
+    #[error("{second} coincides with {first}: {reason}")]
+    Coincident {
+        /// One.
+        first: String,
+        /// The other.
+        second: String,
+        /// Why they must be distinct.
+        reason: &'static str,
+    },
+    /// An arm's outer joint is on the arm's axis.
+    #[error("{outer} is in line with {front} and {rear}: the arm could not move it")]
+    ArmInLine {
+        /// The outer joint.
+        outer: String,
+        /// A point of the axis.
+        front: String,
+        /// Another one.
+        rear: String,
+    },
+    /// A rod's end is on the axis of what it should turn.
+    #[error("{inner} is in line with {first} and {second}: it could not turn {turned}")]
+    LeverInLine {
+        /// The rod's end.
+        inner: String,
+        /// A point of the axis.
+        first: String,
+        /// Another one.
+        second: String,
+        /// What should turn.
+        turned: &'static str,
+    },
+    /// A rod is at toggle in the design position.
+    #[error(
+        "the {rod} is at toggle in the design position: {outer}, {inner} and the axis from {first} to \
+         {second} lie in one plane, so it cannot turn {turned}"
+    )]
+    LeverAtToggle {
+        /// The kind of rod.
+        rod: String,
+        /// The rod's end on what it turns.
+        inner: String,
+        /// Its other end.
+        outer: String,
+        /// A point of the axis.
+        first: String,
+        /// Another one.
+        second: String,
+        /// What should turn.
+        turned: &'static str,
+    },
+    /// The wrong unit of length, in all likelihood.
+    #[error("the hardpoints are {size:.3} {} apart, which is no suspension", unit.symbol())]
+    ImplausibleSize {
+        /// The largest distance of a hardpoint from the wheel carrier's origin.
+        size: f64,
+        /// Its unit.
+        unit: LengthUnit,
+    },
+    /// The wrong side or the wrong axes.
+    #[error("{wheel_centre} is inboard of the points on the body")]
+    WrongSide {
+        /// The wheel centre.
+        wheel_centre: String,
+    },
+}
+
+impl GeometryFault {
+    /// What is wrong with a suspension: the first kind of fault there is, since others follow from it.
+    pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
+        let checks = [
+            distinct_points,
+            arms_turn,
+            levers_turn,
+            plausible_size,
+            right_side,
+        ];
+        let mut faults = checks.into_iter().map(|check| check(suspension));
+        faults.find(|found| !found.is_empty()).unwrap_or_default()
+    }
+}
+
+fn name(suspension: &Suspension, id: PointId) -> String {
+    suspension.mechanism.name(id).to_owned()
+}
+
+fn distinct_points(suspension: &Suspension) -> Vec<GeometryFault> {
+    let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+    let least = COINCIDENT * suspension.size();
+    let pairs = mechanism.topology.all_distinct();
+    let coincident = pairs.filter_map(|(first, second, reason)| {
+        let (a, b) = (mechanism.point(first)?, mechanism.point(second)?);
+        ((design[a.0] - design[b.0]).norm() <= least).then(|| GeometryFault::Coincident {
+            first: (*first).to_owned(),
+            second: (*second).to_owned(),
+            reason,
+        })
+    });
+    coincident.collect()
+}
+
+fn arms_turn(suspension: &Suspension) -> Vec<GeometryFault> {
+    let design = &suspension.design;
+    let in_line = suspension.mechanism.arms.iter().filter(|arm| {
+        let axis = (design[arm.front.0] - design[arm.rear.0]).normalised();
+        let leg = design[arm.outer.0] - design[arm.rear.0];
+        axis.cross(leg).norm() <= COINCIDENT * suspension.size()
+    });
+    let fault = |arm: &crate::model::Arm| GeometryFault::ArmInLine {
+        outer: name(suspension, arm.outer),
+        front: name(suspension, arm.front),
+        rear: name(suspension, arm.rear),
+    };
+    in_line.map(fault).collect()
+}
+
+fn levers_turn(suspension: &Suspension) -> Vec<GeometryFault> {
+    let design = &suspension.design;
+    let mut faults = Vec::new();
+    for rocker in &suspension.mechanism.rockers {
+        let [inner, outer, first, second] =
+            [rocker.inner, rocker.outer, rocker.first, rocker.second].map(|p| name(suspension, p));
+        let axis = (design[rocker.second.0] - design[rocker.first.0]).normalised();
+        let lever = axis.cross(design[rocker.inner.0] - design[rocker.first.0]);
+        let turned = rocker.rod.turns();
+        if lever.norm() <= COINCIDENT * suspension.size() {
+            faults.push(GeometryFault::LeverInLine {
+                inner,
+                first,
+                second,
+                turned,
+            });
+        } else if !has_leverage(rocker, design) {
+            faults.push(GeometryFault::LeverAtToggle {
+                rod: rocker.rod.to_string(),
+                inner,
+                outer,
+                first,
+                second,
+                turned,
+            });
+        }
+    }
+    faults
+}
+
+fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
+    let (size, unit) = (suspension.size(), suspension.length_unit);
+    let [smallest, largest] = PLAUSIBLE_SIZE;
+    match (smallest..=largest).contains(&(size / unit.per_metre())) {
+        true => Vec::new(),
+        false => vec![GeometryFault::ImplausibleSize { size, unit }],
+    }
+}
+
+/// A wheel is outboard of the points on the body, wherever the origin is.
+fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
+    let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+    let points = mechanism.points.iter().zip(design);
+    let inboard: Vec<f64> = points
+        .filter(|(point, _)| matches!(point.body, Body::Chassis | Body::Rack))
+        .map(|(_, position)| position.y)
+        .collect();
+    let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
+    let centre = mechanism.wheel_centre;
+    match design[centre.0].y >= mean {
+        true => Vec::new(),
+        false => vec![GeometryFault::WrongSide {
+            wheel_centre: name(suspension, centre),
+        }],
+    }
+}

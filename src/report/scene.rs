@@ -18,7 +18,7 @@ pub struct Scene {
     /// Name of each point.
     pub points: Vec<String>,
     /// What is drawn between them.
-    pub members: Vec<Member>,
+    pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,
     /// Loaded radius of the wheel, where it is known.
@@ -27,22 +27,24 @@ pub struct Scene {
     pub signs: [f64; 3],
 }
 
-/// A line of the drawing.
+/// A body of the drawing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Member {
+pub struct SceneBody {
+    /// `lower arm`, `tie rod`, `wheel carrier`.
+    pub name: String,
     /// What it is.
-    pub kind: MemberKind,
-    /// Indices of the points it runs through.
-    pub through: Vec<usize>,
+    pub kind: BodyKind,
+    /// Its lines, at least one: indices of the points each runs through.
+    pub lines: Vec<Vec<usize>>,
 }
 
-/// What a line of the drawing stands for.
+/// What a body of the drawing is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MemberKind {
+pub enum BodyKind {
     /// A control arm.
     Arm,
-    /// A link or tie rod.
+    /// A link, tie rod, pushrod or drop link.
     Link,
     /// A strut.
     Strut,
@@ -83,7 +85,7 @@ impl Scene {
         let sign = |axis| suspension.frame.sign(axis);
         Scene {
             points: mechanism.points.iter().map(|p| p.name.clone()).collect(),
-            members: members(mechanism),
+            bodies: bodies(mechanism),
             wheel_centre: mechanism.wheel_centre.0,
             wheel_radius: suspension.wheel_radius,
             signs: Axis::ALL.map(sign),
@@ -91,17 +93,21 @@ impl Scene {
     }
 }
 
-/// The lines of a mechanism, from its constraints and arms.
-fn members(mechanism: &Mechanism) -> Vec<Member> {
-    let mut members = Vec::new();
-    let mut add = |kind, through: &[PointId]| {
-        members.push(Member {
+/// The bodies of a mechanism, from its constraints and arms.
+fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
+    let mut bodies = Vec::new();
+    let mut add = |kind, name: String, lines: &[&[PointId]]| {
+        let line = |line: &&[PointId]| line.iter().map(|id| id.0).collect();
+        bodies.push(SceneBody {
+            name,
             kind,
-            through: through.iter().map(|id| id.0).collect(),
+            lines: lines.iter().map(line).collect(),
         });
     };
+    let named = |id: PointId| body_name(&mechanism.points[id.0].name);
     for arm in &mechanism.arms {
-        add(MemberKind::Arm, &[arm.front, arm.outer, arm.rear]);
+        let line = [arm.front, arm.outer, arm.rear];
+        add(BodyKind::Arm, named(arm.front), &[&line]);
     }
     let of_an_arm = |from, to| {
         let mut arms = mechanism.arms.iter();
@@ -113,15 +119,13 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
         match *constraint {
             Constraint::Link { inner, outer } => {
                 if !of_an_arm(inner, outer) {
-                    add(MemberKind::Link, &[inner, outer]);
+                    add(BodyKind::Link, named(inner), &[&[inner, outer]]);
                 }
                 joints.push(outer);
             }
             Constraint::StrutLine { top, lower, upper } => {
-                match upper {
-                    Some(upper) => add(MemberKind::Strut, &[lower, upper, top]),
-                    None => add(MemberKind::Strut, &[lower, top]),
-                }
+                let line: Vec<PointId> = [lower].into_iter().chain(upper).chain([top]).collect();
+                add(BodyKind::Strut, "strut".to_owned(), &[&line]);
                 strut = Some((top, lower));
                 joints.push(lower);
             }
@@ -132,10 +136,12 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
     if let Some(spring) = mechanism.spring
         && strut != Some((spring.upper, spring.lower))
     {
-        add(MemberKind::Spring, &[spring.lower, spring.upper]);
+        let line = [spring.lower, spring.upper];
+        add(BodyKind::Spring, "spring".to_owned(), &[&line]);
     }
     for (number, rocker) in mechanism.rockers.iter().enumerate() {
-        add(MemberKind::Link, &[rocker.inner, rocker.outer]);
+        let rod = [rocker.inner, rocker.outer];
+        add(BodyKind::Link, rocker.rod.to_string(), &[&rod]);
         let ends = mechanism.spring.map(|spring| spring.lower);
         let on_it = |id: &PointId| mechanism.body(*id) == Body::Rocker(RockerId(number));
         let further = ends
@@ -144,19 +150,32 @@ fn members(mechanism: &Mechanism) -> Vec<Member> {
         let mut through = vec![rocker.first, rocker.inner];
         through.extend(further.filter(on_it));
         through.extend([rocker.second, rocker.first]);
-        add(MemberKind::Rocker, &through);
+        let name = rocker.rod.turns().trim_start_matches("the ").to_owned();
+        add(BodyKind::Rocker, name, &[&through]);
         if mechanism.body(rocker.outer) == Body::Knuckle {
             joints.push(rocker.outer);
         }
     }
     joints.sort();
     joints.dedup();
-    for joint in joints {
-        if mechanism.body(joint) == Body::Knuckle && joint != mechanism.wheel_centre {
-            add(MemberKind::Knuckle, &[joint, mechanism.wheel_centre]);
-        }
+    let centre = mechanism.wheel_centre;
+    joints.retain(|joint| mechanism.body(*joint) == Body::Knuckle && *joint != centre);
+    let spokes: Vec<[PointId; 2]> = joints.iter().map(|joint| [*joint, centre]).collect();
+    if !spokes.is_empty() {
+        let lines: Vec<&[PointId]> = spokes.iter().map(|s| s.as_slice()).collect();
+        add(BodyKind::Knuckle, "wheel carrier".to_owned(), &lines);
     }
-    members
+    bodies
+}
+
+/// `lower_arm_front` is on the `lower arm`, `tie_rod_inner` on the `tie rod`.
+fn body_name(point: &str) -> String {
+    let ends = ["_front", "_rear", "_inner", "_outer", "_pivot"];
+    let mut name = point;
+    while let Some(shorter) = ends.iter().find_map(|end| name.strip_suffix(end)) {
+        name = shorter;
+    }
+    name.replace('_', " ")
 }
 
 /// The frames of a suspension at the stations of a plan, rack by rack.

@@ -1,52 +1,199 @@
 //! Tables for the terminal, and the same as CSV or JSON.
+//!
+//! A cell has two sides: what a reader sees, with the digits it deserves, and what a program gets: the
+//! number itself. A column may be for one of them alone, as a range is one column to a reader and two numbers
+//! to a program.
 
+use super::figure::{brief, figure};
+use super::shortest;
+use super::text::{broken, widest};
 use serde_json::{Map, Value};
 
-/// How a table is printed.
+/// How tables are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Aligned columns for reading.
     Text,
     /// Comma-separated values.
     Csv,
-    /// A list of objects.
+    /// An object with a list of objects for each table.
     Json,
 }
 
-/// A table of text cells.
+/// A column of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    title: String,
+    readers: bool,
+    programs: bool,
+}
+
+impl Column {
+    /// A column that only a reader sees.
+    pub fn for_readers(title: impl Into<String>) -> Self {
+        Column {
+            programs: false,
+            ..Column::from(title.into())
+        }
+    }
+
+    /// A column that only a program gets.
+    pub fn for_programs(title: impl Into<String>) -> Self {
+        Column {
+            readers: false,
+            ..Column::from(title.into())
+        }
+    }
+
+    /// The name a program knows it by: `at design` is `at_design`.
+    fn key(&self) -> String {
+        self.title.replace([' ', '-'], "_")
+    }
+}
+
+impl From<String> for Column {
+    fn from(title: String) -> Self {
+        Column {
+            title,
+            readers: true,
+            programs: true,
+        }
+    }
+}
+
+impl From<&str> for Column {
+    fn from(title: &str) -> Self {
+        title.to_owned().into()
+    }
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    shown: String,
+    data: Value,
+}
+
+impl Cell {
+    /// A number, with six digits for a reader; what is rounding in this unit is 0 to a reader.
+    pub fn figure(value: f64, unit: &str) -> Self {
+        Cell::shown(value, figure(value, unit))
+    }
+
+    /// A number, shown so to a reader.
+    pub fn shown(value: f64, text: impl Into<String>) -> Self {
+        Cell {
+            shown: text.into(),
+            data: Value::from(value + 0.0),
+        }
+    }
+
+    /// What a reader sees.
+    pub fn text(&self) -> &str {
+        &self.shown
+    }
+
+    /// Whether it is drawn up like a number.
+    pub fn is_number(&self) -> bool {
+        self.data.is_number()
+            || self.shown.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c))
+    }
+
+    /// As a cell of a CSV file.
+    fn csv(&self) -> String {
+        match &self.data {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(),
+            Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
+                Some(value) => shortest(value),
+                None => number.to_string(),
+            },
+            other => other.to_string(),
+        }
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Cell::shown(value, brief(value))
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(value: bool) -> Self {
+        Cell {
+            shown: if value { "yes" } else { "no" }.to_owned(),
+            data: value.into(),
+        }
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Cell {
+            data: match text.is_empty() {
+                true => Value::Null,
+                false => Value::from(text.as_str()),
+            },
+            shown: text,
+        }
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        text.to_owned().into()
+    }
+}
+
+macro_rules! whole_numbers {
+    ($($kind:ty),*) => {$(
+        impl From<$kind> for Cell {
+            fn from(value: $kind) -> Self {
+                Cell { shown: value.to_string(), data: value.into() }
+            }
+        }
+    )*};
+}
+whole_numbers!(u32, u64, usize);
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or_else(|| Cell::from(""), Into::into)
+    }
+}
+
+/// A table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    header: Vec<String>,
-    rows: Vec<Vec<String>>,
+    columns: Vec<Column>,
+    rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
     /// An empty table.
     pub fn new<const N: usize>(header: [&str; N]) -> Self {
-        Table {
-            header: header.map(str::to_owned).to_vec(),
-            rows: Vec::new(),
-        }
+        Table::with_columns(header)
     }
 
-    /// An empty table whose columns depend on what is shown.
-    pub fn with_columns(header: Vec<String>) -> Self {
+    /// An empty table whose columns depend on what is shown, or on who reads it.
+    pub fn with_columns(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Table {
-            header,
+            columns: columns.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
         }
     }
 
     /// Adds a row, which has a cell for each column.
-    pub fn push_row(&mut self, row: Vec<String>) {
-        assert_eq!(row.len(), self.header.len());
+    pub fn push_row(&mut self, row: impl IntoIterator<Item: Into<Cell>>) {
+        let row: Vec<Cell> = row.into_iter().map(Into::into).collect();
+        assert_eq!(row.len(), self.columns.len());
         self.rows.push(row);
     }
 
     /// Adds a row, which has a cell for each column.
-    pub fn push<const N: usize>(&mut self, row: [String; N]) {
-        assert_eq!(N, self.header.len());
-        self.rows.push(row.to_vec());
+    pub fn push<const N: usize>(&mut self, row: [impl Into<Cell>; N]) {
+        self.push_row(row);
     }
 
     /// Whether it has no rows.
@@ -61,76 +208,177 @@ impl Table {
         (self, more)
     }
 
-    /// Names of the columns.
-    pub fn header(&self) -> &[String] {
-        &self.header
+    /// Names of the columns that a reader sees.
+    pub fn header(&self) -> Vec<&str> {
+        let columns = self.columns.iter().filter(|c| c.readers);
+        columns.map(|c| c.title.as_str()).collect()
     }
 
-    /// Cells, row by row.
-    pub fn rows(&self) -> &[Vec<String>] {
-        &self.rows
+    /// Cells that a reader sees, row by row.
+    pub fn rows(&self) -> impl Iterator<Item = Vec<&Cell>> {
+        self.rows.iter().map(|row| {
+            let cells = row.iter().zip(&self.columns);
+            cells.filter(|(_, c)| c.readers).map(|(cell, _)| cell).collect()
+        })
     }
 
-    /// The table as text, ending in a line break.
-    pub fn render(&self, format: Format) -> String {
-        match format {
-            Format::Text => self.text(),
-            Format::Csv => {
-                let mut writer = csv::Writer::from_writer(Vec::new());
-                for row in std::iter::once(&self.header).chain(&self.rows) {
-                    writer.write_record(row).expect("rows of one length");
-                }
-                let bytes = writer.into_inner().expect("memory takes everything");
-                String::from_utf8(bytes).expect("cells are text")
-            }
-            Format::Json => {
-                let rows: Vec<Value> = self.rows.iter().map(|row| self.object(row)).collect();
-                let text = serde_json::to_string_pretty(&rows).expect("plain values");
-                text + "\n"
-            }
-        }
-    }
-
-    fn object(&self, row: &[String]) -> Value {
-        let mut object = Map::new();
-        for (name, cell) in self.header.iter().zip(row) {
-            let number = cell.parse::<f64>().ok().filter(|v| v.is_finite());
-            let value = number.map_or_else(|| Value::from(cell.as_str()), Value::from);
-            object.insert(name.clone(), value);
-        }
-        Value::Object(object)
-    }
-
-    /// The first column to the left, numbers to the right.
-    fn text(&self) -> String {
-        let lines = || std::iter::once(&self.header).chain(&self.rows);
-        let widths: Vec<usize> = (0..self.header.len())
-            .map(|k| lines().map(|l| l[k].chars().count()).max().unwrap_or(0))
-            .collect();
-        let is_number = |k: usize| {
-            self.rows.iter().all(|r| {
-                r[k].is_empty()
-                    || r[k].starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c))
-            })
+    /// The table as CSV, ending in a line break; with `name`, in a first column `table` of every row.
+    pub fn csv(&self, name: Option<&str>) -> String {
+        let for_programs = |of: &Vec<String>| -> Vec<String> {
+            let cells = of.iter().zip(&self.columns).filter(|(_, c)| c.programs);
+            cells.map(|(cell, _)| cell.clone()).collect()
         };
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut write = |first: Option<&str>, cells: Vec<String>| {
+            let cells = for_programs(&cells);
+            let line = first.into_iter().chain(cells.iter().map(String::as_str));
+            writer.write_record(line).expect("rows of one length");
+        };
+        let header = self.columns.iter().map(Column::key).collect();
+        write(name.map(|_| "table"), header);
+        for row in &self.rows {
+            write(name, row.iter().map(Cell::csv).collect());
+        }
+        let bytes = writer.into_inner().expect("memory takes everything");
+        String::from_utf8(bytes).expect("cells are text")
+    }
+
+    /// The table as a list of objects.
+    pub fn json(&self) -> Value {
+        let object = |row: &Vec<Cell>| {
+            let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
+            let named = cells.map(|(cell, column)| (column.key(), cell.data.clone()));
+            Value::Object(named.collect::<Map<_, _>>())
+        };
+        Value::from(self.rows.iter().map(object).collect::<Vec<Value>>())
+    }
+
+    /// The table for reading, its lines no longer than `width` where its numbers allow it: first text and
+    /// headings are broken, then the columns stand in several tables, each with the first column. The
+    /// first column stands to the left, numbers to the right.
+    pub fn text(&self, width: usize) -> String {
+        let header = self.header();
+        let rows: Vec<Vec<&Cell>> = self.rows().collect();
+        let layout: Vec<Layout> = (0..header.len())
+            .map(|k| Layout::of(header[k], rows.iter().map(|row| row[k]), k == 0))
+            .collect();
+        let mut widths: Vec<usize> = layout.iter().map(|l| l.natural).collect();
+        let room = |widths: &[usize]| widths.iter().map(|w| w + 2).sum::<usize>();
+        while room(&widths) > width {
+            let wider = (0..widths.len()).filter(|k| widths[*k] > layout[*k].least);
+            let Some(widest) = wider.max_by_key(|k| widths[*k]) else {
+                break;
+            };
+            widths[widest] -= 1;
+        }
         let mut text = String::new();
-        for line in lines() {
-            let mut out = String::from("  ");
-            for (k, cell) in line.iter().enumerate() {
-                let padding = " ".repeat(widths[k] - cell.chars().count());
-                if k > 0 && is_number(k) {
-                    out.push_str(&padding);
-                    out.push_str(cell);
-                } else {
-                    out.push_str(cell);
-                    out.push_str(&padding);
-                }
-                out.push_str("  ");
+        for piece in pieces(&widths, width) {
+            if !text.is_empty() {
+                text.push('\n');
             }
-            text.push_str(out.trim_end());
-            text.push('\n');
+            let shown = piece.iter().map(|k| (header[*k], widths[*k], &layout[*k]));
+            line(&mut text, shown);
+            for row in &rows {
+                let shown = piece.iter().map(|k| (row[*k].text(), widths[*k], &layout[*k]));
+                line(&mut text, shown);
+            }
         }
         text
+    }
+}
+
+/// How a column is laid out.
+struct Layout {
+    to_the_right: bool,
+    natural: usize,
+    /// Numbers are not broken.
+    least: usize,
+}
+
+/// The least width of text.
+const LEAST: usize = 14;
+
+impl Layout {
+    fn of<'a>(header: &str, cells: impl Iterator<Item = &'a Cell> + Clone, first: bool) -> Self {
+        let shown = cells.clone().map(|cell| cell.text().chars().count());
+        let longest = shown.max().unwrap_or(0);
+        let natural = longest.max(header.chars().count());
+        let mut cells = cells.filter(|cell| !cell.text().is_empty());
+        let numbers = cells.all(Cell::is_number);
+        Layout {
+            to_the_right: numbers && !first,
+            natural,
+            least: match numbers {
+                true => longest.max(widest(header)).min(natural),
+                false => natural.min(LEAST),
+            },
+        }
+    }
+}
+
+/// Columns that fit side by side, each time with the first one.
+fn pieces(widths: &[usize], width: usize) -> Vec<Vec<usize>> {
+    let mut pieces = vec![Vec::new()];
+    let mut room = 0;
+    for (k, own) in widths.iter().enumerate() {
+        let piece = pieces.last_mut().expect("there is one");
+        if room + own + 2 > width && piece.len() > 1 {
+            pieces.push(vec![0, k]);
+            room = widths[0] + own + 4;
+        } else {
+            piece.push(k);
+            room += own + 2;
+        }
+    }
+    pieces
+}
+
+/// A row, of as many lines as its cells need.
+fn line<'a>(text: &mut String, cells: impl Iterator<Item = (&'a str, usize, &'a Layout)>) {
+    let cells: Vec<_> = cells.map(|(cell, width, l)| (broken(cell, width), width, l)).collect();
+    let height = cells.iter().map(|(lines, ..)| lines.len()).max().unwrap_or(0);
+    for number in 0..height.max(1) {
+        let mut out = String::new();
+        for (lines, width, layout) in &cells {
+            let cell = lines.get(number).map_or("", String::as_str);
+            let padding = " ".repeat(width.saturating_sub(cell.chars().count()));
+            out.push_str("  ");
+            match layout.to_the_right {
+                true => out.extend([&padding, cell]),
+                false => out.extend([cell, &padding]),
+            }
+        }
+        text.push_str(out.trim_end());
+        text.push('\n');
+    }
+}
+
+/// The tables of a command, in the order they are shown, under the names that programs know them by.
+#[derive(Clone, Debug, Default)]
+pub struct Tables(Vec<(&'static str, Table)>);
+
+impl Tables {
+    /// Adds a table.
+    pub fn push(&mut self, name: &'static str, table: Table) {
+        self.0.push((name, table));
+    }
+
+    /// All of them. As CSV they are separated by empty lines, and the first column of each, `table`, has
+    /// its name; as JSON they are lists in one object.
+    pub fn render(&self, format: Format, width: usize) -> String {
+        let each = |render: &dyn Fn(&'static str, &Table) -> String| {
+            let all: Vec<String> = self.0.iter().map(|(name, table)| render(name, table)).collect();
+            all.join("\n")
+        };
+        match format {
+            Format::Text => each(&|_, table| table.text(width)),
+            Format::Csv => each(&|name, table| table.csv(Some(name))),
+            Format::Json => {
+                let named = self.0.iter().map(|(name, table)| ((*name).to_owned(), table.json()));
+                let object = Value::Object(named.collect());
+                serde_json::to_string_pretty(&object).expect("plain values") + "\n"
+            }
+        }
     }
 }
 
@@ -138,19 +386,66 @@ impl Table {
 mod tests {
     use super::*;
 
+    fn table() -> Table {
+        let readers = Column::for_readers("range");
+        let programs = ["range min", "range max"].map(Column::for_programs);
+        let columns = [Column::from("output"), "min".into(), readers].into_iter();
+        let mut table = Table::with_columns(columns.chain(programs));
+        let row = |name: &str, min: f64, [low, high]: [f64; 2]| -> [Cell; 5] {
+            let range = Cell::from(format!("{low} .. {high}"));
+            [name.into(), min.into(), range, low.into(), high.into()]
+        };
+        table.push(row("camber_deg", -1.5, [-5.0, 5.0]));
+        table.push(row("toe_deg", 1.0 / 3.0, [0.25, 10.0]));
+        table
+    }
+
     #[test]
-    fn the_three_formats_say_the_same() {
-        let mut table = Table::new(["output", "min"]);
-        table.push(["camber_deg".to_owned(), "-1.5".to_owned()]);
-        table.push(["toe_deg".to_owned(), "10".to_owned()]);
-        let text = "  output       min\n  camber_deg  -1.5\n  toe_deg       10\n";
-        assert_eq!(table.render(Format::Text), text);
+    fn a_reader_sees_digits_that_matter_and_a_program_gets_the_number() {
+        let mut tables = Tables::default();
+        tables.push("outputs", table());
         assert_eq!(
-            table.render(Format::Csv),
-            "output,min\ncamber_deg,-1.5\ntoe_deg,10\n"
+            tables.render(Format::Text, 80),
+            "  output           min       range\n  camber_deg      -1.5     -5 .. 5\n  toe_deg     0.333333  0.25 .. 10\n"
         );
-        let json: Value = serde_json::from_str(&table.render(Format::Json)).unwrap();
-        assert_eq!(json[0]["min"], -1.5);
-        assert_eq!(json[1]["output"], "toe_deg");
+        assert_eq!(
+            tables.render(Format::Csv, 80),
+            "table,output,min,range_min,range_max\noutputs,camber_deg,-1.5,-5.0,5.0\n\
+             outputs,toe_deg,0.3333333333333333,0.25,10.0\n"
+        );
+        let json: Value = serde_json::from_str(&tables.render(Format::Json, 80)).unwrap();
+        assert_eq!(json["outputs"][1]["min"].as_f64(), Some(1.0 / 3.0));
+        assert_eq!(json["outputs"][0]["range_max"], 5.0);
+        assert_eq!(json["outputs"][1]["output"], "toe_deg");
+    }
+
+    #[test]
+    fn text_that_looks_like_a_number_stays_text() {
+        let mut table = Table::new(["study", "misfit"]);
+        table.push([Cell::from("1e5"), Cell::from(f64::NAN)]);
+        assert_eq!(table.json()[0]["study"], "1e5");
+        assert!(table.json()[0]["misfit"].is_null());
+        assert_eq!(table.csv(None), "study,misfit\n1e5,\n");
+    }
+
+    #[test]
+    fn lines_are_no_longer_than_the_width() {
+        let mut wide = Table::new(["effect", "because of", "what", "cost"]);
+        let because = "motion_ratio, spring_length, anti_roll_bar_angle (line 51)";
+        wide.push([Cell::from("rocker"), because.into(), "turned by the pushrod".into(), 0.25.into()]);
+        let columns = (0..20).map(|k| format!("upper_front_link_inner_{k}_mm"));
+        let mut long = Table::with_columns(["design".to_owned()].into_iter().chain(columns));
+        long.push_row((0..21).map(|k| Cell::from(f64::from(k) / 7.0)));
+        for table in [&wide, &long] {
+            for width in [40, 60, 80, 100, 200] {
+                let text = table.text(width);
+                let longest = text.lines().map(|l| l.chars().count()).max().unwrap();
+                assert!(longest <= width, "{longest} of {width}:\n{text}");
+                // Nothing is left out.
+                let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).count();
+                assert!(letters(&text) >= letters(&table.text(10_000)), "{text}");
+            }
+        }
+        assert_eq!(wide.text(60).lines().count(), 1 + 3, "{}", wide.text(60));
     }
 }

@@ -23,35 +23,50 @@ const turned = (upright, trace) => {
   return { ...rest, x: y, y: x, ...(xaxis && { yaxis: 'y2' }), ...(bar && { error_y: bar }) };
 };
 
-const designTraces = (c, output, abscissa, design) => {
+// Each rack has its colour, whichever the design.
+const rackColour = (c, number, all) => {
+  if (all <= c.hues.length) return c.hues[number];
+  return mixed(c.target, c.accent, number / (all - 1));
+};
+const isSolved = (status) => ['ok', 'ill_conditioned', 'unsupported', 'toggle'].includes(status);
+
+const designTraces = (c, output, state, design) => {
   const table = run.curves[design];
   const values = column(table, output.column);
-  const places = column(table, abscissa);
+  const places = column(table, state.abscissa);
   const { label, failures } = record.designs[design];
   const byRack = families(table, design);
-  const colour = isLast(design) ? c.accent : c.before;
+  const main = isMain(state, design);
+  const only = shownDesigns(state).length === 1;
   const traces = [];
   let number = 0;
   for (const [rack, rows] of byRack) {
-    number += 1;
-    const rackName = `rack ${brief(rack)}`;
-    const name = byRack.size === 1 ? label : record.designs.length === 1 ? rackName : `${label}, ${rackName}`;
+    const rackName = `rack ${brief(rack)} ${record.length_unit}`;
+    const several = byRack.size > 1;
+    const colour = several ? rackColour(c, number, byRack.size) : main ? c.accent : c.before;
+    // Of many racks the legend names the first, the last and one between.
+    const named = byRack.size <= c.hues.length || [0, Math.floor(byRack.size / 2), byRack.size - 1].includes(number);
+    const name = !several ? label : main ? rackName : `${label} (dashed)`;
     traces.push({
-      type: 'scatter', mode: 'lines+markers', connectgaps: false, name,
-      showlegend: byRack.size < 7 || number === 1 || number === byRack.size, marker: { size: 6, color: 'rgba(0,0,0,0)' },
+      type: 'scatter', mode: 'lines+markers', connectgaps: false, name: plain(name),
+      legendgroup: several && !main ? label : undefined, showlegend: several && !main ? number === 0 : named,
+      legendrank: main ? 1000 : 1100,
+      hovertemplate: `%{${state.upright ? 'x' : 'y'}:.5~g}<extra>${plain(several ? (only ? rackName : `${label}, ${rackName}`) : label)}</extra>`,
+      marker: { size: 6, color: 'rgba(0,0,0,0)' },
       x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
-      line: { color: colour, width: isLast(design) ? 2.2 : 1.6, dash: isLast(design) ? 'solid' : 'dash' },
-      opacity: 0.35 + (0.65 * number) / byRack.size,
+      line: { color: colour, width: main ? 2.2 : 1.6, dash: main ? 'solid' : 'dash' },
+      opacity: several && !main ? 0.6 : 1,
     });
-    const failed = rows.filter(({ row }) => !['ok', 'ill_conditioned', 'unsupported', 'toggle'].includes(table.status[row]) && places[row] !== null);
+    number += 1;
+    const failed = rows.filter(({ row }) => !isSolved(table.status[row]) && places[row] !== null);
     if (failed.length) {
-      const reason = ({ station }) => failures.find((f) => f.first <= station && station <= f.last).reason;
+      const reason = ({ station }) => failures.find((f) => f.first <= station && station <= f.last)?.reason ?? 'not solved';
       traces.push({
-        type: 'scatter', mode: 'markers', name: `${label}, not solved`, legendgroup: `${label}, not solved`,
-        showlegend: !traces.some((t) => t.xaxis), xaxis: 'x2',
-        x: failed.map(() => (isLast(design) ? 0.02 : 0.05)), y: failed.map(({ row }) => places[row]),
-        text: failed.map((f) => plain(reason(f))), hovertemplate: `${byRack.size > 1 ? `${rackName}: ` : ''}%{text}`,
-        marker: { symbol: 'x-thin', size: 6, line: { color: isLast(design) ? c.bad : c.before, width: 1.5 } },
+        type: 'scatter', mode: 'markers', name: plain(`${label}, not solved`), legendgroup: `${label}, not solved`,
+        showlegend: !traces.some((t) => t.xaxis), xaxis: 'x2', legendrank: 1200,
+        x: failed.map(() => (main ? 0.02 : 0.05)), y: failed.map(({ row }) => places[row]),
+        text: failed.map((f) => plain(reason(f))), hovertemplate: `${several ? `${rackName}: ` : ''}%{text}<extra></extra>`,
+        marker: { symbol: 'x-thin', size: 6, line: { color: main ? c.bad : c.before, width: 1.5 } },
       });
     }
   }
@@ -59,7 +74,7 @@ const designTraces = (c, output, abscissa, design) => {
 };
 
 // Targets are given by drive value; over anything else they are where the last design has that value.
-const targetTraces = (c, output, abscissa) => {
+const targetTraces = (c, output, { abscissa }) => {
   const table = run.curves[run.curves.length - 1];
   const place = (drive) => {
     if (abscissa === record.drive) return drive;
@@ -74,7 +89,7 @@ const targetTraces = (c, output, abscissa) => {
     if (points.length === 1) {
       return [{
         ...shared, mode: 'markers', x, y, marker: { color: c.target, size: 8, symbol: 'diamond' },
-        error_x: { type: 'constant', value: target.tolerance, color: c.target },
+        error_x: { type: 'constant', value: target.tolerance, color: c.target, thickness: 2, width: 5 },
       }];
     }
     const band = [...x.map((v) => v + target.tolerance), ...x.map((v) => v - target.tolerance).reverse()];
@@ -91,8 +106,8 @@ const targetTraces = (c, output, abscissa) => {
 const drawCurve = (element, output, state) => {
   const c = colours();
   const traces = [
-    ...targetTraces(c, output, state.abscissa),
-    ...record.designs.flatMap((_, design) => designTraces(c, output, state.abscissa, design)),
+    ...targetTraces(c, output, state),
+    ...shownDesigns(state).flatMap((design) => designTraces(c, output, state, design)),
   ].map((trace) => turned(state.upright, trace));
   const motion = axis(c, { title: { text: axisTitle(state.abscissa) } });
   const value = axis(c, { title: { text: plain(withUnit(output.title, output.unit)) }, hoverformat: '.5~g' });
@@ -105,11 +120,11 @@ const drawCurve = (element, output, state) => {
     hovermode: state.upright ? 'y unified' : 'x unified',
     showlegend: true,
     legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
-    uirevision: `${state.abscissa} ${state.upright}`,
+    uirevision: `${state.abscissa} ${state.upright} ${shownDesigns(state)}`,
   }));
 };
 
-const curvePlots = record.outputs.map((output) => {
+const curvePlots = (record?.outputs ?? []).map((output) => {
   const figure = byId('curve-plots').appendChild(document.createElement('figure'));
   const caption = figure.appendChild(document.createElement('figcaption'));
   caption.append(withUnit(output.title, output.unit));

@@ -2,7 +2,8 @@
 const byId = (id) => document.getElementById(id);
 const root = document.documentElement;
 const run = JSON.parse(byId('run').textContent);
-const record = run.record;
+// Of a sweep: designs that are drawn with their curves, where there are any.
+const record = run.record ?? null;
 
 // Whatever goes wrong is written where a reader, or a test, can find it.
 const noteError = (message) => {
@@ -16,8 +17,12 @@ document.addEventListener('securitypolicyviolation', (e) => noteError(`${e.viola
 
 const colours = () => {
   const style = getComputedStyle(root);
-  const names = ['paper', 'panel', 'ink', 'muted', 'rule', 'accent', 'before', 'target', 'bad', 'strong', 'sans'];
-  return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  const names = [
+    'paper', 'panel', 'ink', 'muted', 'rule', 'accent', 'before', 'target', 'bad', 'strong', 'sans',
+    'carrier', 'strut', 'rocker', 'wheel', 'road', 'centre',
+  ];
+  const value = (name) => style.getPropertyValue(`--${name}`).trim();
+  return { ...Object.fromEntries(names.map((name) => [name, value(name)])), hues: value('hues').split(' ') };
 };
 // #rrggbb with an opacity.
 const faint = (colour, opacity) => {
@@ -44,7 +49,9 @@ const axisTitle = (column) => {
 };
 const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
 
-const isLast = (design) => design === record.designs.length - 1;
+// The designs that are drawn, the one that matters last.
+const shownDesigns = (state) => state.designs ?? record.designs.map((_, design) => design);
+const isMain = (state, design) => design === shownDesigns(state).at(-1);
 const config = {
   responsive: true,
   displaylogo: false,
@@ -55,6 +62,8 @@ const config = {
 const still = { ...config, displayModeBar: true, modeBarButtons: [['toImage']] };
 const axis = (c, more) => ({
   gridcolor: c.rule, zerolinecolor: c.muted, zerolinewidth: 1, linecolor: c.rule, automargin: true,
+  // Powers of ten: a prefix such as the u of 600u would run into the unit.
+  exponentformat: 'power', minexponent: 4,
   ...more,
 });
 const layout = (c, more) => ({

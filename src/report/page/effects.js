@@ -6,7 +6,8 @@ const measures = {
 };
 const variableTitles = columns.slice(0, first.variables).map((_, k) => plain(columns[k].title));
 const effectOf = (k, variable, measure) => run.effects[k].effects[variable]?.[measure] ?? null;
-const moved = run.effects.map((_, k) => k)
+// What nothing moves has effects of rounding.
+const moved = run.effects.map((_, k) => k).filter((k) => !run.unmoved.includes(k))
   .filter((k) => variableTitles.some((_, v) => effectOf(k, v, 'change') !== null));
 const offered = Object.keys(measures).filter((m) => moved.some((k) => variableTitles.some((_, v) => effectOf(k, v, m) !== null)));
 

@@ -1,12 +1,15 @@
-// The mechanism in three dimensions, at the solver's positions.
-const { scene } = record;
-const racks = [...new Set(record.designs.flatMap((d) => d.frames.map((f) => f.rack)))];
-const stations = record.designs.length ? record.designs[0].frames.length / racks.length : 0;
+// The mechanism in three dimensions, at the solver's positions: its bodies by name and colour, the wheel on
+// the ground, the direction of travel, the steering axis, and the instantaneous centres with their lines.
+const scene = record ? record.scene : null;
+const allFrames = record ? record.designs.flatMap((d) => d.frames) : [];
+const racks = [...new Set(allFrames.map((f) => f.rack))];
+const stations = record?.designs.length ? record.designs[0].frames.length / racks.length : 0;
 const frameAt = (design, place) => record.designs[design].frames[place.rack * stations + place.station];
-const [forward, outboard, up] = scene.signs;
+const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
+const radius = scene?.wheel_radius ?? null;
 const ROUND = 72;
 
-// The wheel's rim: centre and a circle normal to the spin axis.
+// The wheel's rim: a circle about its centre, normal to the spin axis.
 const rim = ({ points, spin_axis: n }) => {
   const centre = points[scene.wheel_centre];
   const across = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -15,7 +18,7 @@ const rim = ({ points, spin_axis: n }) => {
   const second = across(n, first);
   return Array.from({ length: ROUND + 1 }, (_, i) => {
     const [cosine, sine] = [Math.cos((2 * Math.PI * i) / ROUND), Math.sin((2 * Math.PI * i) / ROUND)];
-    return centre.map((p, k) => p + scene.wheel_radius * (cosine * first[k] + sine * second[k]));
+    return centre.map((p, k) => p + radius * (cosine * first[k] + sine * second[k]));
   });
 };
 
@@ -23,58 +26,147 @@ const rim = ({ points, spin_axis: n }) => {
 const coordinates = (points) => ({
   x: points.map((p) => p && p[0]), y: points.map((p) => p && p[1]), z: points.map((p) => p && p[2]),
 });
-const lines = (placement, ...kinds) => {
-  const members = scene.members.filter((m) => kinds.includes(m.kind));
-  return coordinates(members.flatMap((m) => [...m.through.map((i) => placement.points[i]), null]));
-};
 const nothing = { x: [], y: [], z: [] };
+const linesOf = (placement, body) => body.lines.flatMap((line) => [...line.map((i) => placement.points[i]), null]);
+const offset = (p, by) => p.map((v, k) => v + by[k]);
 
-// The parts of the drawing: each gives its coordinates in a placement and its looks.
-const parts = [
-  {
-    at: (p) => coordinates(p.points),
-    look: (c, colour) => ({
-      mode: 'markers', marker: { size: 4, color: colour }, text: scene.points.map(plain),
-      hovertemplate: '%{text}<br>%{x:.2f}, %{y:.2f}, %{z:.2f}',
-    }),
-  },
-  { at: (p) => lines(p, 'arm', 'link', 'rocker'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 5 } }) },
-  { at: (p) => lines(p, 'strut', 'spring'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 9 } }) },
-  { at: (p) => lines(p, 'knuckle'), look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 2 } }) },
-  {
-    at: (p) => (scene.wheel_radius ? coordinates(rim(p)) : nothing),
-    look: (c, colour) => ({ mode: 'lines', line: { color: colour, width: 4 } }),
-  },
-  {
-    at: (p) => (scene.wheel_radius ? coordinates([...rim(p).slice(1), p.points[scene.wheel_centre]]) : nothing),
-    look: (c, colour) => {
-      const k = Array.from({ length: ROUND }, (_, i) => i);
-      return { type: 'mesh3d', i: k, j: k.map((n) => (n + 1) % ROUND), k: k.map(() => ROUND), color: colour, opacity: 0.08, flatshading: true, lighting: { ambient: 1, diffuse: 0, specular: 0 } };
+// The road under the wheel, from the car's centre plane on, and an arrow on it to where the car goes.
+const road = ({ contact: c }) => {
+  const [x0, x1, y1] = [c[0] - 1.25 * radius, c[0] + 1.25 * radius, c[1] + 0.45 * radius * outboard];
+  return [[x0, 0, c[2]], [x1, 0, c[2]], [x1, y1, c[2]], [x0, y1, c[2]]];
+};
+const arrow = ({ contact: c }) => {
+  const at = (x, y) => offset(c, [x * radius * forward, y * radius, 0]);
+  return [at(1.1, 0), at(1.75, 0), at(1.6, 0.06), null, at(1.75, 0), at(1.6, -0.06)];
+};
+
+// A line from the contact point to a centre, cut off at the edge of the stage.
+const toCentre = (placement, centre) => {
+  const from = placement.contact;
+  const reach = Math.min(1, ...centre.map((v, k) => {
+    const [low, high] = stageRanges()[k];
+    const way = v - from[k];
+    if (Math.abs(way) < 1e-9) return 1;
+    return ((way > 0 ? high : low) - from[k]) / way;
+  }));
+  return { end: from.map((v, k) => v + Math.max(0, reach) * (centre[k] - v)), cut: reach < 1 };
+};
+const centreNames = [['roll_centre', 'roll centre'], ['front_view_centre', 'centre in front view'], ['side_view_centre', 'centre in side view']];
+const centresOf = (placement) => centreNames.filter(([key]) => placement[key]).map(([key, name]) => {
+  const { end, cut } = toCentre(placement, placement[key]);
+  const away = Math.hypot(...placement[key].map((v, k) => v - placement.contact[k]));
+  return { end, cut, text: cut ? `${name}, ${Math.round(away)} ${record.length_unit} away` : name };
+});
+
+// Colours of the bodies: links and arms in turn, the rest by what it is.
+const bodyColours = (c) => {
+  let number = 0;
+  const own = { knuckle: c.carrier, strut: c.strut, spring: c.strut, rocker: c.rocker };
+  return scene.bodies.map(({ kind }) => own[kind] ?? c.hues[number++ % c.hues.length]);
+};
+const widths = { arm: 7, link: 6, rocker: 6, strut: 10, spring: 10, knuckle: 4 };
+// Where a body's name stands: midway along its first line.
+const middle = (placement, { lines: [line] }) => {
+  const [a, b] = line.map((i) => placement.points[i]);
+  return a.map((v, k) => (v + b[k]) / 2);
+};
+
+// The parts of the drawing of the design that matters: coordinates in a placement, and looks. A part without
+// coordinates draws nothing.
+const mainParts = (c, state) => {
+  const hues = bodyColours(c);
+  const words = (texts, points, colour) => ({ ...coordinates(points), text: texts.map(plain), textfont: { color: colour, size: 12 } });
+  const hasWheel = (p) => radius && p.contact;
+  return [
+    {
+      at: (p) => coordinates(p.points),
+      look: {
+        mode: 'markers', meta: 'points', marker: { size: 3.5, color: c.ink }, text: scene.points.map(plain), hoverinfo: 'all',
+        hovertemplate: '%{text}<br>%{x:.2f}, %{y:.2f}, %{z:.2f}<extra></extra>',
+      },
     },
-  },
-  {
-    at: (p) => {
-      if (!p.steering_axis) return nothing;
-      const [a, b] = p.steering_axis;
-      const along = (t) => a.map((v, k) => v + t * (b[k] - v));
-      return coordinates([along(-0.3), along(1.1)]);
+    ...scene.bodies.map((body, k) => ({
+      at: (p) => coordinates(linesOf(p, body)),
+      look: { mode: 'lines', name: plain(body.name), legendgroup: body.name, showlegend: true, line: { color: hues[k], width: widths[body.kind] } },
+    })),
+    {
+      at: (p) => (state.names ? coordinates(scene.bodies.map((body) => middle(p, body))) : nothing),
+      look: { mode: 'text', text: scene.bodies.map(({ name }) => plain(name)), textposition: 'top center', textfont: { size: 12, color: hues } },
     },
-    look: (c) => ({ mode: 'lines', line: { color: c.target, width: 3, dash: 'dash' } }),
+    {
+      at: (p) => (radius ? coordinates(rim(p)) : nothing),
+      look: { mode: 'lines', name: 'wheel', legendgroup: 'wheel', showlegend: Boolean(radius), line: { color: c.wheel, width: 5 } },
+    },
+    {
+      at: (p) => (radius ? coordinates([...rim(p).slice(1), p.points[scene.wheel_centre]]) : nothing),
+      look: { ...plate(Array.from({ length: ROUND }, (_, i) => [i, (i + 1) % ROUND, ROUND]), c.wheel, 0.14), legendgroup: 'wheel' },
+    },
+    {
+      at: (p) => (p.steering_axis ? coordinates(axisLine(p.steering_axis)) : nothing),
+      look: {
+        mode: 'lines', name: 'steering axis', showlegend: allFrames.some((f) => f.pose.Ok?.steering_axis),
+        line: { color: c.target, width: 3, dash: 'dash' },
+      },
+    },
+    {
+      at: (p) => (hasWheel(p) ? coordinates(road(p)) : nothing),
+      look: { ...plate([[0, 1, 2], [0, 2, 3]], c.road, 0.2), name: 'ground', showlegend: Boolean(radius), legendgroup: 'ground' },
+    },
+    { at: (p) => (hasWheel(p) ? coordinates(arrow(p)) : nothing), look: { mode: 'lines', legendgroup: 'ground', line: { color: c.ink, width: 5 } } },
+    {
+      at: (p) => (hasWheel(p) ? words(['forward'], [arrow(p)[1]], c.ink) : nothing),
+      look: { mode: 'text', legendgroup: 'ground', textposition: 'top center' },
+    },
+    {
+      at: (p) => (state.centres && hasWheel(p) ? coordinates(centresOf(p).flatMap(({ end }) => [p.contact, end, null])) : nothing),
+      look: { mode: 'lines', name: 'instantaneous centres', legendgroup: 'centres', showlegend: Boolean(radius && state.centres), line: { color: c.centre, width: 2.5, dash: 'dot' } },
+    },
+    {
+      at: (p) => {
+        if (!state.centres || !hasWheel(p)) return nothing;
+        const found = centresOf(p);
+        return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: found.map(({ cut }) => (cut ? 'circle-open' : 'diamond')), color: c.centre, size: 5 } };
+      },
+      look: { mode: 'markers+text', legendgroup: 'centres', textposition: 'top center' },
+    },
+  ];
+};
+const plate = (corners, colour, opacity) => ({
+  type: 'mesh3d', ...Object.fromEntries(['i', 'j', 'k'].map((name, n) => [name, corners.map((corner) => corner[n])])),
+  color: colour, opacity, flatshading: true, lighting: { ambient: 1, diffuse: 0, specular: 0 },
+});
+const axisLine = ([a, b]) => [-0.3, 1.1].map((t) => a.map((v, k) => v + t * (b[k] - v)));
+
+// A design to compare with: all of it in one colour.
+const formerParts = (c) => [
+  {
+    at: (p) => coordinates(scene.bodies.flatMap((body) => linesOf(p, body))),
+    look: { mode: 'lines', showlegend: true, line: { color: c.before, width: 3 }, opacity: 0.7 },
   },
+  { at: (p) => (radius ? coordinates(rim(p)) : nothing), look: { mode: 'lines', line: { color: c.before, width: 2 }, opacity: 0.7 } },
 ];
 
-const placementTraces = (design, place) => {
+const stageParts = (c, state) => shownDesigns(state).flatMap((design) => {
+  const { label } = record.designs[design];
+  const [parts, prefix] = isMain(state, design) ? [mainParts(c, state), ''] : [formerParts(c), label];
+  return parts.map(({ at, look }) => ({ design, at, look: { type: 'scatter3d', hoverinfo: 'skip', showlegend: false, ...(prefix && { name: plain(prefix), legendgroup: prefix }), ...look } }));
+});
+const placed = ({ design, at }, place) => {
   const { Ok: placement } = frameAt(design, place).pose;
-  return parts.map((part) => (placement ? part.at(placement) : nothing));
+  return placement ? at(placement) : nothing;
 };
 
+// The part of space that everything stays in: the same for every place of the motion.
+let knownRanges = null;
 const stageRanges = () => {
+  if (knownRanges) return knownRanges;
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  for (const frame of record.designs.flatMap((d) => d.frames)) {
+  for (const frame of allFrames) {
     const placement = frame.pose.Ok;
     if (!placement) continue;
-    for (const p of [...placement.points, ...(scene.wheel_radius ? rim(placement) : [])]) {
+    const ground = radius && placement.contact ? [...road(placement), ...arrow(placement).filter(Boolean)] : [];
+    for (const p of [...placement.points, ...(radius ? rim(placement) : []), ...ground]) {
       for (let k = 0; k < 3; k += 1) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);
@@ -82,7 +174,8 @@ const stageRanges = () => {
     }
   }
   const margin = 0.04 * Math.max(...high.map((h, k) => h - low[k]));
-  return low.map((l, k) => [l - margin, high[k] + margin]);
+  knownRanges = low.map((l, k) => [l - margin, high[k] + margin]);
+  return knownRanges;
 };
 
 const views = {
@@ -97,20 +190,17 @@ const stage = byId('mechanism-plot');
 const drawStage = async (state) => {
   if (!stations) return;
   const c = colours();
-  const traces = record.designs.flatMap((design, d) => placementTraces(d, state.place).map((at, k) => ({
-    type: 'scatter3d', name: design.label, legendgroup: design.label, showlegend: k === 1, hoverinfo: k ? 'skip' : 'all',
-    opacity: isLast(d) ? 1 : 0.55, ...parts[k].look(c, isLast(d) ? c.accent : c.before), ...at,
-  })));
+  const traces = stageParts(c, state).map((part) => ({ ...part.look, ...placed(part, state.place) }));
   const ranges = stageRanges();
   const spans = ranges.map(([l, h]) => h - l);
-  const scale = 1.6 / Math.max(...spans);
+  const scale = 1.75 / Math.max(...spans);
   const stageAxis = (name, k) => ({
     title: { text: `${name} [${record.length_unit}]` }, range: ranges[k], gridcolor: c.rule, zeroline: false,
-    showbackground: false, color: c.muted, showspikes: false,
+    showbackground: false, color: c.muted, showspikes: false, nticks: 6,
   });
   await draw(stage, traces, layout(c, {
     margin: { l: 0, r: 0, t: 0, b: 0 },
-    legend: { x: 0.01, y: 0.99 },
+    legend: { x: 0.005, y: 0.995, itemsizing: 'constant', bgcolor: 'rgba(0,0,0,0)' },
     uirevision: 'stage',
     scene: {
       xaxis: stageAxis('x', 0), yaxis: stageAxis('y', 1), zaxis: stageAxis('z', 2), dragmode: 'orbit',
@@ -122,21 +212,94 @@ const drawStage = async (state) => {
 };
 
 // Where the slider is, in words, and what the plot then shows, for those who cannot see it.
-const sayPlace = ({ place }) => {
-  const frames = record.designs.map((_, design) => frameAt(design, place));
-  const failed = frames.map((f, d) => (f.pose.Err ? `${record.designs[d].label} not solved: ${f.pose.Err}` : ''));
+const sayPlace = (state) => {
+  const { place } = state;
+  const frames = shownDesigns(state).map((design) => [record.designs[design].label, frameAt(design, place)]);
+  const failed = frames.map(([label, f]) => (f.pose.Err ? `${label} not solved: ${f.pose.Err}` : ''));
   const [name, unit] = axisTitle(record.drive).split(/ (?=\[)/);
-  byId('station-text').textContent = [`${name} ${brief(frames[0].drive)} ${unit.slice(1, -1)}`, ...failed.filter(Boolean)].join('; ');
-  byId('rack-text').textContent = `${brief(frames[0].rack)} ${record.length_unit}`;
-  const shown = stage.data[(record.designs.length - 1) * parts.length];
+  const [[, now]] = frames;
+  byId('station-text').textContent = [`${name} ${brief(now.drive)} ${unit.slice(1, -1)}`, ...failed.filter(Boolean)].join('; ');
+  byId('rack-text').textContent = `${brief(now.rack)} ${record.length_unit}`;
+  const shown = stage.data.findLast((trace) => trace.meta === 'points');
   const centre = [shown.x, shown.y, shown.z].map((list) => list[scene.wheel_centre]);
   root.dataset.station = place.station;
   root.dataset.wheelCentre = centre.join(' ');
 };
 
 const moveStage = async (state) => {
-  const at = record.designs.flatMap((_, design) => placementTraces(design, state.place));
+  const at = stageParts(colours(), state).map((part) => placed(part, state.place));
   const each = (name) => at.map((p) => p[name]);
+  const marks = at.map((p, k) => [p, k]).filter(([p]) => p.text);
   await Plotly.restyle(stage, { x: each('x'), y: each('y'), z: each('z') });
+  if (marks.length) {
+    await Plotly.restyle(stage, { text: marks.map(([p]) => p.text), 'marker.symbol': marks.map(([p]) => p.marker?.symbol ?? 'circle') }, marks.map(([, k]) => k));
+  }
   sayPlace(state);
 };
+
+// The controls of the stage.
+const setUpStage = (state) => {
+  for (const [name, most] of [['station', stations], ['rack', racks.length]]) {
+    const slider = byId(name);
+    slider.max = Math.max(0, most - 1);
+    slider.value = state.place[name];
+    slider.addEventListener('input', () => {
+      state.place[name] = Number(slider.value);
+      moveStage(state);
+    });
+  }
+  byId('rack-label').hidden = racks.length < 2;
+  for (const button of document.querySelectorAll('[data-view]')) {
+    button.addEventListener('click', () => {
+      state.view = button.dataset.view;
+      Plotly.relayout(stage, { 'scene.camera': camera(state.view) });
+    });
+  }
+  for (const button of document.querySelectorAll('[data-shows]')) {
+    const name = button.dataset.shows;
+    button.setAttribute('aria-pressed', state[name]);
+    button.addEventListener('click', () => {
+      state[name] = !state[name];
+      button.setAttribute('aria-pressed', state[name]);
+      drawStage(state);
+    });
+  }
+  // Playing goes up and down the motion until it is stopped.
+  let playing = null;
+  let direction = 1;
+  byId('play').addEventListener('click', () => {
+    if (playing) {
+      clearInterval(playing);
+      playing = null;
+    } else if (stations > 1) {
+      playing = setInterval(() => {
+        const next = state.place.station + direction;
+        if (next < 0 || next >= stations) direction = -direction;
+        state.place.station += direction;
+        byId('station').value = state.place.station;
+        moveStage(state);
+      }, 60);
+    }
+    byId('play').textContent = playing ? 'stop' : 'play';
+    byId('play').setAttribute('aria-pressed', playing !== null);
+  });
+};
+
+// What the stage shows at first; `#station=5` and the like choose.
+const wished = (name, most, otherwise) => {
+  const number = parseInt(wishes.get(name), 10);
+  return number >= 0 && number < most ? number : otherwise;
+};
+const nearestToDesign = () => {
+  const drives = Array.from({ length: stations }, (_, station) => Math.abs(frameAt(0, { station, rack: 0 }).drive));
+  return Math.max(0, drives.indexOf(Math.min(...drives)));
+};
+const stageState = () => ({
+  view: views[wishes.get('view')] ? wishes.get('view') : 'oblique',
+  names: true,
+  centres: true,
+  place: {
+    station: wished('station', stations, nearestToDesign()),
+    rack: wished('rack', racks.length, Math.max(0, racks.indexOf(Math.min(...racks.map(Math.abs))))),
+  },
+});

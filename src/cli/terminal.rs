@@ -1,0 +1,81 @@
+//! What reaches the terminal: nothing it would obey, no line longer than it is wide, and nothing but errors
+//! and what was asked for where quiet was asked for.
+
+use crate::report::{is_printable, printable, wrapped};
+use crate::study::StudyErrors;
+use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The width where standard output is no terminal.
+const PAPER: usize = 100;
+/// The least width that anything is fitted to.
+const LEAST: usize = 40;
+
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Nothing but errors and asked-for data from now on.
+pub(super) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Characters in a line of standard output: of the terminal, or `COLUMNS`, or else 100.
+pub(super) fn width() -> usize {
+    let terminal = terminal_size::terminal_size_of(io::stdout());
+    let terminal = terminal.map(|(width, _)| usize::from(width.0));
+    let variable = || std::env::var("COLUMNS").ok()?.trim().parse().ok();
+    terminal.or_else(variable).unwrap_or(PAPER).max(LEAST)
+}
+
+/// Whether standard error takes colours: it is a terminal, not a dumb one, and `NO_COLOR` is not set.
+pub(super) fn has_colours() -> bool {
+    let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    io::stderr().is_terminal() && !asked_for_none && !is_dumb()
+}
+
+/// Whether the terminal can do no more than write on.
+pub(super) fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+/// Writes prose or tables to standard output.
+pub(super) fn print(text: &str) -> io::Result<()> {
+    io::stdout().write_all(wrapped(&printable(text), width()).as_bytes())
+}
+
+/// Writes to standard error. That it is closed or full takes nothing from the results.
+pub(super) fn eprint(text: &str) {
+    let _ = io::stderr().write_all(printable(text).as_bytes());
+}
+
+/// Writes to standard error what is worth knowing, unless quiet was asked for.
+pub(super) fn note(text: &str) {
+    if !is_quiet() {
+        eprint(&wrapped(text, width()));
+    }
+}
+
+/// Writes the mistakes of a study to standard error, in colours where they have nothing in them that a
+/// terminal would obey.
+pub(super) fn eprint_study_errors(errors: &StudyErrors) {
+    let plain = errors.render(false);
+    if has_colours() && is_printable(&plain) {
+        let _ = writeln!(io::stderr(), "{}", errors.render(true).trim_end());
+    } else {
+        eprint(&format!("{}\n", plain.trim_end()));
+    }
+}
+
+/// Writes what is wrong with the arguments, or the help that was asked for.
+pub(super) fn print_usage(error: &clap::Error) {
+    let plain = error.render().to_string();
+    if is_printable(&plain) {
+        // A closed pipe is not ours to report.
+        let _ = error.print();
+    } else {
+        eprint(&plain);
+    }
+}

@@ -1,0 +1,148 @@
+//! Figures for reading: as many digits as a number deserves, and none that are rounding.
+//!
+//! A value that the program has computed to be zero comes out as some 1e-16 of what it was computed from:
+//! 7e-34 degrees, 2e-15 mm. Such a figure says nothing, and is shown as 0. What it was computed from is
+//! known by its unit: coordinates of a wheel suspension are of the order of a metre, angles of a radian.
+//! Files keep every number as it is ([`shortest`]).
+
+use super::shortest;
+
+/// Digits that are shown of the largest of some figures.
+const DIGITS: i32 = 6;
+
+/// What is rounding, relative to the size of what a figure was computed from: rates are right to 1e-11.
+const ROUNDING: f64 = 1e-11;
+
+/// Six significant digits.
+pub fn brief(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = magnitude(value);
+    if !(-5..7).contains(&magnitude) {
+        let text = format!("{value:.5e}");
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{power}", without_zeros(digits));
+    }
+    let decimals = (DIGITS - 1 - magnitude).clamp(0, 9) as usize;
+    without_zeros(&format!("{value:.decimals$}")).to_owned()
+}
+
+/// Six significant digits, or 0 for what is rounding in this unit (as in the names of columns:
+/// `deg_per_mm`).
+pub fn figure(value: f64, unit: &str) -> String {
+    match value.abs() < resolution(unit) {
+        true => "0".to_owned(),
+        false => brief(value),
+    }
+}
+
+/// Values that are read side by side: all with the decimals that the largest of them deserves. An unknown
+/// value is empty.
+pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
+    let largest = values.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let power = magnitude(largest);
+    if largest < resolution(unit) || !(-5..7).contains(&power) {
+        return values.map(|v| v.map_or_else(String::new, |v| figure(v, unit)));
+    }
+    let decimals = (DIGITS - 1 - power).clamp(0, 9) as usize;
+    let shown = values.map(|v| v.map(|v| with_decimals(v, decimals)));
+    let zeros = |text: &String| text.len() - without_zeros(text).len();
+    let spare = shown.iter().flatten().map(zeros).min().unwrap_or(0);
+    shown.map(|text| text.map_or_else(String::new, |t| t[..t.len() - spare].to_owned()))
+}
+
+/// A figure with so many decimals, and no negative zero.
+pub fn with_decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(zero) if !zero.contains(|c: char| ('1'..='9').contains(&c)) => zero.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number that a user wrote, as written but for a trailing ".0".
+pub fn as_written(value: f64) -> String {
+    let text = shortest(value);
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// What is rounding in a unit, as in the names of columns: `deg`, `deg_per_mm2`, `N_mm`.
+pub fn resolution(unit: &str) -> f64 {
+    let (above, below) = match unit.strip_prefix("per_") {
+        Some(below) => ("", below),
+        None => unit.split_once("_per_").unwrap_or((unit, "")),
+    };
+    let product = |units: &str| units.split('_').map(size).product::<f64>();
+    ROUNDING * product(above) / product(below)
+}
+
+/// The order of what is measured in a unit.
+fn size(unit: &str) -> f64 {
+    let (unit, power) = match unit.strip_suffix('2') {
+        Some(unit) => (unit, 2),
+        None => (unit, 1),
+    };
+    let size: f64 = match unit {
+        "mm" => 1e3,
+        "in" => 40.0,
+        "deg" => 57.0,
+        "percent" => 1e2,
+        "N" => 1e3,
+        _ => 1.0,
+    };
+    size.powi(power)
+}
+
+/// The power of ten of the first digit.
+fn magnitude(value: f64) -> i32 {
+    value.abs().log10().floor() as i32
+}
+
+fn without_zeros(text: &str) -> &str {
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brief_numbers_keep_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.515661, "-0.515661"),
+            (12.5, "12.5"),
+            (123456.7, "123457"),
+            (1e-9, "1e-9"),
+            (-1.23456789e-9, "-1.23457e-9"),
+            (300.0, "300"),
+            (9.9999999, "10"),
+        ] {
+            assert_eq!(brief(value), text);
+        }
+    }
+
+    #[test]
+    fn rounding_is_no_figure() {
+        assert_eq!(figure(-7.26471e-34, "deg"), "0");
+        assert_eq!(figure(1.98588e-15, "mm"), "0");
+        assert_eq!(figure(3e-15, "per_mm"), "0");
+        // What can be told from zero is shown.
+        assert_eq!(figure(1e-6, "deg"), "1e-6");
+        assert_eq!(figure(2.5e-9, "deg_per_mm2"), "2.5e-9");
+        assert_eq!(figure(2e-15, "deg_per_mm"), "0");
+    }
+
+    #[test]
+    fn figures_side_by_side_have_the_decimals_of_the_largest() {
+        let shown = figures([Some(-0.515661), Some(-12.3456789), Some(1e-9)], "deg");
+        assert_eq!(shown, ["-0.5157", "-12.3457", "0.0000"]);
+        assert_eq!(figures([Some(575.0), None, Some(564.1)], "mm"), ["575.0", "", "564.1"]);
+        assert_eq!(figures([Some(-1e-17), Some(2e-34)], "deg"), ["0", "0"]);
+        assert_eq!(figures([Some(2e-7), Some(1e-7)], "per_mm"), ["2e-7", "1e-7"]);
+    }
+}

@@ -1,0 +1,138 @@
+//! Text within a width, and without characters that a terminal would obey.
+
+/// Where a word may be broken: after these.
+const JOINTS: [char; 4] = ['_', '/', ',', '.'];
+
+/// The lines of a text of at most `width` characters each: broken at spaces, or after an underscore, slash,
+/// comma or dot, or where nothing else helps within a word. At least one line.
+pub fn broken(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let (line, own) = (last(&lines), word.chars().count());
+        if line > 0 && line + 1 + own <= width {
+            lines.last_mut().expect("there is one").push(' ');
+        } else if line > 0 {
+            lines.push(String::new());
+        }
+        for part in word.split_inclusive(JOINTS) {
+            let own = part.chars().count();
+            if last(&lines) + own > width && last(&lines) > 0 {
+                lines.push(String::new());
+            }
+            for c in part.chars() {
+                if last(&lines) >= width.max(1) {
+                    lines.push(String::new());
+                }
+                lines.last_mut().expect("there is one").push(c);
+            }
+        }
+    }
+    lines
+}
+
+fn last(lines: &[String]) -> usize {
+    lines.last().map_or(0, |line| line.chars().count())
+}
+
+/// Length of the longest part of a text that is not broken.
+pub fn widest(text: &str) -> usize {
+    let parts = text.split(' ').flat_map(|word| word.split_inclusive(JOINTS));
+    parts.map(|part| part.chars().count()).max().unwrap_or(0)
+}
+
+/// A text whose lines are at most `width` characters long; what is broken goes on two spaces further in
+/// than it began. Lines that are short enough stay as they are.
+pub fn wrapped(text: &str, width: usize) -> String {
+    let mut wrapped = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let (line, end) = match line.strip_suffix('\n') {
+            Some(line) => (line, "\n"),
+            None => (line, ""),
+        };
+        if line.chars().count() <= width {
+            wrapped.push_str(line);
+        } else {
+            let words = line.trim_start_matches(' ');
+            let indent = line.len() - words.len();
+            let room = width.saturating_sub(indent + 2).max(20);
+            for (number, part) in words_within(words, room).into_iter().enumerate() {
+                let margin = if number == 0 { indent } else { indent + 2 };
+                let start = if number == 0 { "" } else { "\n" };
+                wrapped.push_str(start);
+                wrapped.extend(std::iter::repeat_n(' ', margin));
+                wrapped.push_str(&part);
+            }
+        }
+        wrapped.push_str(end);
+    }
+    wrapped
+}
+
+/// The lines of a text broken at spaces alone, so that paths and names stay whole.
+fn words_within(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = last(&lines);
+        if line > 0 && line + 1 + word.chars().count() > width {
+            lines.push(String::new());
+        } else if line > 0 {
+            lines.last_mut().expect("there is one").push(' ');
+        }
+        lines.last_mut().expect("there is one").push_str(word);
+    }
+    lines
+}
+
+/// A text without characters that a terminal would obey or that turn the direction of reading: they are
+/// shown as escapes (`\u{1b}`). Line breaks and tabs stay.
+pub fn printable(text: &str) -> String {
+    let mut printable = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' | '\t' => printable.push(c),
+            c if c.is_control() || turns(c) => printable.extend(c.escape_unicode()),
+            c => printable.push(c),
+        }
+    }
+    printable
+}
+
+/// Whether there is something in a text that [`printable`] changes.
+pub fn is_printable(text: &str) -> bool {
+    text.chars().all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))
+}
+
+/// Marks, embeddings, overrides and isolates of bidirectional text, and the separators of lines.
+fn turns(c: char) -> bool {
+    matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_broken_where_it_may_be() {
+        assert_eq!(broken("one two three", 8), ["one two", "three"]);
+        assert_eq!(broken("upper_front_link_inner", 12), ["upper_front_", "link_inner"]);
+        assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
+        assert_eq!(broken("", 3), [""]);
+        assert_eq!(widest("camber_gain_deg at"), 7);
+    }
+
+    #[test]
+    fn long_lines_go_on_further_in() {
+        let text = "short\n  a long line of words that go on\n";
+        let lines = "short\n  a long line of words\n    that go on\n";
+        assert_eq!(wrapped(text, 24), lines);
+        assert_eq!(wrapped(text, 100), text);
+    }
+
+    #[test]
+    fn a_terminal_obeys_nothing() {
+        let hostile = "a\u{1b}[31mb\u{7}\r\u{9b}c\u{202e}d\n\té";
+        let shown = printable(hostile);
+        assert_eq!(shown, "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\n\té");
+        assert!(is_printable(&shown) && !is_printable(hostile));
+    }
+}

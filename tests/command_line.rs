@@ -225,9 +225,11 @@ fn tables_come_as_csv_and_json_too() {
     let study = study.to_str().unwrap();
     let assert = hardpoint(&["check", study, "--format", "json"]).success();
     let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    assert_eq!(table[0]["output"], "camber_deg");
+    assert_eq!(table["design"][0]["output"], "camber_deg");
     let assert = hardpoint(&["check", study, "--format", "csv"]).success();
-    assert!(text(&assert.get_output().stdout).starts_with("output,at design\ncamber_deg,-0.5"));
+    let tables = text(&assert.get_output().stdout);
+    assert!(tables.starts_with("table,effect,state,cost,because_of,what\neffects,position,on,"));
+    assert!(tables.contains("\n\ntable,output,at_design,unit\ndesign,camber_deg,-0.5"));
 }
 
 /// A travel beyond the mechanism's reach: the rest is written, the reason is given, and no cell of
@@ -269,22 +271,23 @@ fn limits_are_sharp_and_have_a_cause() {
     let arguments = ["limits", study.to_str().unwrap(), "--format", "json"];
     let assert = hardpoint(&arguments).success();
     let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    assert_eq!(table[0]["quantity"], "travel_mm");
+    let travel = &table["limits"][0];
+    assert_eq!(travel["quantity"], "travel_mm");
     let (from, to) = (
-        table[0]["from"].as_f64().unwrap(),
-        table[0]["to"].as_f64().unwrap(),
+        travel["from"].as_f64().unwrap(),
+        travel["to"].as_f64().unwrap(),
     );
     assert!(
         (-500.0..-200.0).contains(&from) && (200.0..500.0).contains(&to),
         "{from} {to}"
     );
-    assert!(table[0]["because"].as_str().unwrap().contains("arm"));
+    assert!(travel["because"].as_str().unwrap().contains("arm"));
     // What gives way is called what it is in this topology.
     let wishbones = studies().join("double_wishbone_solve.toml");
     let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
     let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     let cause = "the upper arm is in line with the steering axis";
-    assert_eq!(other[0]["because"].as_str().unwrap(), cause);
+    assert_eq!(other["limits"][0]["because"].as_str().unwrap(), cause);
     // At the ends it stops, just before them it does not.
     for (travel, code) in [
         (to - 1e-6, 0),
@@ -311,8 +314,8 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     ];
     let assert = hardpoint(&arguments).success();
     let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    let rows = table.as_array().unwrap();
-    let connected: Vec<_> = rows.iter().filter(|r| r["connected"] == "yes").collect();
+    let rows = table["assemblies"].as_array().unwrap();
+    let connected: Vec<_> = rows.iter().filter(|r| r["connected"] == true).collect();
     assert_eq!(connected.len(), 1, "{rows:?}");
     assert!((connected[0]["wheel_centre_z_mm"].as_f64().unwrap() - 330.0).abs() < 1e-9);
     assert_eq!(connected[0]["strut"], "upright");
@@ -332,9 +335,12 @@ fn assemblies_of_every_topology_are_listed_with_their_branch() {
         let table = text(&assert.get_output().stdout);
         let (header, rows) = table.split_once('\n').unwrap();
         let next = "wheel_centre_x_mm,wheel_centre_y_mm,wheel_centre_z_mm,camber_deg,toe_deg,";
-        assert!(header.starts_with(&format!("{columns}{next}")), "{header}");
+        assert!(
+            header.starts_with(&format!("table,{columns}{next}")),
+            "{header}"
+        );
         assert!(header.ends_with(",connected"), "{header}");
-        let connected: Vec<&str> = rows.lines().filter(|row| row.ends_with(",yes")).collect();
+        let connected: Vec<&str> = rows.lines().filter(|row| row.ends_with(",true")).collect();
         assert_eq!(connected.len(), 1, "{table}");
         assert!(!connected[0].contains("across") && !connected[0].contains("reversed"));
         assert!(!table.contains("NaN"), "{table}");

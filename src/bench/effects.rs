@@ -10,7 +10,7 @@ use crate::mechanism::{Pose, Work};
 use crate::model::{Drive, PointId, Suspension, Vehicle};
 use crate::number::Vector3;
 use crate::plan::Plan;
-use crate::report::Table;
+use crate::report::{Cell, Table};
 use crate::solve::Solver;
 use crate::study::{Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw};
 use std::hint::black_box;
@@ -235,14 +235,14 @@ impl Effects {
         ]);
         let position = self.measurements[0].alone.median;
         for m in &self.measurements {
-            let per_pose = |count: u64| format!("{:.2}", count as f64 / m.poses as f64);
+            let per_pose = |count: u64| Cell::rounded(count as f64 / m.poses as f64, 2);
             table.push([
-                m.effect.clone(),
-                format!("{:.0}", m.alone.median),
-                format!("{:.1}", 100.0 * m.alone.spread()),
-                format!("{:.2}", m.alone.median / position),
-                format!("{:.0}", m.added.median),
-                format!("{:.2}", m.added.median / position),
+                Cell::from(m.effect.as_str()),
+                Cell::rounded(m.alone.median, 0),
+                Cell::rounded(100.0 * m.alone.spread(), 1),
+                Cell::rounded(m.alone.median / position, 2),
+                Cell::rounded(m.added.median, 0),
+                Cell::rounded(m.added.median / position, 2),
                 per_pose(m.work.factorisations),
                 per_pose(m.work.right_hand_sides),
             ]);

@@ -13,7 +13,7 @@ use crate::characteristics::{Characteristic, Constants, Need, Quantity, WheelRea
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::model::Suspension;
 use crate::number::{Jet, Vector3, Width};
-use crate::report::Table;
+use crate::report::{Cell, Table};
 use crate::solve::Solver;
 use crate::study::{Drive, Motion, Study};
 use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted, uniform};
@@ -222,14 +222,14 @@ impl Throughput {
         for m in &self.measurements {
             let times = paper.map(|p| p.timing.median / m.timing.median);
             table.push([
-                m.asked.to_owned(),
-                m.method.clone(),
-                m.threads.to_string(),
-                format!("{:.1}", m.timing.median),
-                format!("{:.0}", 100.0 * m.timing.spread()),
-                format!("{:.3}", m.millions()),
-                format!("{:.3}", m.millions() / m.threads as f64),
-                times.map_or(String::new(), |t| format!("{t:.1}")),
+                Cell::from(m.asked),
+                m.method.as_str().into(),
+                m.threads.into(),
+                Cell::rounded(m.timing.median, 1),
+                Cell::rounded(100.0 * m.timing.spread(), 0),
+                Cell::rounded(m.millions(), 3),
+                Cell::rounded(m.millions() / m.threads as f64, 3),
+                times.map(|t| Cell::rounded(t, 1)).into(),
             ]);
         }
         table

@@ -2,17 +2,18 @@
 
 use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
-use super::output::{design_fault, eprint};
+use super::output::design_fault;
+use super::printer::Printer;
+use super::terminal::eprint;
 use crate::analyse::{Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Pose;
 use crate::model::Drive;
 use crate::plan::Plan;
-use crate::report::{Format, Table, shortest};
+use crate::report::{Cell, Table, brief, figure};
 use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
-use std::io::Write;
 use std::ops::ControlFlow;
 
 const ANGLES: [Characteristic; 4] = [
@@ -74,23 +75,16 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         value: arguments.travel,
         rack,
     };
-    let number = |value: f64| {
-        if value.is_finite() {
-            shortest(value)
-        } else {
-            String::new()
-        }
-    };
     for assembly in &all.found {
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
-        let mut row = vec![shortest(place.to_degrees())];
+        let mut row = vec![Cell::figure(place.to_degrees(), "deg")];
         let branch = all.traits.iter().zip(&assembly.branch);
         let word = |(of, as_designed): (&AssemblyMode, &Option<bool>)| {
-            as_designed.map_or_else(String::new, |is| of.word(is).to_owned())
+            Cell::from(as_designed.map(|is| of.word(is)))
         };
         row.extend(branch.map(word));
         let centre = suspension.frame.vector(assembly.wheel_centre);
-        row.extend(centre.to_array().map(shortest));
+        row.extend(centre.to_array().map(|v| Cell::figure(v, unit)));
         let configuration =
             solver.configuration_series(&design_series, &assembly.pose, &point.along_drive::<1>());
         row.extend(angles.iter().map(|c| {
@@ -99,29 +93,26 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 let value = view.value(configuration, Quantity::Characteristic(*c))[0];
                 value * c.info().unit.printed_factor()
             });
-            value.map(number).unwrap_or_default()
+            let value = value.ok().filter(|v| v.is_finite());
+            Cell::from(value.map(|v| Cell::figure(v, "deg")))
         }));
-        let connected = if is_connected(assembly) { "yes" } else { "no" };
-        row.push(connected.to_owned());
+        row.push(is_connected(assembly).into());
         table.push_row(row);
     }
-    let mut out = std::io::stdout().lock();
-    let format = arguments.study.format.into();
-    write!(out, "{}", table.render(format))?;
-    if format == Format::Text {
-        let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
-        let proof = match unproved {
-            0 => String::new(),
-            n => format!("; {n} not proved: another is too close, if not the same"),
-        };
-        writeln!(
-            out,
-            "\n{} assemblies of the design's lengths{proof}",
-            all.found.len()
-        )?;
-    }
+    let mut out = Printer::new(arguments.study.format);
+    out.table("assemblies", table)?;
+    let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
+    let proof = match unproved {
+        0 => String::new(),
+        n => format!("; {n} not proved: another is too close, if not the same"),
+    };
+    out.say(&format!(
+        "\n{} assemblies of the design's lengths{proof}\n",
+        all.found.len()
+    ))?;
+    out.finish()?;
     for place in &all.undecided {
-        let degrees = |angle: f64| shortest(angle.to_degrees());
+        let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
         let unknown = match place {
             Undecided::ArmAngle(low, high) => format!(
                 "is one more between arm angles {} and {} deg",
@@ -132,13 +123,17 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 let lever = suspension.design[suspension.mechanism.wheel_centre.0]
                     - suspension.design[suspension.mechanism.origin.0];
                 let centre = pose.origin + pose.rotation.apply(lever);
-                let [x, y, z] = suspension.frame.vector(centre).to_array().map(shortest);
+                let [x, y, z] = suspension
+                    .frame
+                    .vector(centre)
+                    .to_array()
+                    .map(|v| figure(v, unit));
                 format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
             }
             Undecided::Rotations(share) => format!(
                 "are more; {} % of all rotations of the wheel carrier were not searched, as the design has \
                  assemblies too close together or without number",
-                shortest(share * 100.0)
+                brief(share * 100.0)
             ),
         };
         eprint(&format!("undecided: whether there {unknown}\n"));

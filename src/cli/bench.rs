@@ -8,7 +8,6 @@ use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
-use crate::report::{Format, Table};
 use crate::study::Study;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -67,7 +66,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         }
     };
     let mut files = vec![format!("{kind}.csv")];
-    output.main_csv(&files[0], table.render(Format::Csv).as_bytes())?;
+    output.main_csv(&files[0], table.csv(None).as_bytes())?;
     if let Some(svg) = picture {
         files.push(format!("{kind}.svg"));
         output.file(&files[1], svg.as_bytes())?;
@@ -80,16 +79,11 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         machine: &machine,
     };
     output.json(&files[files.len() - 1], &circumstances)?;
-    print(&output, &table)?;
+    if output.directory().is_some() {
+        output.table(kind, &table)?;
+    }
+    // On standard output the table is the main CSV already.
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
     output.print_files(&files)?;
     Ok(Exit::Done)
-}
-
-/// The table, where it is not on standard output already.
-fn print(output: &Output, table: &Table) -> Result<(), Stop> {
-    match output.directory() {
-        Some(_) => output.table(table),
-        None => Ok(()),
-    }
 }

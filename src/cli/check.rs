@@ -1,18 +1,19 @@
 //! `hardpoint check`
 
-use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::limits::motion_alone;
-use super::output::{design_fault, eprint};
+use super::output::design_fault;
+use super::printer::Printer;
+use super::terminal::is_quiet;
+use super::{StudyArguments, TableFormat};
 use crate::attia::PaperTheta;
 use crate::curves::curves;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{FailureRange, Format, SolveSummary, Table, doubts, remarks, variable_doubts};
+use crate::report::{Cell, FailureRange, SolveSummary, Table, doubts, remarks, variable_doubts};
 use crate::solve::StationOrder;
 use crate::study::{Designs, Drive, Formulation, Study};
-use std::io::Write;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
@@ -29,47 +30,37 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let design = curves(&study.suspension, &design_plan).map_err(fault)?;
     let values = SolveSummary::design_table(&design);
 
-    let mut out = std::io::stdout().lock();
-    let format = arguments.format.into();
     let alone = motion_alone(&study);
     let moved = curves(&alone.suspension, &Plan::of(&alone)).map_err(fault)?;
     let mut said = doubts(&study.suspension).map_err(fault)?;
     said.extend(variable_doubts(&study));
     said.extend(remarks(&alone, &moved));
-    let failures = FailureRange::all(&moved, plan.drive);
-    said.extend(
-        failures
-            .iter()
-            .map(|failure| format!("not solved: {failure}")),
-    );
-    if format == Format::Text {
-        writeln!(out, "{}: valid\n", path.display())?;
-        for line in said {
-            writeln!(out, "{line}\n")?;
-        }
-        writeln!(out, "{}\n", motion(&study, &plan))?;
-        for line in rods(&study.suspension) {
-            writeln!(out, "{line}\n")?;
-        }
-        write!(out, "{}", plan_table(&study, &plan).render(format))?;
-        writeln!(
-            out,
-            "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures \
-             them."
-        )?;
-        match plan.outputs.iter().any(|o| o.highest > 0) {
-            true => {
-                let drive = drive_name(&plan);
-                writeln!(out, "\nDesign position, derivatives by {drive}:")?;
-            }
-            false => writeln!(out, "\nDesign position:")?,
-        }
-    } else {
-        for line in said {
-            eprint(&format!("{line}\n"));
-        }
+
+    let mut out = Printer::new(arguments.format);
+    out.say(&format!("{}: valid\n\n", path.display()))?;
+    for line in said {
+        out.remark(&format!("{line}\n\n"))?;
     }
-    write!(out, "{}", values.render(format))?;
+    for failure in FailureRange::all(&moved, plan.drive) {
+        out.failure(&format!("not solved: {failure}\n\n"))?;
+    }
+    if !(is_quiet() && arguments.format == TableFormat::Text) {
+        out.say(&format!("{}\n\n", motion(&study, &plan)))?;
+        for line in rods(&study.suspension) {
+            out.say(&format!("{line}\n\n"))?;
+        }
+        out.table("effects", plan_table(&study, &plan))?;
+        out.say(
+            "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures them.\n",
+        )?;
+        let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
+            true => format!(", derivatives by {}", drive_name(&plan)),
+            false => String::new(),
+        };
+        out.say(&format!("\nDesign position{derivatives}:\n\n"))?;
+        out.table("design", values)?;
+        out.finish()?;
+    }
     Ok(match moved.are_complete() {
         true => Exit::Done,
         false => Exit::Incomplete,
@@ -153,18 +144,17 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
 fn plan_table(study: &Study, plan: &Plan) -> Table {
     let mut table = Table::new(["effect", "state", "cost", "because of", "what"]);
     for effect in plan.effects(study) {
-        let state = if effect.on { "on" } else { "off" };
         let cost = match effect.cost {
-            _ if !effect.on => String::new(),
-            cost if effect.name == "position" => format!("{cost}"),
-            cost => format!("+{cost:.1}"),
+            cost if !effect.on => Cell::shown(cost, ""),
+            cost if effect.name == "position" => Cell::shown(cost, format!("{cost}")),
+            cost => Cell::shown(cost, format!("+{cost:.1}")),
         };
         table.push([
-            effect.name.to_owned(),
-            state.to_owned(),
+            Cell::from(effect.name),
+            if effect.on { "on" } else { "off" }.into(),
             cost,
-            effect.because,
-            effect.what,
+            effect.because.into(),
+            effect.what.into(),
         ]);
     }
     table

@@ -2,7 +2,7 @@
 
 use crate::report::WriteError;
 use crate::study::StudyErrors;
-use std::io::{self, ErrorKind, IsTerminal};
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 /// The documented exit codes.
@@ -27,7 +27,9 @@ impl From<Exit> for ExitCode {
 pub(super) enum Stop {
     /// Whoever read our output has seen enough.
     ClosedPipe,
-    /// Something is wrong.
+    /// The study is wrong.
+    WrongStudy(StudyErrors),
+    /// Something else is wrong.
     Failed {
         /// For the user.
         message: String,
@@ -56,10 +58,7 @@ impl Stop {
 
 impl From<StudyErrors> for Stop {
     fn from(errors: StudyErrors) -> Self {
-        Stop::Failed {
-            message: errors.render(io::stderr().is_terminal()),
-            exit: Exit::WrongInput,
-        }
+        Stop::WrongStudy(errors)
     }
 }
 

@@ -2,17 +2,17 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::output::{design_fault, eprint};
+use super::output::design_fault;
+use super::printer::Printer;
 use crate::analyse::{Limits, Range, RangeEnd};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, Toggle};
 use crate::model::{self, Axis};
 use crate::plan::Plan;
-use crate::report::{FailureRange, Format, Table, shortest};
+use crate::report::{Cell, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
-use std::io::Write;
 use std::ops::ControlFlow;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
@@ -25,25 +25,34 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let by_rack = ranges_by_rack(&study, &mut solver).map_err(fault)?;
     let moved = curves(suspension, &Plan::of(&motion_alone(&study))).map_err(fault)?;
 
-    let mut out = std::io::stdout().lock();
-    let format = arguments.format.into();
-    write!(out, "{}", table(&study, &limits, &by_rack).render(format))?;
-    if format == Format::Text && study.motion.drive != Drive::PaperTheta {
+    let mut out = Printer::new(arguments.format);
+    out.table("limits", table(&study, &limits, &by_rack))?;
+    if study.motion.drive != Drive::PaperTheta {
         let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
-        writeln!(out, "\n{margin}")?;
+        out.say(&format!("\n{margin}\n"))?;
     }
     let failures = FailureRange::all(&moved, study.motion.drive);
     for failure in &failures {
-        let line = format!("\nnot solved: {failure}\n");
-        match format {
-            Format::Text => write!(out, "{line}")?,
-            _ => eprint(line.trim_start()),
-        }
+        out.failure(&format!("\nnot solved: {failure}\n"))?;
     }
+    out.finish()?;
     Ok(match failures.is_empty() {
         true => Exit::Done,
         false => Exit::Incomplete,
     })
+}
+
+/// What goes how far, from where to where and why.
+fn row(what: [&str; 2], from: (f64, String), to: (f64, String)) -> [Cell; 6] {
+    let [quantity, at] = what.map(Cell::from);
+    [
+        quantity,
+        at,
+        from.0.into(),
+        from.1.into(),
+        to.0.into(),
+        to.1.into(),
+    ]
 }
 
 /// The study with its motion as `solve` visits it, and no sensitivities or proofs.
@@ -71,16 +80,16 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn of(&self, lower: &RangeEnd, upper: &RangeEnd) -> [String; 6] {
+    fn of(&self, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
             _ => "it goes on beyond half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (shortest(limit.value * self.factor), limit.cause.to_string()),
-            RangeEnd::FullTurn => (shortest(turn * self.factor), beyond.to_owned()),
+            RangeEnd::Fold(limit) => (limit.value * self.factor, limit.cause.to_string()),
+            RangeEnd::FullTurn => (turn * self.factor, beyond.to_owned()),
             RangeEnd::Unresolved(value) => (
-                shortest(value * self.factor),
+                value * self.factor,
                 "the path could not be followed further".to_owned(),
             ),
         };
@@ -90,8 +99,7 @@ impl Row<'_> {
         if self.factor < 0.0 {
             (from, to) = (to, from);
         }
-        let (quantity, at) = (self.quantity.to_owned(), self.at.clone());
-        [quantity, at, from.0, from.1, to.0, to.1]
+        row([self.quantity, &self.at], from, to)
     }
 }
 
@@ -126,7 +134,12 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
             model::Drive::ArmAngle => ("arm_angle_deg", 1.0_f64.to_degrees()),
         };
         for (rack, range) in by_rack.iter().filter(|(rack, _)| *rack != 0.0) {
-            push(quantity, format!("rack {}", shortest(*rack)), factor, range);
+            push(
+                quantity,
+                format!("rack {}", as_written(*rack)),
+                factor,
+                range,
+            );
         }
         let lower = by_rack.iter().map(|(_, range)| &range.lower);
         let upper = by_rack.iter().map(|(_, range)| &range.upper);
@@ -149,13 +162,13 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     for range in &limits.rockers {
         let rod = study.suspension.mechanism.rocker(range.rocker).rod;
         let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
-            Some(Toggle { travel, rod }) => (shortest(travel), format!("the {rod} is at toggle")),
-            None => (shortest(end.value()), "the wheel's travel ends".to_owned()),
+            Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
+            None => (end.value(), "the wheel's travel ends".to_owned()),
         };
         let from = end(range.lower, &limits.travel.lower);
         let to = end(range.upper, &limits.travel.upper);
         let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
-        table.push([name, straight(), from.0, from.1, to.0, to.1]);
+        table.push(row([&name, &straight()], from, to));
     }
     table
 }
@@ -199,9 +212,10 @@ fn margin(
         return Ok("No station of the study's motion is reached.".to_owned());
     }
     let mut text = format!(
-        "{stations} the mechanism stays {distance:.3} {unit} or more from a singularity (least at {} {}).",
+        "{stations} the mechanism stays {} {unit} or more from a singularity (least at {} {}).",
+        brief(distance),
         plan.drive.name(),
-        shortest(plan.drive.printed(at))
+        as_written(plan.drive.printed(at))
     );
     if drive == model::Drive::Travel {
         let ranges = by_rack.iter().flat_map(|(_, range)| {
@@ -210,10 +224,10 @@ fn margin(
         });
         let left = ranges.fold(f64::INFINITY, f64::min);
         text += &match left >= 0.0 {
-            true => format!(" Travel left to the nearer end: {left:.3} {unit}."),
+            true => format!(" Travel left to the nearer end: {} {unit}.", brief(left)),
             false => format!(
-                " The motion goes {:.3} {unit} beyond the nearer end.",
-                -left
+                " The motion goes {} {unit} beyond the nearer end.",
+                brief(-left)
             ),
         };
     }

@@ -9,10 +9,12 @@ mod merge;
 mod new;
 mod optimise;
 mod output;
+mod printer;
 mod progress;
 mod report;
 mod solve;
 mod sweep;
+mod terminal;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
@@ -27,6 +29,9 @@ use std::process::ExitCode;
                         (the rest is written); 2 the input or the call is wrong (nothing is written)."
 )]
 struct Arguments {
+    /// Print nothing but errors and asked-for data
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -219,8 +224,8 @@ pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are errors to clap, too. A closed pipe is not ours to report.
-            let _ = error.print();
+            // Help and version are errors to clap, too.
+            terminal::print_usage(&error);
             return if error.use_stderr() {
                 Exit::WrongInput
             } else {
@@ -229,6 +234,9 @@ pub fn run() -> ExitCode {
             .into();
         }
     };
+    if arguments.quiet {
+        terminal::be_quiet();
+    }
     let ended = match arguments.command {
         Command::New { topology } => new::run(&topology),
         Command::Check(arguments) => check::run(&arguments),
@@ -244,8 +252,12 @@ pub fn run() -> ExitCode {
     match ended {
         Ok(exit) => exit.into(),
         Err(Stop::ClosedPipe) => Exit::Done.into(),
+        Err(Stop::WrongStudy(errors)) => {
+            terminal::eprint_study_errors(&errors);
+            Exit::WrongInput.into()
+        }
         Err(Stop::Failed { message, exit }) => {
-            output::eprint(&format!("{}\n", message.trim_end()));
+            terminal::eprint(&format!("{}\n", message.trim_end()));
             exit.into()
         }
     }

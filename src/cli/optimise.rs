@@ -14,6 +14,9 @@ use crate::study::{Optimise, Study};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
+/// The most free moves that are said; the page and `summary.json` have all.
+const MOST_DIRECTIONS: usize = 2;
+
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
@@ -72,12 +75,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     files.extend(wanted.show(output.directory())?);
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
-    if output.is_text() && tuning.best.is_some() {
-        output.table(&summary.targets_table())?;
-        output.say("\n  rms and worst in tolerances\n\n")?;
-    }
+    output.table_for_programs("misfit", || summary.misfit_table());
     if tuning.best.is_some() {
-        output.table(&summary.variables_table())?;
+        output.table("targets", &summary.targets_table())?;
+        output.say("\n  rms and worst in tolerances\n")?;
+        for (_, column, by) in summary.missed() {
+            output.say(&format!("  missed: {column}, by up to {by}\n"))?;
+        }
+        output.say("\n")?;
+        output.table("variables", &summary.variables_table())?;
     }
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten();
@@ -92,14 +98,22 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         ))?;
     }
     let unit = length.symbol();
-    for combination in summary.unseen() {
+    let unseen = summary.unseen();
+    for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
             "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
         ))?;
     }
-    if output.is_text() {
-        output.say("\n")?;
-        output.table(&summary.starts_table())?;
+    if unseen.len() > MOST_DIRECTIONS {
+        let more = unseen.len() - MOST_DIRECTIONS;
+        output.say(&format!(
+            "\n  nor by {more} more such moves, in summary.json\n"
+        ))?;
+    }
+    output.say("\n")?;
+    match summary.starts_in_words().filter(|_| output.is_text()) {
+        Some(words) => output.say(&format!("{words}\n"))?,
+        None => output.table("starts", &summary.starts_table())?,
     }
     output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);

@@ -3,9 +3,11 @@
 
 use super::RunArguments;
 use super::exit::Stop;
+use super::terminal;
 use crate::mechanism::DesignFault;
-use crate::report::{Format, RunDirectory, Table};
+use crate::report::{Format, RunDirectory, Table, Tables};
 use crate::study::Study;
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -13,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
+    /// What is printed at the end, where programs read it.
+    tables: RefCell<Tables>,
 }
 
 impl Output {
@@ -40,6 +44,7 @@ impl Output {
         Ok(Output {
             directory: directory.map_err(Stop::wrong_input)?,
             format,
+            tables: RefCell::default(),
         })
     }
 
@@ -92,26 +97,50 @@ impl Output {
     /// Prints text of the summary. With another format than text only tables are printed, so that
     /// standard output can be read by a program; the rest goes to standard error.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
-        if self.directory.is_some() && self.is_text() {
-            io::stdout().write_all(text.as_bytes())?;
-        } else {
-            eprint(text);
+        if terminal::is_quiet() {
+            return Ok(());
+        }
+        match self.directory.is_some() && self.is_text() {
+            true => terminal::print(text)?,
+            false => terminal::note(text),
         }
         Ok(())
     }
 
-    /// Prints a table of the summary.
-    pub(super) fn table(&self, table: &Table) -> Result<(), Stop> {
-        let text = table.render(self.format);
-        match self.directory {
-            Some(_) => io::stdout().write_all(text.as_bytes())?,
-            None => eprint(&text),
+    /// Says what was asked for and could not be had: an error, also where quiet was asked for.
+    pub(super) fn say_failure(&self, text: &str) -> Result<(), Stop> {
+        match terminal::is_quiet() {
+            true => terminal::eprint(text.trim_start_matches('\n')),
+            false => self.say(text)?,
         }
         Ok(())
     }
 
-    /// Says where the results are.
+    /// Prints a table of the summary; for programs, which know it by its name, at the end.
+    pub(super) fn table(&self, name: &'static str, table: &Table) -> Result<(), Stop> {
+        match self.is_text() {
+            true => self.say(&table.text(terminal::width()))?,
+            false => self.tables.borrow_mut().push(name, table.clone()),
+        }
+        Ok(())
+    }
+
+    /// Hands a table to programs; to readers it is said in words.
+    pub(super) fn table_for_programs(&self, name: &'static str, table: impl FnOnce() -> Table) {
+        if !self.is_text() {
+            self.tables.borrow_mut().push(name, table());
+        }
+    }
+
+    /// Says where the results are, and prints the tables where programs read them.
     pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
+        if !self.is_text() {
+            let text = self.tables.borrow().render(self.format, terminal::width());
+            match self.directory {
+                Some(_) => io::stdout().write_all(text.as_bytes())?,
+                None => terminal::eprint(&text),
+            }
+        }
         match &self.directory {
             Some(directory) => self.say(&format!(
                 "\n{}: {}\n",
@@ -121,11 +150,6 @@ impl Output {
             None => Ok(()),
         }
     }
-}
-
-/// Writes to standard error. That it is closed or full takes nothing from the results.
-pub(super) fn eprint(text: &str) {
-    let _ = io::stderr().write_all(text.as_bytes());
 }
 
 /// The rayon pool of a run.

@@ -48,13 +48,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         suspension.mechanism.topology.name,
         summary.headline()
     ))?;
-    output.table(&summary.table())?;
+    output.table_for_programs("stations", || summary.stations_table());
+    output.table("outputs", &summary.table())?;
+    output.table_for_programs("not_solved", || summary.failures_table());
     let doubts = doubts(suspension).map_err(|fault| design_fault(&study, path, &fault))?;
     for remark in doubts.into_iter().chain(remarks(&study, &curves)) {
         output.say(&format!("\n{remark}\n"))?;
     }
     for failure in FailureRange::all(&curves, plan.drive) {
-        output.say(&format!("\nnot solved: {failure}\n"))?;
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
     output.print_files(&files)?;
     Ok(match curves.are_complete() {

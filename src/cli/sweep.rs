@@ -2,9 +2,10 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault, eprint, pool};
+use super::output::{Output, design_fault, pool};
 use super::progress;
 use super::report::show_sweep;
+use super::terminal;
 use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
 use crate::study::{FileFormat, Order, Outputs, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
@@ -58,7 +59,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let output = Output::at(&out, arguments.study.format.into(), "sweep")?;
     let left_out = left_out(&study.outputs);
     if !left_out.is_empty() {
-        eprint(&format!(
+        terminal::note(&format!(
             "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
              `hardpoint solve` (`--design N` prints the study of a design).\n",
             left_out.join(", ")
@@ -153,15 +154,18 @@ pub(super) fn finish(
 
     output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
     let failures = summary.failures_table();
-    if output.is_text() && !failures.is_empty() {
-        output.table(&failures)?;
+    if !(output.is_text() && failures.is_empty()) {
+        output.table("not_solved", &failures)?;
         output.say("\n")?;
     }
-    output.table(&summary.outputs_table())?;
+    output.table("outputs", &summary.outputs_table())?;
+    output.table_for_programs("effects", || summary.effects_table());
     let best = summary.best_table();
-    if output.is_text() && !best.is_empty() {
+    if !best.is_empty() {
         output.say("\nBest by misfit, in tolerances:\n\n")?;
-        output.table(&best)?;
+    }
+    if !(output.is_text() && best.is_empty()) {
+        output.table("best", &best)?;
     }
     if let Some(count) = summary.on_front() {
         output.say(&format!(

@@ -54,7 +54,11 @@ pub(super) fn eprint(text: &str) {
 /// Writes to standard error what is worth knowing, unless quiet was asked for.
 pub(super) fn note(text: &str) {
     if !is_quiet() {
-        eprint(&wrapped(text, width()));
+        match terminal_size::terminal_size_of(io::stderr()) {
+            Some((width, _)) => eprint(&wrapped(text, usize::from(width.0).max(LEAST))),
+            // A log is read line by line.
+            None => eprint(text),
+        }
     }
 }
 

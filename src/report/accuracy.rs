@@ -1,7 +1,7 @@
 //! What has to be said of some curves: their conditioning, their certificate, and what they lack.
 
 use super::completeness::Completeness;
-use super::solve_summary::brief;
+use super::figure::brief;
 use super::station_label::StationLabel;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Failure;

@@ -4,6 +4,7 @@
 //! the wheel does not turn. That is no failure, but it is counted, with its reason; and a column without any value
 //! is one that was asked for and not found.
 
+use super::table::{Cell, Table};
 use crate::characteristics::Characteristic;
 use crate::curves::{Curves, Status};
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,15 @@ struct EmptyCells {
 }
 
 impl Completeness {
+    /// How many stations there are of each status.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(["status", "stations"]);
+        for count in &self.statuses {
+            table.push([Cell::from(count.status.as_str()), count.stations.into()]);
+        }
+        table
+    }
+
     /// Of some curves.
     pub fn of(curves: &Curves) -> Self {
         let mut statuses: Vec<StatusCount> = Vec::new();

@@ -1,6 +1,6 @@
 //! Failed stations, gathered: neighbours that failed for one reason are one stretch.
 
-use super::shortest;
+use super::figure::as_written;
 use crate::curves::{Curves, Station, Status};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
@@ -70,22 +70,16 @@ fn place(stations: &[Station], drive: Drive) -> String {
     let [first, last] = [&stations[0], &stations[stations.len() - 1]];
     let unit = if drive.is_angle() { " deg" } else { "" };
     let drive = drive.key().replace('_', " ");
-    let value = |s: &Station| s.angle.or(s.travel).map_or_else(String::new, whole);
+    let value = |s: &Station| s.angle.or(s.travel).map_or_else(String::new, as_written);
     let mut text = match stations.len() {
         1 => format!("{drive} {}{unit}", value(first)),
         _ => format!("{drive} {} to {}{unit}", value(first), value(last)),
     };
     if first.rack != 0.0 {
-        text += &format!(", rack {}", whole(first.rack));
+        text += &format!(", rack {}", as_written(first.rack));
     }
     match stations.len() {
         1 => text,
         n => format!("{text} ({n} stations)"),
     }
-}
-
-/// A number without a trailing ".0".
-pub(super) fn whole(value: f64) -> String {
-    let text = shortest(value);
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

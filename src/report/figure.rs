@@ -37,19 +37,34 @@ pub fn figure(value: f64, unit: &str) -> String {
     }
 }
 
-/// Values that are read side by side: all with the decimals that the largest of them deserves. An unknown
-/// value is empty.
+/// Values that are read side by side: with the decimals that the largest of them deserves, or where that
+/// would leave less than two digits of one, with its own. An unknown value is empty.
 pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
-    let largest = values.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let largest = values
+        .iter()
+        .flatten()
+        .fold(0.0, |m: f64, v| m.max(v.abs()));
     let power = magnitude(largest);
     if largest < resolution(unit) || !(-5..7).contains(&power) {
         return values.map(|v| v.map_or_else(String::new, |v| figure(v, unit)));
     }
     let decimals = (DIGITS - 1 - power).clamp(0, 9) as usize;
-    let shown = values.map(|v| v.map(|v| with_decimals(v, decimals)));
+    let (rounding, two_digits) = (resolution(unit), 10f64.powi(1 - decimals as i32));
+    let is_small = |v: f64| v.abs() >= rounding && v.abs() < two_digits;
+    let shown = values.map(|v| {
+        v.filter(|v| !is_small(*v))
+            .map(|v| with_decimals(v, decimals))
+    });
     let zeros = |text: &String| text.len() - without_zeros(text).len();
     let spare = shown.iter().flatten().map(zeros).min().unwrap_or(0);
-    shown.map(|text| text.map_or_else(String::new, |t| t[..t.len() - spare].to_owned()))
+    let mut texts =
+        shown.map(|text| text.map_or_else(String::new, |t| t[..t.len() - spare].to_owned()));
+    for (text, value) in texts.iter_mut().zip(values) {
+        if let Some(value) = value.filter(|v| is_small(*v)) {
+            *text = brief(value);
+        }
+    }
+    texts
 }
 
 /// A figure with so many decimals, and no negative zero.
@@ -139,10 +154,18 @@ mod tests {
 
     #[test]
     fn figures_side_by_side_have_the_decimals_of_the_largest() {
-        let shown = figures([Some(-0.515661), Some(-12.3456789), Some(1e-9)], "deg");
+        let shown = figures([Some(-0.515661), Some(-12.3456789), Some(1e-12)], "deg");
         assert_eq!(shown, ["-0.5157", "-12.3457", "0.0000"]);
-        assert_eq!(figures([Some(575.0), None, Some(564.1)], "mm"), ["575.0", "", "564.1"]);
+        assert_eq!(
+            figures([Some(575.0), None, Some(564.1)], "mm"),
+            ["575.0", "", "564.1"]
+        );
         assert_eq!(figures([Some(-1e-17), Some(2e-34)], "deg"), ["0", "0"]);
-        assert_eq!(figures([Some(2e-7), Some(1e-7)], "per_mm"), ["2e-7", "1e-7"]);
+        let far = figures([Some(-0.0102346), Some(-935_228.4)], "deg_per_mm");
+        assert_eq!(far, ["-0.0102346", "-935228"]);
+        assert_eq!(
+            figures([Some(2e-7), Some(1e-7)], "per_mm"),
+            ["2e-7", "1e-7"]
+        );
     }
 }

@@ -7,6 +7,7 @@ mod accuracy;
 mod completeness;
 mod curve_table;
 mod failures;
+mod figure;
 mod files;
 mod finished;
 mod influence;
@@ -21,12 +22,14 @@ mod solve_summary;
 mod station_label;
 mod sweep;
 mod table;
+mod text;
 mod tuning_summary;
 
 pub use accuracy::remarks;
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
+pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::FinishedRun;
 pub use influence::Influence;
@@ -36,13 +39,14 @@ pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
 pub use run_directory::{NoPlace, RunDirectory, WriteError};
-pub use scene::{Frame, Member, MemberKind, Placement, Scene};
+pub use scene::{BodyKind, Frame, Placement, Scene, SceneBody};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Finished, MergeError, NotThisSweep, Parts, Resumed, ShownDesigns, SweepFiles, SweepRun,
     SweepSummary, SweepText, pareto_csv,
 };
-pub use table::{Format, Table};
+pub use table::{Cell, Column, Format, Table, Tables};
+pub use text::{is_printable, printable, wrapped};
 pub use tuning_summary::TuningSummary;
 
 /// A number as results write it: the shortest decimal that reads back to the same bits, and no

@@ -13,7 +13,7 @@ use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
-pub const FORM: u32 = 1;
+pub const FORM: u32 = 2;
 
 /// The most frames of the drawing, and stations of the sensitivities: a page must stay small and a run
 /// of a million stations must not be run twice.

@@ -1,9 +1,10 @@
 //! What a solve came to.
 
-use super::Table;
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
+use super::figure::{brief, figure, figures};
 use super::station_label::StationLabel;
+use super::table::{Cell, Column, Table};
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Work;
 use crate::study::Study;
@@ -59,6 +60,9 @@ struct Accuracy {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Range {
     output: String,
+    /// Empty for a plain number.
+    #[serde(default)]
+    unit: String,
     /// Where the drive and the rack are zero, if that is a station.
     at_design: Option<f64>,
     min: Option<f64>,
@@ -84,6 +88,7 @@ impl SolveSummary {
             let values = || curves.stations.iter().filter_map(|s| s.values[k]);
             Range {
                 output: column.name.clone(),
+                unit: column.unit.clone(),
                 at_design: design.and_then(|s| s.values[k]),
                 min: values().min_by(f64::total_cmp),
                 max: values().max_by(f64::total_cmp),
@@ -120,28 +125,50 @@ impl SolveSummary {
 
     /// The range of every output.
     pub fn table(&self) -> Table {
-        let mut table = Table::new(["output", "at design", "min", "max"]);
-        let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+        let unit = Column::for_programs("unit");
+        let columns = ["output", "at design", "min", "max"].map(Column::from);
+        let mut table = Table::with_columns(columns.into_iter().chain([unit]));
         for range in &self.outputs {
-            table.push([
-                range.output.clone(),
-                cell(range.at_design),
-                cell(range.min),
-                cell(range.max),
-            ]);
+            let values = [range.at_design, range.min, range.max];
+            let shown = figures(values, &range.unit);
+            let mut row = vec![Cell::from(range.output.as_str())];
+            let cells = values.into_iter().zip(shown);
+            row.extend(cells.map(|(value, shown)| value.map(|v| Cell::shown(v, shown)).into()));
+            row.push(range.unit.as_str().into());
+            table.push_row(row);
         }
         table
     }
 
     /// The values at the first station, for curves of the design position alone.
     pub fn design_table(design: &Curves) -> Table {
-        let mut table = Table::new(["output", "at design"]);
+        let unit = Column::for_programs("unit");
+        let columns = ["output", "at design"].map(Column::from);
+        let mut table = Table::with_columns(columns.into_iter().chain([unit]));
         let values = design.stations.iter().take(1).flat_map(|s| &s.values);
         for (column, value) in design.columns.iter().zip(values) {
-            let value = value.map_or_else(String::new, brief);
-            table.push([column.name.clone(), value]);
+            let value = value.map(|v| Cell::shown(v, figure(v, &column.unit)));
+            let name = Cell::from(column.name.as_str());
+            table.push([name, value.into(), column.unit.as_str().into()]);
         }
         table
+    }
+
+    /// For programs: the stations without a pose.
+    pub fn failures_table(&self) -> Table {
+        let places = ["travel", "arm angle deg", "theta deg", "rack"];
+        let mut table = Table::with_columns(places.into_iter().chain(["status", "reason"]));
+        for failed in &self.failed {
+            let mut row: Vec<Cell> = failed.place.cells().into();
+            row.extend([failed.status.as_str().into(), failed.reason.as_str().into()]);
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// For programs: how many stations there are of each status.
+    pub fn stations_table(&self) -> Table {
+        self.completeness.table()
     }
 
     /// How many stations were solved, and what became of the others, in words.
@@ -159,42 +186,5 @@ impl SolveSummary {
             format!("{solved} of {} stations solved", self.stations)
         });
         solved + &accuracy
-    }
-}
-
-/// A number for reading: six significant digits.
-pub(super) fn brief(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    if !(-5..7).contains(&magnitude) {
-        return format!("{value:.5e}");
-    }
-    let decimals = (5 - magnitude).clamp(0, 9) as usize;
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::brief;
-
-    #[test]
-    fn brief_numbers_keep_six_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.515661, "-0.515661"),
-            (12.5, "12.5"),
-            (123456.7, "123457"),
-            (1e-9, "1.00000e-9"),
-            (300.0, "300"),
-            (9.9999999, "10"),
-        ] {
-            assert_eq!(brief(value), text);
-        }
     }
 }

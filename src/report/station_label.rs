@@ -1,6 +1,7 @@
 //! Where on the motion a station is.
 
-use super::failures::whole;
+use super::figure::as_written;
+use super::table::Cell;
 use crate::curves::Station;
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,12 @@ pub struct StationLabel {
 }
 
 impl StationLabel {
+    /// Travel, arm angle, theta and rack, as cells of a table.
+    pub fn cells(&self) -> [Cell; 4] {
+        let rack = Some(self.rack);
+        [self.travel, self.arm_angle_deg, self.theta_deg, rack].map(Cell::from)
+    }
+
     /// Of a station of a motion with this drive.
     pub fn of(station: &Station, drive: Drive) -> Self {
         let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
@@ -31,14 +38,14 @@ impl StationLabel {
 impl fmt::Display for StationLabel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.arm_angle_deg, self.theta_deg, self.travel) {
-            (Some(angle), _, _) => write!(f, "arm angle {} deg", whole(angle))?,
-            (None, Some(theta), _) => write!(f, "theta {} deg", whole(theta))?,
-            (None, None, Some(travel)) => write!(f, "travel {}", whole(travel))?,
+            (Some(angle), _, _) => write!(f, "arm angle {} deg", as_written(angle))?,
+            (None, Some(theta), _) => write!(f, "theta {} deg", as_written(theta))?,
+            (None, None, Some(travel)) => write!(f, "travel {}", as_written(travel))?,
             (None, None, None) => f.write_str("unknown travel")?,
         }
         match self.rack {
             0.0 => Ok(()),
-            rack => write!(f, ", rack {}", whole(rack)),
+            rack => write!(f, ", rack {}", as_written(rack)),
         }
     }
 }

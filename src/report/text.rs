@@ -36,7 +36,9 @@ fn last(lines: &[String]) -> usize {
 
 /// Length of the longest part of a text that is not broken.
 pub fn widest(text: &str) -> usize {
-    let parts = text.split(' ').flat_map(|word| word.split_inclusive(JOINTS));
+    let parts = text
+        .split(' ')
+        .flat_map(|word| word.split_inclusive(JOINTS));
     parts.map(|part| part.chars().count()).max().unwrap_or(0)
 }
 
@@ -99,7 +101,8 @@ pub fn printable(text: &str) -> String {
 
 /// Whether there is something in a text that [`printable`] changes.
 pub fn is_printable(text: &str) -> bool {
-    text.chars().all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))
+    text.chars()
+        .all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))
 }
 
 /// Marks, embeddings, overrides and isolates of bidirectional text, and the separators of lines.
@@ -114,7 +117,10 @@ mod tests {
     #[test]
     fn text_is_broken_where_it_may_be() {
         assert_eq!(broken("one two three", 8), ["one two", "three"]);
-        assert_eq!(broken("upper_front_link_inner", 12), ["upper_front_", "link_inner"]);
+        assert_eq!(
+            broken("upper_front_link_inner", 12),
+            ["upper_front_", "link_inner"]
+        );
         assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
         assert_eq!(broken("", 3), [""]);
         assert_eq!(widest("camber_gain_deg at"), 7);

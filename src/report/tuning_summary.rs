@@ -1,8 +1,8 @@
 //! What a tuning came to.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
-use super::solve_summary::brief;
-use super::{Table, shortest};
+use super::figure::{as_written, brief};
+use super::table::{Cell, Column, Table};
 use crate::curves::Curves;
 use crate::optimise::{ActiveBound, Fulfilment, Tuning};
 use crate::study::{Optimise, Study};
@@ -194,36 +194,38 @@ impl TuningSummary {
         [active.count(), self.variables.len()]
     }
 
+    /// For programs: the misfit in tolerances.
+    pub fn misfit_table(&self) -> Table {
+        let mut table = Table::new(["before", "after"]);
+        table.push([self.misfit_before, self.misfit_after]);
+        table
+    }
+
     /// What moved by how much.
     pub fn variables_table(&self) -> Table {
-        let mut table = Table::new([
-            "hardpoint",
-            "axis",
-            "design",
-            "tuned",
-            "moved",
-            "range",
-            "bound",
-        ]);
+        let columns = ["hardpoint", "axis", "design", "tuned", "moved"].map(Column::from);
+        let range = Column::for_readers("range");
+        let ends = ["range min", "range max"].map(Column::for_programs);
+        let columns = columns.into_iter().chain([range]).chain(ends);
+        let mut table = Table::with_columns(columns.chain(["bound".into()]));
         for v in &self.variables {
-            let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+            let moved = v.offset.map(|o| match brief(o) {
+                text if o > 0.0 => Cell::shown(o, format!("+{text}")),
+                text => Cell::shown(o, text),
+            });
+            let [low, high] = v.range;
+            let range = format!("{} .. {}", as_written(low), as_written(high));
+            let bound = v.at_bound.as_ref().map(|side| format!("at {side} bound"));
             table.push([
-                v.hardpoint.clone(),
-                v.axis.clone(),
-                brief(v.design),
-                cell(v.tuned),
-                v.offset.map_or_else(String::new, |o| match brief(o) {
-                    text if o > 0.0 => format!("+{text}"),
-                    text => text,
-                }),
-                format!(
-                    "{} .. {}",
-                    shortest_whole(v.range[0]),
-                    shortest_whole(v.range[1])
-                ),
-                v.at_bound
-                    .as_ref()
-                    .map_or_else(String::new, |side| format!("at {side} bound")),
+                Cell::from(v.hardpoint.as_str()),
+                v.axis.as_str().into(),
+                v.design.into(),
+                v.tuned.into(),
+                moved.into(),
+                range.into(),
+                low.into(),
+                high.into(),
+                bound.into(),
             ]);
         }
         table
@@ -231,45 +233,103 @@ impl TuningSummary {
 
     /// How well each target was and is met, in tolerances.
     pub fn targets_table(&self) -> Table {
-        let mut table = Table::new([
+        let readers = [
             "target",
             "tolerance",
             "rms before",
             "rms after",
             "worst after",
             "at",
-        ]);
+        ];
+        let programs = ["worst before", "worst before at", "weight"].map(Column::for_programs);
+        let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
+        let cell = |value: Option<f64>| Cell::from(value.map(|v| Cell::shown(v, hundredths(v))));
         for t in &self.targets {
-            let cell = |value: Option<f64>| value.map_or_else(String::new, hundredths);
+            let (before, after) = (t.before.as_ref(), t.after.as_ref());
+            let at = after.map(|d| Cell::shown(d.worst_at, as_written(d.worst_at)));
             table.push([
-                t.output.clone(),
-                brief(t.tolerance),
-                cell(t.before.as_ref().map(|d| d.rms)),
-                cell(t.after.as_ref().map(|d| d.rms)),
-                cell(t.after.as_ref().map(|d| d.worst)),
-                t.after
-                    .as_ref()
-                    .map_or_else(String::new, |d| shortest_whole(d.worst_at)),
+                Cell::from(t.output.as_str()),
+                t.tolerance.into(),
+                cell(before.map(|d| d.rms)),
+                cell(after.map(|d| d.rms)),
+                cell(after.map(|d| d.worst)),
+                at.into(),
+                before.map(|d| d.worst).into(),
+                before.map(|d| d.worst_at).into(),
+                t.weight.into(),
             ]);
         }
         table
     }
 
+    /// The targets that are missed by more than their tolerance somewhere: their numbers and columns, and by how
+    /// much and where.
+    pub fn missed(&self) -> Vec<(usize, &str, String)> {
+        let missed = |(number, t): (usize, &'_ TargetSummary)| {
+            let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
+            let by = hundredths(after.worst.abs());
+            Some((
+                number,
+                format!("{by} tolerances at {}", as_written(after.worst_at)),
+            ))
+        };
+        let targets = self.targets.iter().enumerate();
+        targets
+            .filter_map(|(number, t)| {
+                missed((number, t)).map(|(number, text)| (number, t.output.as_str(), text))
+            })
+            .collect()
+    }
+
     /// How each start ended.
     pub fn starts_table(&self) -> Table {
-        let mut table = Table::new(["start", "misfit", "iterations", "ended"]);
+        let columns = [
+            Column::for_readers("start"),
+            Column::for_programs("start"),
+            Column::for_programs("kept"),
+        ];
+        let more = ["misfit", "iterations", "ended"].map(Column::from);
+        let mut table = Table::with_columns(columns.into_iter().chain(more));
         for s in &self.starts {
+            let kept = self.best_start == Some(s.start);
+            let name = match kept {
+                true => format!("{} (kept)", s.start),
+                false => s.start.to_string(),
+            };
             table.push([
-                match self.best_start == Some(s.start) {
-                    true => format!("{} (kept)", s.start),
-                    false => s.start.to_string(),
-                },
-                s.misfit.map_or_else(String::new, hundredths),
-                s.iterations.map_or_else(String::new, |n| n.to_string()),
-                s.ended.clone(),
+                Cell::from(name),
+                s.start.into(),
+                kept.into(),
+                s.misfit.map(|m| Cell::shown(m, hundredths(m))).into(),
+                s.iterations.into(),
+                s.ended.as_str().into(),
             ]);
         }
         table
+    }
+
+    /// The starts in a line or two, where there are more than a few.
+    pub fn starts_in_words(&self) -> Option<String> {
+        let all = self.starts.len();
+        if all <= FEW_STARTS {
+            return None;
+        }
+        let best = self.misfit_after?;
+        let ended: Vec<f64> = self.starts.iter().filter_map(|s| s.misfit).collect();
+        let near = ended.iter().filter(|m| **m <= 1.01 * best + 1e-6).count();
+        let worst = ended.iter().copied().fold(best, f64::max);
+        let kept = self
+            .best_start
+            .map_or_else(String::new, |k| format!(" (start {k} is kept)"));
+        let mut text = format!(
+            "{all} starts: {near} ended within 1 % of the least misfit{kept}, the worst at {}",
+            hundredths(worst)
+        );
+        match all - ended.len() {
+            0 => {}
+            failed => text += &format!("; {failed} could not be begun"),
+        }
+        Some(text + "; history.csv and summary.json have all")
     }
 
     /// The outcome in a sentence or two.
@@ -311,6 +371,9 @@ impl TuningSummary {
     }
 }
 
+/// As many starts are listed one by one.
+const FEW_STARTS: usize = 8;
+
 /// A misfit for reading: two decimals, or its order of magnitude.
 fn hundredths(value: f64) -> String {
     if value == 0.0 {
@@ -320,10 +383,4 @@ fn hundredths(value: f64) -> String {
     } else {
         format!("{value:.2}")
     }
-}
-
-/// A number the user wrote, as written but for a trailing ".0".
-fn shortest_whole(value: f64) -> String {
-    let text = shortest(value);
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

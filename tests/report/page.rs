@@ -106,12 +106,16 @@ fn every_topology_is_drawn() {
         };
         let run = Run::of("solve", stem, &study(&name), &[]);
         let record = &run.data()["record"];
-        let members = record["scene"]["members"].as_array().unwrap();
-        assert!(!members.is_empty(), "{name}");
+        let bodies = record["scene"]["bodies"].as_array().unwrap();
+        assert!(!bodies.is_empty(), "{name}");
+        let names: Vec<&str> = bodies.iter().map(|b| b["name"].as_str().unwrap()).collect();
+        let mut different = names.clone();
+        different.sort();
+        different.dedup();
+        assert_eq!(names.len(), different.len(), "{names:?}");
         let count = record["scene"]["points"].as_array().unwrap().len();
-        let joined = members
-            .iter()
-            .flat_map(|m| m["through"].as_array().unwrap());
+        let lines = bodies.iter().flat_map(|b| b["lines"].as_array().unwrap());
+        let joined = lines.flat_map(|line| line.as_array().unwrap());
         assert!(
             joined
                 .clone()

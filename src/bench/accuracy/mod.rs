@@ -14,7 +14,7 @@ pub(super) use poses::unchecked_and_checked;
 pub use subject::Subject;
 
 use super::{Clock, Timing, Unmeasurable};
-use crate::report::Table;
+use crate::report::{Cell, Table};
 use crate::study::Study;
 
 /// One way to a number.
@@ -95,15 +95,14 @@ impl Accuracy {
         ]);
         for m in &self.measurements {
             table.push([
-                m.family.name().to_owned(),
-                m.method.clone(),
-                m.setting.clone(),
-                format!("{:.1}", m.time.median),
-                format!("{:.1}", 100.0 * m.time.spread()),
-                m.evaluations
-                    .map_or_else(String::new, |e| format!("{e:.2}")),
-                format!("{:.2e}", m.error),
-                m.family.unit().to_owned(),
+                Cell::from(m.family.name()),
+                m.method.as_str().into(),
+                m.setting.as_str().into(),
+                Cell::rounded(m.time.median, 1),
+                Cell::rounded(100.0 * m.time.spread(), 1),
+                m.evaluations.map(|e| Cell::rounded(e, 2)).into(),
+                Cell::shown(m.error, format!("{:.2e}", m.error)),
+                m.family.unit().into(),
             ]);
         }
         table

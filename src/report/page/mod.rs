@@ -8,15 +8,18 @@ mod library;
 mod policy;
 mod run;
 mod sweep;
+mod table;
 
 pub use run::page;
 pub use sweep::sweep_page;
 
-use super::table::Table;
 use escape::html;
 use serde::Serialize;
 
 const STYLE: &str = include_str!("style.css");
+
+/// The drawing of the mechanism and its controls.
+const STAGE: &str = include_str!("stage.html");
 
 /// What a page consists of. All but the study's name and the line about the run is HTML.
 struct Page<'a, Data> {
@@ -60,32 +63,6 @@ impl<Data: Serialize> Page<'_, Data> {
             data = escape::json(&self.data),
             library = library,
             glue = self.glue,
-        )
-    }
-}
-
-/// A cell's text, which may be broken after the underscores of a column's name where the page is narrow.
-fn breakable(cell: &str) -> String {
-    html(cell).replace('_', "_<wbr>")
-}
-
-impl Table {
-    /// The table as HTML.
-    fn html(&self) -> String {
-        let row = |cells: &[String], opening: &str, closing: &str| {
-            let cell = |cell: &String| {
-                let number = cell.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
-                let class = if number { " class=\"number\"" } else { "" };
-                format!("<{opening}{class}>{}</{closing}>", breakable(cell))
-            };
-            let cells: String = cells.iter().map(cell).collect();
-            format!("<tr>{cells}</tr>")
-        };
-        let rows = self.rows().iter();
-        let body: String = rows.map(|cells| row(cells, "td", "td")).collect();
-        format!(
-            r#"<div class="table" tabindex="0" role="group"><table><thead>{}</thead><tbody>{body}</tbody></table></div>"#,
-            row(self.header(), r#"th scope="col""#, "th")
         )
     }
 }

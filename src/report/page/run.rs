@@ -1,7 +1,7 @@
 //! The page of a solve or an optimisation.
 
-use super::Page;
 use super::escape::html;
+use super::{Page, STAGE};
 use crate::report::TuningSummary;
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
@@ -52,6 +52,7 @@ pub fn page(run: &Run) -> String {
     let main = format!(
         include_str!("run.html"),
         curves_note = curves_note,
+        stage = STAGE,
         ranges = ranges,
         tuning = tuning,
     );

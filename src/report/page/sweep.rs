@@ -1,11 +1,12 @@
 //! The page of a sweep.
 
-use super::Page;
 use super::escape::html;
-use crate::report::record::readable_unit;
-use crate::report::solve_summary::brief;
+use super::{Page, STAGE};
+use crate::report::curve_table::CurveTable;
+use crate::report::figure::brief;
+use crate::report::record::{Record, readable_unit};
 use crate::report::sweep::{OutputSummary, ShownDesigns, SweepRun};
-use crate::report::table::Table;
+use crate::report::table::{Cell, Table};
 use crate::sweep::{Kind, SweepRecord};
 use serde::Serialize;
 
@@ -34,6 +35,12 @@ struct Data<'a> {
     /// Numbers of the columns that a plot begins with.
     first: First,
     effects: &'a [OutputSummary],
+    /// Numbers of the outputs that nothing moves.
+    unmoved: Vec<usize>,
+    /// The designs that are drawn with their curves and their mechanism; the first is the one as given.
+    drawn: Vec<Option<u64>>,
+    record: Option<&'a Record>,
+    curves: &'a [CurveTable],
 }
 
 /// A column of the designs.
@@ -73,6 +80,10 @@ pub fn sweep_page(run: &SweepRun) -> String {
                 .collect(),
         },
         effects: &summary.outputs,
+        unmoved: unmoved(&summary.outputs),
+        drawn: Vec::new(),
+        record: None,
+        curves: &[],
     };
     let mut sections = vec![("designs", "Designs"), ("design", "One design")];
     sections.extend((!summary.best.is_empty()).then_some(("best", "Best")));
@@ -87,6 +98,8 @@ pub fn sweep_page(run: &SweepRun) -> String {
         main: format!(
             include_str!("sweep.html"),
             choice = choice(run),
+            stage = STAGE,
+            not_drawn = "",
             best = best(run),
             effects = effects(record),
             outputs = summary.outputs_table().html(),
@@ -96,6 +109,15 @@ pub fn sweep_page(run: &SweepRun) -> String {
         glue: GLUE,
     };
     page.html()
+}
+
+/// Numbers of the outputs that nothing moves.
+fn unmoved(outputs: &[OutputSummary]) -> Vec<usize> {
+    let numbered = outputs.iter().enumerate();
+    numbered
+        .filter(|(_, o)| o.is_unmoved())
+        .map(|(k, _)| k)
+        .collect()
 }
 
 fn about(record: &SweepRecord) -> String {
@@ -281,9 +303,9 @@ fn best_table(run: &SweepRun) -> Table {
     let mut table = Table::with_columns(header(&run.record));
     for best in &run.summary.best {
         let values = [best.misfit].into_iter().chain(best.rms.iter().copied());
-        let mut row = vec![best.design.to_string()];
-        row.extend(values.chain(best.variables.iter().copied()).map(brief));
-        row.push(command(best.design));
+        let mut row = vec![Cell::from(best.design)];
+        row.extend(values.chain(best.variables.iter().copied()).map(Cell::from));
+        row.push(command(best.design).into());
         table.push_row(row);
     }
     table
@@ -306,10 +328,10 @@ fn front_table(run: &SweepRun) -> Table {
         .collect();
     rows.sort_by(|a, b| f64::total_cmp(&key(value(*a, first)), &key(value(*b, first))));
     for row in rows {
-        let mut cells = vec![run.shown.design[row].to_string()];
+        let mut cells = vec![Cell::from(run.shown.design[row])];
         let values = order.iter().map(|column| value(row, *column));
-        cells.extend(values.map(|v| v.map_or_else(String::new, brief)));
-        cells.push(command(run.shown.design[row]));
+        cells.extend(values.map(Cell::from));
+        cells.push(command(run.shown.design[row]).into());
         table.push_row(cells);
     }
     table

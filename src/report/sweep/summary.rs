@@ -1,8 +1,8 @@
 //! What a sweep came to.
 
 use super::rows_csv;
-use crate::report::Table;
-use crate::report::solve_summary::brief;
+use crate::report::figure::{brief, figures, resolution};
+use crate::report::table::{Cell, Column, Table};
 use crate::sweep::{Candidate, Effects, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,9 @@ pub(in crate::report) struct FailureSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::report) struct OutputSummary {
     column: String,
+    /// Empty for a plain number.
+    #[serde(default)]
+    unit: String,
     at_design: Option<f64>,
     /// Designs that have it.
     count: u64,
@@ -155,11 +158,11 @@ impl SweepSummary {
         for f in &self.failures {
             let examples: Vec<String> = f.examples.iter().map(u64::to_string).collect();
             table.push([
-                f.status.clone(),
-                f.designs.to_string(),
-                f.nearest.map_or_else(String::new, brief),
-                examples.join(" "),
-                f.reason.clone(),
+                Cell::from(f.status.as_str()),
+                f.designs.into(),
+                f.nearest.into(),
+                examples.join(" ").into(),
+                f.reason.as_str().into(),
             ]);
         }
         table
@@ -167,16 +170,39 @@ impl SweepSummary {
 
     /// The range of every output, and the variables that matter most for it.
     pub fn outputs_table(&self) -> Table {
-        let mut table = Table::new(["output", "at design", "min", "max", "what matters"]);
-        let cell = |value: Option<f64>| value.map_or_else(String::new, brief);
+        let columns = ["output", "at design", "min", "max"].map(Column::from);
+        let words = Column::for_readers("what matters");
+        let programs = ["unit", "count", "mean", "standard deviation", "r2"];
+        let programs = programs.map(Column::for_programs);
+        let mut table = Table::with_columns(columns.into_iter().chain([words]).chain(programs));
         for output in &self.outputs {
-            table.push([
-                output.column.clone(),
-                cell(output.at_design),
-                cell(output.min),
-                cell(output.max),
-                output.what_matters(),
-            ]);
+            let values = [output.at_design, output.min, output.max];
+            let shown = figures(values, &output.unit);
+            let numbers = values.into_iter().zip(shown);
+            let numbers = numbers.map(|(v, shown)| Cell::from(v.map(|v| Cell::shown(v, shown))));
+            let mut row = vec![Cell::from(output.column.as_str())];
+            row.extend(numbers);
+            row.extend([output.what_matters().into(), output.unit.as_str().into()]);
+            row.push(output.count.into());
+            row.extend([output.mean, output.standard_deviation, output.r2].map(Cell::from));
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// For programs: what each variable does to each output.
+    pub fn effects_table(&self) -> Table {
+        let mut table = Table::new(["output", "variable", "change", "share", "total"]);
+        for output in &self.outputs {
+            for effect in &output.effects {
+                table.push([
+                    Cell::from(output.column.as_str()),
+                    effect.variable.as_str().into(),
+                    effect.change.into(),
+                    effect.share.into(),
+                    effect.total.into(),
+                ]);
+            }
         }
         table
     }
@@ -187,8 +213,8 @@ impl SweepSummary {
         header.extend(self.variables.iter().cloned());
         let mut table = Table::with_columns(header);
         for design in &self.best {
-            let mut row = vec![design.design.to_string(), brief(design.misfit)];
-            row.extend(design.variables.iter().map(|v| brief(*v)));
+            let mut row = vec![Cell::from(design.design), design.misfit.into()];
+            row.extend(design.variables.iter().map(|v| Cell::from(*v)));
             table.push_row(row);
         }
         table
@@ -224,6 +250,7 @@ fn output(
     let named = record.variables.iter().zip(of);
     OutputSummary {
         column: column.column.clone(),
+        unit: column.unit.clone(),
         at_design: column.at_design,
         count: range.map_or(0, |r| r.count),
         min: range.map(|r| r.min.0),
@@ -245,8 +272,17 @@ fn output(
 }
 
 impl OutputSummary {
+    /// Whether no design moves it by more than rounding does.
+    pub(in crate::report) fn is_unmoved(&self) -> bool {
+        let range = self.min.zip(self.max);
+        range.is_none_or(|(min, max)| max - min < resolution(&self.unit))
+    }
+
     /// The variables with the largest shares of the variance, or else with the largest changes, in words.
     fn what_matters(&self) -> String {
+        if self.is_unmoved() {
+            return String::new();
+        }
         let mut ranked: Vec<(f64, String)> = self
             .effects
             .iter()

@@ -1,0 +1,65 @@
+//! Standard output of a command that writes no files: prose and tables to a reader, or the tables alone to a
+//! program.
+
+use super::exit::Stop;
+use super::terminal;
+use crate::report::{Format, Table, Tables};
+use std::io::{self, Write};
+
+pub(super) struct Printer {
+    format: Format,
+    tables: Tables,
+}
+
+impl Printer {
+    pub(super) fn new(format: impl Into<Format>) -> Self {
+        Printer {
+            format: format.into(),
+            tables: Tables::default(),
+        }
+    }
+
+    /// Prints prose to a reader, unless quiet was asked for.
+    pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
+        match self.format == Format::Text && !terminal::is_quiet() {
+            true => Ok(terminal::print(text)?),
+            false => Ok(()),
+        }
+    }
+
+    /// Prints a remark: to a reader, or beside the tables of a program, unless quiet was asked for.
+    pub(super) fn remark(&self, text: &str) -> Result<(), Stop> {
+        match self.format {
+            Format::Text => self.say(text)?,
+            Format::Csv | Format::Json => terminal::note(text.trim_start_matches('\n')),
+        }
+        Ok(())
+    }
+
+    /// Says what was asked for and could not be had: an error, also where quiet was asked for.
+    pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
+        match terminal::is_quiet() {
+            true => terminal::eprint(text.trim_matches('\n')),
+            false => self.remark(text)?,
+        }
+        Ok(())
+    }
+
+    /// Prints a table, which is what was asked for; to a program at the end.
+    pub(super) fn table(&mut self, name: &'static str, table: Table) -> Result<(), Stop> {
+        match self.format {
+            Format::Text => terminal::print(&table.text(terminal::width()))?,
+            Format::Csv | Format::Json => self.tables.push(name, table),
+        }
+        Ok(())
+    }
+
+    /// Prints the tables where a program reads them.
+    pub(super) fn finish(self) -> Result<(), Stop> {
+        if self.format != Format::Text {
+            let text = self.tables.render(self.format, terminal::width());
+            io::stdout().write_all(text.as_bytes())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,46 @@
+//! Tables in a page.
+
+use super::escape::html;
+use crate::report::table::{Cell, Table};
+
+/// A table as HTML. Rows for which `class` has a name are of that class.
+pub fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
+    let heads: String = table.header().into_iter().map(head).collect();
+    let body: String = table
+        .rows()
+        .enumerate()
+        .map(|(number, cells)| {
+            let class = class(number).map_or_else(String::new, |c| format!(" class=\"{c}\""));
+            let cells: String = cells.into_iter().map(cell).collect();
+            format!("<tr{class}>{cells}</tr>")
+        })
+        .collect();
+    format!(
+        r#"<div class="table" tabindex="0" role="group"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div>"#
+    )
+}
+
+impl Table {
+    /// The table as HTML.
+    pub(super) fn html(&self) -> String {
+        table(self, |_| None)
+    }
+}
+
+fn head(title: &str) -> String {
+    format!(r#"<th scope="col">{}</th>"#, breakable(title))
+}
+
+fn cell(cell: &Cell) -> String {
+    let class = if cell.is_number() {
+        " class=\"number\""
+    } else {
+        ""
+    };
+    format!("<td{class}>{}</td>", breakable(cell.text()))
+}
+
+/// A cell's text, which may be broken after the underscores of a column's name where the page is narrow.
+fn breakable(cell: &str) -> String {
+    html(cell).replace('_', "_<wbr>")
+}

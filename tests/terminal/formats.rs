@@ -1,0 +1,184 @@
+//! `--format json` and `--format csv`: every table of a command, every number exact.
+
+use super::Called;
+use serde_json::Value;
+
+/// The calls whose tables are compared, and the names of their tables.
+const CALLS: [(&str, &str, &[&str], &[&str]); 8] = [
+    (
+        "solve",
+        "macpherson_solve",
+        &[],
+        &["not_solved", "outputs", "stations"],
+    ),
+    (
+        "solve",
+        "macpherson_solve",
+        &["--set", "motion.travel=[-400.0, 0.0, 400.0]"],
+        &["not_solved", "outputs", "stations"],
+    ),
+    (
+        "optimise",
+        "macpherson_front",
+        &[],
+        &["misfit", "starts", "targets", "variables"],
+    ),
+    (
+        "sweep",
+        "macpherson_sweep",
+        &["--set", "sweep.samples=64"],
+        &["best", "effects", "not_solved", "outputs"],
+    ),
+    (
+        "check",
+        "double_wishbone_pushrod",
+        &[],
+        &["design", "effects"],
+    ),
+    ("limits", "double_wishbone_pushrod", &[], &["limits"]),
+    ("assemblies", "macpherson_solve", &[], &["assemblies"]),
+    ("limits", "semi_trailing_arm_solve", &[], &["limits"]),
+];
+
+/// The blocks of a CSV of several tables: name, header, rows.
+fn blocks(text: &str) -> Vec<(String, Vec<String>, Vec<Vec<String>>)> {
+    let block = |block: &str| {
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_reader(block.as_bytes());
+        let mut lines = reader.records().map(|line| {
+            let line = line.unwrap();
+            line.iter().map(str::to_owned).collect::<Vec<String>>()
+        });
+        let header = lines.next().unwrap();
+        assert_eq!(header[0], "table");
+        let rows: Vec<Vec<String>> = lines.collect();
+        let name = rows.first().map_or_else(String::new, |row| row[0].clone());
+        assert!(rows.iter().all(|row| row[0] == name));
+        (name, header, rows)
+    };
+    text.split("\n\n").map(block).collect()
+}
+
+/// Both formats hold the same tables, cell by cell: numbers are numbers with the same bits.
+#[test]
+fn json_and_csv_say_the_same() {
+    for (command, study, more, names) in CALLS {
+        let formats = ["json", "csv"].map(|format| {
+            let more = [more, &["--format", format]].concat();
+            let called = Called::on(command, study, &more);
+            assert!(
+                matches!(called.code(), Some(0 | 1)),
+                "{}",
+                called.complained()
+            );
+            called.said()
+        });
+        let json: Value = serde_json::from_str(&formats[0]).unwrap();
+        let tables = json.as_object().unwrap();
+        assert_eq!(tables.keys().map(String::as_str).collect::<Vec<_>>(), names);
+        let blocks = blocks(&formats[1]);
+        assert_eq!(blocks.len(), names.len(), "{command}");
+        for (name, header, rows) in blocks.iter().filter(|(name, ..)| !name.is_empty()) {
+            let list = tables[name].as_array().unwrap();
+            assert_eq!(list.len(), rows.len(), "{command}, {name}");
+            for (object, row) in list.iter().zip(rows) {
+                let object = object.as_object().unwrap();
+                assert_eq!(
+                    object.len(),
+                    header.len() - 1,
+                    "{name}: keys are names of columns"
+                );
+                for (key, cell) in header.iter().zip(row).skip(1) {
+                    let key_is_stable = key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+                    assert!(key_is_stable, "{key}");
+                    match &object[key] {
+                        Value::Null => assert_eq!(cell, "", "{name}.{key}"),
+                        Value::Number(number) => {
+                            let (a, b) = (number.as_f64().unwrap(), cell.parse::<f64>().unwrap());
+                            assert_eq!(a.to_bits(), b.to_bits(), "{name}.{key}");
+                        }
+                        Value::String(text) => assert_eq!(text, cell),
+                        other => assert_eq!(&other.to_string(), cell),
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The numbers are those of the files, to the bit.
+#[test]
+fn the_tables_have_the_numbers_of_the_files() {
+    let solved = Called::on("solve", "macpherson_solve", &["--format", "json"]);
+    let tables: Value = serde_json::from_str(&solved.said()).unwrap();
+    let curves = solved.file("curves.csv");
+    let mut reader = csv::Reader::from_reader(curves.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let outputs = tables["outputs"].as_array().unwrap();
+    assert!(outputs.len() >= 5);
+    for output in outputs {
+        let column = header
+            .iter()
+            .position(|name| output["output"] == name)
+            .unwrap();
+        let values = rows.iter().map(|row| row[column].parse::<f64>().unwrap());
+        let least = values.clone().fold(f64::INFINITY, f64::min);
+        let most = values.fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(output["min"].as_f64(), Some(least), "{output}");
+        assert_eq!(output["max"].as_f64(), Some(most), "{output}");
+    }
+    let counts = serde_json::json!([{"status": "ok", "stations": 41}]);
+    assert_eq!(tables["stations"], counts);
+
+    let tuned = Called::on("optimise", "macpherson_front", &["--format", "json"]);
+    let tables: Value = serde_json::from_str(&tuned.said()).unwrap();
+    let study: toml::Table = toml::from_str(&tuned.file("optimised.toml")).unwrap();
+    let points = &study["suspension"]["hardpoints"];
+    for variable in tables["variables"].as_array().unwrap() {
+        let axis = ["x", "y", "z"].iter().position(|a| variable["axis"] == *a);
+        let point = &points[variable["hardpoint"].as_str().unwrap()];
+        let tuned = point[axis.unwrap()].as_float().unwrap();
+        assert_eq!(variable["tuned"].as_f64(), Some(tuned), "{variable}");
+        // A range is two numbers.
+        let ends = ["range_min", "range_max"].map(|end| variable[end].as_f64().unwrap());
+        assert!(ends[0] < ends[1]);
+    }
+    let summary: Value = serde_json::from_str(&tuned.file("summary.json")).unwrap();
+    assert_eq!(tables["misfit"][0]["after"], summary["misfit_after"]);
+
+    let more = ["--set", "sweep.samples=64", "--format", "json"];
+    let swept = Called::on("sweep", "macpherson_sweep", &more);
+    let tables: Value = serde_json::from_str(&swept.said()).unwrap();
+    let summary: Value = serde_json::from_str(&swept.file("summary.json")).unwrap();
+    for (row, output) in tables["outputs"].as_array().unwrap().iter().enumerate() {
+        let same = &summary["outputs"][row];
+        assert_eq!(output["output"], same["column"]);
+        for key in ["at_design", "min", "max", "mean", "standard_deviation"] {
+            assert_eq!(output[key], same[key], "{key} of {output}");
+        }
+    }
+}
+
+/// What could not be solved is a table as well, with its reasons.
+#[test]
+fn what_is_not_solved_is_in_a_table() {
+    let more = [
+        "--set",
+        "motion.travel=[-400.0, 0.0, 400.0]",
+        "--format",
+        "json",
+    ];
+    let called = Called::on("solve", "macpherson_solve", &more);
+    assert_eq!(called.code(), Some(1));
+    let tables: Value = serde_json::from_str(&called.said()).unwrap();
+    let failed = tables["not_solved"].as_array().unwrap();
+    let travels: Vec<f64> = failed
+        .iter()
+        .map(|f| f["travel"].as_f64().unwrap())
+        .collect();
+    assert_eq!(travels, [-400.0, 400.0]);
+    assert_eq!(failed[0]["status"], "unreachable");
+    assert!(!failed[0]["reason"].as_str().unwrap().is_empty());
+}

@@ -1,0 +1,60 @@
+//! What reaches a terminal and what reaches a program: widths, quiet, colours, escapes and machine formats.
+
+mod escapes;
+mod formats;
+mod quiet;
+mod width;
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+fn study(name: &str) -> PathBuf {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    studies.join(format!("{name}.toml"))
+}
+
+/// A call in a directory of its own.
+struct Called {
+    directory: tempfile::TempDir,
+    output: Output,
+}
+
+impl Called {
+    fn with(arguments: &[&str], variables: &[(&str, &str)]) -> Called {
+        let directory = tempfile::tempdir().unwrap();
+        let mut command = Command::cargo_bin("hardpoint").unwrap();
+        command.current_dir(directory.path()).args(arguments);
+        command.env_remove("COLUMNS");
+        command.envs(variables.iter().copied());
+        let output = command.output().unwrap();
+        Called { directory, output }
+    }
+
+    /// A command on a sample study, its results in `run`.
+    fn on(command: &str, name: &str, more: &[&str]) -> Called {
+        let path = study(name);
+        let mut arguments = vec![command, path.to_str().unwrap()];
+        if ["solve", "optimise", "sweep"].contains(&command) {
+            arguments.extend(["--out", "run"]);
+        }
+        arguments.extend(more);
+        Called::with(&arguments, &[])
+    }
+
+    fn code(&self) -> Option<i32> {
+        self.output.status.code()
+    }
+
+    fn said(&self) -> String {
+        String::from_utf8(self.output.stdout.clone()).unwrap()
+    }
+
+    fn complained(&self) -> String {
+        String::from_utf8(self.output.stderr.clone()).unwrap()
+    }
+
+    fn file(&self, name: &str) -> String {
+        std::fs::read_to_string(self.directory.path().join("run").join(name)).unwrap()
+    }
+}

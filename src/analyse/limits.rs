@@ -9,11 +9,7 @@
 //!
 //! (the pose drops out, whatever it does), so the gradient costs one back-substitution.
 //!
-//! *Why it folds* is read off that motion. Per unit speed of the arm's outer joint, the wheel centre
-//! rises by three terms: with the outer joint, by the knuckle's swing about it as the joint above guides
-//! it, and by steering about the steering axis, which the tie rod imposes. At a fold of the travel they
-//! cancel; the cause is the term whose change along the path brings that about. Where the drive is the
-//! arm or the rack, it is the part of the motion that is left when the drive stands still.
+//! Why it folds is told by `solve::cause`.
 
 use crate::derive::MotionPoint;
 use crate::derive::sensitivity::HardpointGradient;
@@ -21,10 +17,11 @@ use crate::mechanism::DesignFault;
 use crate::mechanism::ROUNDING;
 use crate::mechanism::RowSet;
 use crate::mechanism::{Configuration, Pose};
-use crate::mechanism::{LimitCause, Toggle};
+use crate::mechanism::{LimitCause, PartMeasure, Toggle};
 use crate::model::Drive;
-use crate::model::{RockerId, Rod};
+use crate::model::{PointId, RockerId, Rod};
 use crate::number::Vector3;
+use crate::solve::cause::{dependent_links, nearest_part};
 use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -36,6 +33,10 @@ pub struct Limit {
     pub value: f64,
     /// Why it goes no further.
     pub cause: LimitCause,
+    /// The part that is nearest to being singular by itself, where the mechanism has an arm and a tie rod.
+    pub nearest: Option<PartMeasure>,
+    /// The links that have come to a dead centre with each other, by their outer ends; where that is the cause.
+    pub dependent: Vec<PointId>,
     /// The pose at the fold.
     pub pose: Pose<f64>,
     /// Derivative of the value by every point of the design.
@@ -240,6 +241,14 @@ impl Solver<'_> {
             Err(PathEnd::Fold(fold)) => RangeEnd::Fold(Limit {
                 value: fold.value(),
                 cause: curve.cause(&fold),
+                nearest: nearest_part(&curve.configuration(&fold)),
+                dependent: match curve.cause(&fold) {
+                    LimitCause::DependentLinks => {
+                        let at = curve.configuration(&fold);
+                        dependent_links(curve.closure, &at, curve.size)
+                    }
+                    _ => Vec::new(),
+                },
                 pose: fold.pose(),
                 gradient: curve.fold_gradient(&fold),
             }),

@@ -4,11 +4,11 @@ use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
-use crate::analyse::{Limits, Range, RangeEnd};
+use crate::analyse::{Limit, Limits, Range, RangeEnd};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
-use crate::mechanism::{DesignFault, Toggle};
-use crate::model::{self, Axis};
+use crate::mechanism::{DesignFault, LimitCause, Toggle};
+use crate::model::{self, Axis, PointId};
 use crate::plan::Plan;
 use crate::report::{Cell, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
@@ -80,13 +80,13 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn of(&self, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
+    fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
             _ => "it goes on beyond half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (limit.value * self.factor, limit.cause.to_string()),
+            RangeEnd::Fold(limit) => (limit.value * self.factor, because(limit, study)),
             RangeEnd::FullTurn => (turn * self.factor, beyond.to_owned()),
             RangeEnd::Unresolved(value) => (
                 value * self.factor,
@@ -100,6 +100,33 @@ impl Row<'_> {
             (from, to) = (to, from);
         }
         row([self.quantity, &self.at], from, to)
+    }
+}
+
+/// Why it goes no further: the part that is singular, or that none is and which comes nearest to it.
+fn because(limit: &Limit, study: &Study) -> String {
+    let name = |id: &PointId| {
+        let name = study.suspension.mechanism.name(*id);
+        name.strip_suffix("_outer").unwrap_or(name).to_owned()
+    };
+    let links: Vec<String> = limit.dependent.iter().map(name).collect();
+    match (limit.cause, &limit.nearest) {
+        (LimitCause::DependentLinks, _) => {
+            format!(
+                "{} have come to a dead centre with each other",
+                links.join(", ")
+            )
+        }
+        (cause, Some(nearest)) if !cause.is_part() => {
+            let part = match nearest.cause {
+                LimitCause::StrutSquare => "strut",
+                LimitCause::UpperArmStraight => "upper arm",
+                _ => "tie rod",
+            };
+            let angle = nearest.sine.min(1.0).asin().to_degrees();
+            format!("{cause} (nearest: the {part}, {angle:.1} deg)")
+        }
+        (cause, _) => cause.to_string(),
     }
 }
 
@@ -117,7 +144,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
             at,
             factor,
         };
-        table.push(row.of(&range.lower, &range.upper));
+        table.push(row.of(study, &range.lower, &range.upper));
     };
     let travel = format!("travel_{unit}");
     push(&travel, straight(), 1.0, &limits.travel);
@@ -156,7 +183,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
                 at: "every rack".to_owned(),
                 factor,
             };
-            table.push(row.of(lower, upper));
+            table.push(row.of(study, lower, upper));
         }
     }
     for range in &limits.rockers {

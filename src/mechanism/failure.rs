@@ -42,42 +42,81 @@ pub enum Failure {
     },
 }
 
-/// Why a mechanism goes no further.
+/// Why a mechanism goes no further: the part that is singular by itself at the fold, or what stands still there
+/// although no part is (see `solve::cause`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitCause {
-    /// The arm stands so steep that its outer joint no longer raises (or lowers) the wheel centre.
-    ArmVertical,
+    /// The tie rod's ends and the steering axis lie in one plane: it no longer holds the wheel's heading.
+    TieRodToggle,
+    /// The upper arm is in line with the steering axis, seen along its own axis, and lets the knuckle swing.
+    UpperArmStraight,
     /// The strut is square to the steering axis and lets the knuckle swing.
     StrutSquare,
-    /// The upper arm is in line with the steering axis and lets the knuckle swing.
-    UpperArmStraight,
-    /// The tie rod has come into the plane of the steering axis and its own inner joint: it no longer
-    /// holds the wheel's heading.
-    TieRodToggle,
-    /// The links have come to a dead centre; which of them is not told apart for this topology.
-    DeadCentre,
+    /// Some of the links have become dependent on each other and leave the wheel carrier a freedom more.
+    DependentLinks,
+    /// No part is singular: the wheel centre is at the highest point of its way.
+    CentreHighest,
+    /// No part is singular: the wheel centre is at the lowest point of its way.
+    CentreLowest,
+    /// No part is singular: the arm stands still while the wheel moves on.
+    ArmStandsStill,
+    /// No part is singular: the rack stands still while the wheel steers on, its centre held at its height.
+    RackStandsStill,
     /// The path could not be followed: it meets another assembly, or comes closer to one than rounding
     /// can tell apart. The limit is the last value that was reached.
     Unresolved,
 }
 
+impl LimitCause {
+    /// Whether a part is singular by itself.
+    pub fn is_part(self) -> bool {
+        matches!(
+            self,
+            LimitCause::TieRodToggle
+                | LimitCause::UpperArmStraight
+                | LimitCause::StrutSquare
+                | LimitCause::DependentLinks
+        )
+    }
+}
+
 impl fmt::Display for LimitCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            LimitCause::ArmVertical => "the arm is too steep to move the wheel centre any further",
-            LimitCause::StrutSquare => "the strut is square to the steering axis",
-            LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::TieRodToggle => "the tie rod is at toggle",
-            LimitCause::DeadCentre => "the links are at a dead centre",
+            LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
+            LimitCause::StrutSquare => "the strut is square to the steering axis",
+            LimitCause::DependentLinks => "links have come to a dead centre with each other",
+            LimitCause::CentreHighest => {
+                "the wheel centre is at its highest point, no part is at a singularity"
+            }
+            LimitCause::CentreLowest => {
+                "the wheel centre is at its lowest point, no part is at a singularity"
+            }
+            LimitCause::ArmStandsStill => {
+                "the arm stands still while the wheel moves on, no part is at a singularity"
+            }
+            LimitCause::RackStandsStill => {
+                "the rack stands still while the wheel steers on, no part is at a singularity"
+            }
             LimitCause::Unresolved => "the path meets another assembly there",
         })
     }
 }
 
+/// How far a part is from being singular by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartMeasure {
+    /// The part, as the cause that it would be.
+    pub cause: LimitCause,
+    /// The sine of the angle that is left.
+    pub sine: f64,
+}
+
 /// A toggle of a rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
-    /// The travel, to 1e-9 of the mechanism's size.
+    /// The travel, to rounding.
     pub travel: f64,
     /// The rod that is in line with its lever: of the rocker, or of one that turns it.
     pub rod: Rod,

@@ -18,7 +18,7 @@ pub use builder::{BuildError, SuspensionBuilder};
 pub(crate) use closure::RowSet;
 pub use closure::{Closure, Driver};
 pub use constraint::raises_its_joint;
-pub use failure::{DesignFault, Failure, LimitCause, Toggle, Unproven};
+pub use failure::{DesignFault, Failure, LimitCause, PartMeasure, Toggle, Unproven};
 pub use pose::{Configuration, Pose, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};

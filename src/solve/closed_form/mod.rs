@@ -31,7 +31,7 @@ mod velocity;
 
 pub(crate) use adjoint::{Adjoint, Members};
 pub(crate) use circle::Circle;
-pub(crate) use roles::Roles;
+pub(crate) use roles::{Roles, UpperRoles};
 use upper::Upper;
 
 use crate::mechanism::DesignFault;

@@ -36,6 +36,7 @@
 //! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`report`] | files and tables |
+//! | [`results`] | directories of results: who may replace what, locks |
 //! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
 //! | [`cli`] | the command line |
 //! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
@@ -70,6 +71,7 @@ pub mod number;
 pub mod optimise;
 pub mod plan;
 pub mod report;
+pub mod results;
 pub mod solve;
 pub mod study;
 pub mod sweep;

@@ -626,37 +626,6 @@ fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     assert!(!page.exists());
 }
 
-/// What takes long to get is not overwritten by another command; what takes no time is.
-#[test]
-fn results_of_long_runs_are_not_lost() {
-    let directory = tempfile::tempdir().unwrap();
-    let out = directory.path().join("run");
-    let out = out.to_str().unwrap();
-    let study = studies().join("macpherson_sweep.toml");
-    let study = study.to_str().unwrap();
-    let sweep = |more: &[&str]| {
-        let few = ["sweep", study, "--out", out, "--set", "sweep.samples=20"];
-        hardpoint(&[&few[..], more].concat())
-    };
-    hardpoint(&["solve", study, "--out", out]).success();
-    let with_curves = ["--set", "sweep.curves=true"];
-    sweep(&with_curves).success();
-    let curves = fs::read(Path::new(out).join("curves.csv")).unwrap();
-    for command in ["solve", "optimise"] {
-        let assert = hardpoint(&[command, study, "--out", out]).code(2);
-        let said = text(&assert.get_output().stderr);
-        assert!(
-            said.contains("holds the results of `hardpoint sweep`"),
-            "{said}"
-        );
-    }
-    assert_eq!(fs::read(Path::new(out).join("curves.csv")).unwrap(), curves);
-    sweep(&[&with_curves[..], &["--resume"]].concat()).success();
-    // Another sweep replaces all of it.
-    sweep(&[]).success();
-    assert!(!Path::new(out).join("curves.csv").exists());
-}
-
 /// Slips that make a suspension all the same.
 #[test]
 fn doubtful_studies_are_called_so() {
@@ -707,11 +676,11 @@ fn doubtful_studies_are_called_so() {
         ),
     ];
     let directory = tempfile::tempdir().unwrap();
-    for (text_of_study, phrase) in cases {
+    for (case, (text_of_study, phrase)) in cases.into_iter().enumerate() {
         let path = directory.path().join("study.toml");
         fs::write(&path, &text_of_study).unwrap();
         let path = path.to_str().unwrap();
-        let out = directory.path().join("run");
+        let out = directory.path().join(format!("run-{case}"));
         let checked = hardpoint(&["check", path]).success();
         let solved = hardpoint(&["solve", path, "--out", out.to_str().unwrap()]);
         for said in [&checked.get_output().stdout, &solved.get_output().stdout] {

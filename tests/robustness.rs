@@ -155,6 +155,7 @@ impl Trial {
     fn plan(&self, suspension: &Suspension) -> Plan {
         let point = |name: &str| self.mechanism.point(name).unwrap();
         Plan::of(&Study {
+            inputs: Vec::new(),
             name: String::new(),
             text: String::new(),
             suspension: suspension.clone(),

@@ -1,16 +1,17 @@
 //! `hardpoint bench`
 
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault};
+use super::output::{Destination, Output, default_directory, design_fault, inputs};
 use super::{BenchArguments, BenchKind};
 use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
+use crate::results::{Claim, study_digest};
 use crate::study::Study;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// `machine.json`
 #[derive(Serialize)]
@@ -39,9 +40,32 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     // Before anything is written.
     Subject::of(&study).map_err(stop)?;
     let name = format!("bench_{}", study.name);
-    let default = PathBuf::from("out").join(&name);
-    let out = arguments.out.as_deref().unwrap_or(&default);
-    let output = Output::at(out, arguments.format.into(), "bench")?;
+    let destination = Destination {
+        out: arguments.out.as_deref(),
+        default: default_directory(&name)?,
+        force: arguments.force,
+        format: arguments.format.into(),
+    };
+    let (command, files): (_, &[&str]) = match arguments.kind {
+        BenchKind::Throughput => (
+            "bench throughput",
+            &["throughput.csv", "throughput_machine.json"],
+        ),
+        BenchKind::Accuracy => (
+            "bench accuracy",
+            &["accuracy.csv", "accuracy.svg", "accuracy_machine.json"],
+        ),
+        BenchKind::Effects => ("bench effects", &["effects.csv", "effects_machine.json"]),
+    };
+    let claim = Claim {
+        command,
+        study: &study.name,
+        digest: study_digest(&study),
+        files,
+        inputs: &inputs(&study, path),
+        ..Claim::default()
+    };
+    let output = Output::at(&destination, claim)?;
     let clock = Clock {
         samples: arguments.samples,
         ..Clock::default()

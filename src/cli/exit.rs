@@ -1,6 +1,6 @@
 //! How a command ends.
 
-use crate::report::WriteError;
+use crate::results::WriteError;
 use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;

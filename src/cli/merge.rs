@@ -2,16 +2,18 @@
 
 use super::MergeArguments;
 use super::exit::{Exit, Stop};
-use super::output::Output;
+use super::output::{Destination, Output};
 use super::progress;
 use super::sweep::{finish, not_this};
-use crate::report::{MergeError, Parts};
-use std::path::Path;
+use crate::report::{MergeError, Parts, SweepDirectory};
+use crate::results::Claim;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     if arguments.out == Path::new("-") {
         return Err(Stop::wrong_input("merge writes to a directory, not to -"));
     }
+    // Nothing is written unless every part is whole.
     let parts = Parts::read(&arguments.parts).map_err(not_this)?;
     let resolved = |path: &Path| path.canonicalize().ok();
     let target = resolved(&arguments.out);
@@ -20,21 +22,35 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         .any(|part| target.is_some() && resolved(part) == target)
     {
         return Err(Stop::wrong_input(format!(
-            "{} is one of the shards; expected another directory for the result",
+            "{} has parts to be joined; expected another directory for the result",
             arguments.out.display()
         )));
     }
-    // Read through first: nothing is written unless every shard is whole.
-    let line = progress::line(parts.record.designs, "designs");
-    let tally = parts.tally(|designs| line.inc(designs));
-    line.finish_and_clear();
-    let tally = tally.map_err(not_this)?;
-    let output = Output::at(&arguments.out, arguments.format.into(), "sweep")?;
+    let record = &parts.record;
+    let files = SweepDirectory::files(record);
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    let destination = Destination {
+        out: Some(&arguments.out),
+        default: PathBuf::new(),
+        force: arguments.force,
+        format: arguments.format.into(),
+    };
+    let claim = Claim {
+        command: "merge",
+        study: &record.study,
+        digest: record.run_digest(),
+        files: &files,
+        ..Claim::default()
+    };
+    let output = Output::at(&destination, claim)?;
     if let Some(directory) = output.directory() {
-        parts.join(directory).map_err(|error| match error {
+        let line = progress::line(record.designs, "designs");
+        let joined = parts.join(directory, |designs| line.inc(designs));
+        line.finish_and_clear();
+        joined.map_err(|error| match error {
             MergeError::Parts(error) => not_this(error),
             MergeError::Unwritten(error) => Stop::unwritten(error),
         })?;
     }
-    finish(&output, &parts.record, &tally, false)
+    finish(&output, record, &parts.statistics, false)
 }

@@ -49,7 +49,7 @@ enum Command {
     Solve(RunArguments),
     /// A batch of designs
     Sweep(SweepArguments),
-    /// Join the shards of a sweep to what one run would have written
+    /// Join the parts of a sweep to one file, for those who want one
     Merge(MergeArguments),
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
@@ -85,6 +85,9 @@ struct RunArguments {
     /// Directory for the results, or - for the main CSV on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Overwrite what is there, whoever wrote it
+    #[arg(long)]
+    force: bool,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
@@ -101,10 +104,12 @@ struct RunArguments {
 struct SweepArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// Directory for the results, or - for the designs on standard output [default: out/STUDY, for a
-    /// shard out/STUDY/shard-I-of-N]
+    /// Directory for the results, or - for the designs on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Overwrite what is there, whoever wrote it
+    #[arg(long)]
+    force: bool,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
@@ -114,7 +119,7 @@ struct SweepArguments {
     /// Write report.html as well: one page that needs nothing else
     #[arg(long)]
     report: bool,
-    /// Do only part I of N, as in --shard 3/8; `hardpoint merge` joins them
+    /// Do the I-th of N shares of the sweep's parts, as in --shard 3/8, all into one directory
     #[arg(long, value_name = "I/N", value_parser = sweep::shard)]
     shard: Option<[u64; 2]>,
     /// Print the study of one design, by its number, and do nothing else
@@ -122,15 +127,18 @@ struct SweepArguments {
     design: Option<u64>,
 }
 
-/// What shards are joined.
+/// Which parts are joined.
 #[derive(Args)]
 struct MergeArguments {
-    /// The directories of all shards, in any order
+    /// The directories with the parts, in any order
     #[arg(required = true, value_name = "RUN_DIR")]
     parts: Vec<PathBuf>,
     /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Overwrite what is there, whoever wrote it
+    #[arg(long)]
+    force: bool,
     /// How tables are printed
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
@@ -166,6 +174,9 @@ struct BenchArguments {
     /// Directory for the results, or - for the CSV on standard output [default: out/bench_STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Overwrite what is there, whoever wrote it
+    #[arg(long)]
+    force: bool,
     /// Threads that throughput is measured on, beside one [default: every core]
     #[arg(long, value_parser = at_least_one, value_name = "N")]
     threads: Option<usize>,
@@ -200,6 +211,9 @@ struct ReportArguments {
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    /// Overwrite what is there, whoever wrote it
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
             path.display()
         )));
     };
-    let pool = pool(arguments.threads)?;
+    let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
     let plan = Plan::with_targets(&study);
     let fault = |fault| design_fault(&study, path, &fault);

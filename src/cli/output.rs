@@ -5,18 +5,68 @@ use super::RunArguments;
 use super::exit::Stop;
 use super::terminal;
 use crate::mechanism::DesignFault;
-use crate::report::{Format, RunDirectory, Table, Tables};
+use crate::report::{Format, Table, Tables};
+use crate::results::{Claim, RunDirectory, study_digest};
 use crate::study::Study;
 use std::cell::RefCell;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// The files of a solve.
+const CURVE_FILES: [&str; 4] = [
+    "curves.csv",
+    "sensitivities.csv",
+    "summary.json",
+    "report.json",
+];
+
+/// The files of a tuning.
+const TUNING_FILES: [&str; 6] = [
+    "curves.csv",
+    "curves_before.csv",
+    "optimised.toml",
+    "history.csv",
+    "summary.json",
+    "report.json",
+];
+
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
     /// What is printed at the end, where programs read it.
     tables: RefCell<Tables>,
+}
+
+/// What a command writes, and to where.
+pub(super) struct Destination<'a> {
+    /// As in `--out`; `-` is standard output.
+    pub out: Option<&'a Path>,
+    /// Where it goes if that is not given.
+    pub default: PathBuf,
+    /// As in `--force`.
+    pub force: bool,
+    /// How tables are printed.
+    pub format: Format,
+}
+
+impl Destination<'_> {
+    /// The directory, if it is not standard output.
+    pub(super) fn path(&self) -> &Path {
+        self.out.unwrap_or(&self.default)
+    }
+}
+
+/// The directory for the results of a study where none is given, below `out`.
+pub(super) fn default_directory(name: &str) -> Result<PathBuf, Stop> {
+    let is_plain = !["", ".", ".."].contains(&name) && !name.contains(['/', '\\']);
+    match is_plain {
+        true => Ok(PathBuf::from("out").join(name)),
+        false => Err(Stop::wrong_input(format!(
+            "the study is called {name:?}, from its file's name, which is no name for a directory below \
+             out: give one with --out"
+        ))),
+    }
 }
 
 impl Output {
@@ -27,22 +77,59 @@ impl Output {
         study: &Study,
         command: &str,
     ) -> Result<Self, Stop> {
-        let default = PathBuf::from("out").join(&study.name);
-        let format = arguments.study.format.into();
-        Output::at(
-            arguments.out.as_deref().unwrap_or(&default),
-            format,
+        let mut files = match command {
+            "optimise" => TUNING_FILES.to_vec(),
+            _ => CURVE_FILES.to_vec(),
+        };
+        files.extend(arguments.report.then_some("report.html"));
+        let destination = Destination {
+            out: arguments.out.as_deref(),
+            default: match arguments.out {
+                Some(_) => PathBuf::new(),
+                None => default_directory(&study.name)?,
+            },
+            force: arguments.force,
+            format: arguments.study.format.into(),
+        };
+        let claim = Claim {
             command,
-        )
+            study: &study.name,
+            digest: study_digest(study),
+            files: &files,
+            inputs: &inputs(study, &arguments.study.study),
+            ..Claim::default()
+        };
+        Output::at(&destination, claim)
     }
 
-    /// Opens a directory, or standard output for `-`.
-    pub(super) fn at(path: &Path, format: Format, command: &str) -> Result<Self, Stop> {
-        let path = Some(path).filter(|path| *path != Path::new("-"));
-        let directory = path.map(|path| RunDirectory::claim(path, command));
-        let directory = directory.transpose();
+    /// Opens a directory, or standard output for `-`. Where results of another state of the study are in
+    /// the way in the directory that nobody has asked for, they are moved aside; elsewhere the run is
+    /// refused.
+    pub(super) fn at(destination: &Destination<'_>, claim: Claim<'_>) -> Result<Self, Stop> {
+        let format = destination.format;
+        if destination.out == Some(Path::new("-")) {
+            return Ok(Output {
+                directory: None,
+                format,
+                tables: RefCell::default(),
+            });
+        }
+        let claim = Claim {
+            force: destination.force,
+            set_aside: destination.out.is_none(),
+            ..claim
+        };
+        let path = destination.path();
+        let directory = RunDirectory::claim(path, &claim).map_err(Stop::wrong_input)?;
+        if let Some(place) = directory.set_aside() {
+            terminal::note(&format!(
+                "The results that were in {} are now in {}.\n",
+                path.display(),
+                place.display()
+            ));
+        }
         Ok(Output {
-            directory: directory.map_err(Stop::wrong_input)?,
+            directory: Some(directory),
             format,
             tables: RefCell::default(),
         })
@@ -132,8 +219,17 @@ impl Output {
         }
     }
 
-    /// Says where the results are, and prints the tables where programs read them.
+    /// Ends the run and says where the results are.
     pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
+        if let Some(directory) = &self.directory {
+            directory.finish().map_err(Stop::unwritten)?;
+        }
+        self.print_where(files)
+    }
+
+    /// Says where the results are, of a run that may not have ended, and prints the tables where programs read
+    /// them.
+    pub(super) fn print_where(&self, files: &[&str]) -> Result<(), Stop> {
         if !self.is_text() {
             let text = self.tables.borrow().render(self.format, terminal::width());
             match self.directory {
@@ -152,9 +248,27 @@ impl Output {
     }
 }
 
-/// The rayon pool of a run.
-pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, Stop> {
-    let threads = threads.map_or(0, NonZeroUsize::get);
+/// All the files a run reads.
+pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
+    let mut inputs = study.inputs.clone();
+    inputs.push(path.to_owned());
+    inputs
+}
+
+/// The rayon pool of a run that can be divided into so many pieces of work. More threads than cores, or
+/// than pieces, buy nothing but memory: they are not started, and that is said.
+pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::ThreadPool, Stop> {
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let useful = cores
+        .min(usize::try_from(pieces).unwrap_or(usize::MAX))
+        .max(1);
+    let threads = asked.map_or(useful, |asked| asked.get().min(useful));
+    if let Some(asked) = asked.filter(|asked| asked.get() > threads) {
+        terminal::note(&format!(
+            "Runs on {threads} of the {asked} threads asked for: there are {cores} cores and {pieces} \
+             pieces of work.\n"
+        ));
+    }
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

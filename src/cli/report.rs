@@ -2,9 +2,10 @@
 
 use super::exit::{Exit, Stop};
 use super::{ReportArguments, RunArguments};
-use crate::report::{FinishedRun, Run, RunDirectory, SweepRun, page, pictures, sweep_page};
+use crate::report::{FinishedRun, Run, SweepRun, page, pictures, sweep_page};
+use crate::results::{Claim, RunDirectory, temporary, unwritten};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     let run = FinishedRun::read(&arguments.run).map_err(Stop::wrong_input)?;
@@ -15,9 +16,8 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
             arguments.run.display()
         )));
     }
-    let directory = RunDirectory::create(&arguments.run).map_err(Stop::wrong_input)?;
-    let plots = arguments.plots.as_deref().map(RunDirectory::create);
-    let plots = plots.transpose().map_err(Stop::wrong_input)?;
+    let directory = RunDirectory::reopen(&arguments.run, &["report.html"], arguments.force);
+    let directory = directory.map_err(Stop::wrong_input)?;
     let html = match &run {
         FinishedRun::Curves(run) => page(run),
         FinishedRun::Sweep(sweep) => sweep_page(sweep),
@@ -25,9 +25,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     write_page(&html, &directory)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", arguments.run.join("report.html").display())?;
-    if let (Some(plots), FinishedRun::Curves(run)) = (plots, &run) {
-        let names = write_pictures(run, &plots)?;
-        writeln!(out, "{}: {}", plots.path().display(), names.join(", "))?;
+    drop(directory);
+    if let (Some(plots), FinishedRun::Curves(run)) = (&arguments.plots, &run) {
+        let names = write_pictures(run, plots, arguments.force)?;
+        writeln!(out, "{}: {}", plots.display(), names.join(", "))?;
     }
     Ok(Exit::Done)
 }
@@ -35,7 +36,8 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
 /// What a run is asked to show besides its results.
 pub(super) struct Wanted {
     page: bool,
-    plots: Option<RunDirectory>,
+    plots: Option<PathBuf>,
+    force: bool,
 }
 
 impl Wanted {
@@ -48,10 +50,14 @@ impl Wanted {
                 "--report and --plots are made of a run's directory; with --out - there is none",
             ));
         }
-        let plots = plots.map(RunDirectory::create).transpose();
+        if let Some(plots) = plots {
+            let made = std::fs::create_dir_all(plots).and_then(|()| temporary(plots));
+            made.map_err(|e| Stop::wrong_input(unwritten(plots)(e)))?;
+        }
         Ok(Wanted {
             page: arguments.report,
-            plots: plots.map_err(Stop::wrong_input)?,
+            plots: arguments.plots.clone(),
+            force: arguments.force,
         })
     }
 
@@ -61,9 +67,6 @@ impl Wanted {
         let Some(directory) = directory else {
             return Ok(files);
         };
-        if !self.page {
-            directory.remove("report.html").map_err(Stop::unwritten)?;
-        }
         if !self.page && self.plots.is_none() {
             return Ok(files);
         }
@@ -73,7 +76,18 @@ impl Wanted {
             files.push("report.html");
         }
         if let Some(plots) = &self.plots {
-            write_pictures(&run, plots)?;
+            let same = |path: &Path| path.canonicalize().ok();
+            match same(plots) == same(directory.path()) {
+                true => {
+                    for picture in pictures(&run) {
+                        let written = directory.write(&picture.name, &picture.contents);
+                        written.map_err(Stop::unwritten)?;
+                    }
+                }
+                false => {
+                    write_pictures(&run, plots, self.force)?;
+                }
+            }
         }
         Ok(files)
     }
@@ -90,12 +104,23 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-fn write_pictures(run: &Run, directory: &RunDirectory) -> Result<Vec<String>, Stop> {
-    let mut names = Vec::new();
-    for picture in pictures(run) {
+/// Writes pictures of a run. They are redrawn in a moment, so that those of any other run are replaced;
+/// what is not a picture of ours is not.
+fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, Stop> {
+    let pictures = pictures(run);
+    let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
+    let claim = Claim {
+        command: "report --plots",
+        study: "",
+        digest: String::new(),
+        files: &names,
+        force,
+        ..Claim::default()
+    };
+    let directory = RunDirectory::claim(plots, &claim).map_err(Stop::wrong_input)?;
+    for picture in &pictures {
         let written = directory.write(&picture.name, &picture.contents);
         written.map_err(Stop::unwritten)?;
-        names.push(picture.name);
     }
-    Ok(names)
+    Ok(pictures.into_iter().map(|picture| picture.name).collect())
 }

@@ -2,16 +2,25 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault, pool};
+use super::output::{Destination, Output, default_directory, design_fault, inputs, pool};
 use super::progress;
 use super::report::show_sweep;
 use super::terminal;
-use crate::report::{NotThisSweep, SweepFiles, SweepSummary, SweepText, WriteError, pareto_csv};
+use crate::report::{
+    NotThisSweep, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile, rows_header,
+    write_part,
+};
+use crate::results::{Claim, Sharing, WriteError};
 use crate::study::{FileFormat, Order, Outputs, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::path::Path;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// How long to wait before a part is looked at again that another process is at.
+const WAIT: Duration = Duration::from_millis(200);
 
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
@@ -22,7 +31,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             path.display()
         )));
     };
-    let plan = SweepPlan::of(&study, sweep, arguments.shard).map_err(|reason| match reason {
+    let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
         NotBegun::Fault(fault) => design_fault(&study, path, &fault),
         NotBegun::TwoColumns(name) => Stop::wrong_input(format!(
@@ -33,30 +42,13 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     if let Some(number) = arguments.design {
         return print_design(&study, &plan, number);
     }
-    let pool = pool(arguments.threads)?;
-    let out = match (&arguments.out, arguments.shard) {
-        (Some(out), _) => out.clone(),
-        (None, None) => PathBuf::from("out").join(&study.name),
-        (None, Some([i, n])) => PathBuf::from("out")
-            .join(&study.name)
-            .join(format!("shard-{i}-of-{n}")),
-    };
-    if arguments.resume && out == Path::new("-") {
-        return Err(Stop::wrong_input(
-            "--resume goes on with the files of a directory; with --out - there are none",
-        ));
+    let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
+    if to_stdout {
+        needs_no_directory(arguments, sweep.format)?;
     }
-    if arguments.report && out == Path::new("-") {
-        return Err(Stop::wrong_input(
-            "--report is made of a run's directory; with --out - there is none",
-        ));
-    }
-    if sweep.format == FileFormat::Parquet && out == Path::new("-") {
-        return Err(Stop::wrong_input(
-            "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
-        ));
-    }
-    let output = Output::at(&out, arguments.study.format.into(), "sweep")?;
+    let record = &plan.record;
+    let pool = pool(arguments.threads, record.blocks())?;
+    let output = open(arguments, &study, record)?;
     let left_out = left_out(&study.outputs);
     if !left_out.is_empty() {
         terminal::note(&format!(
@@ -65,25 +57,104 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             left_out.join(", ")
         ));
     }
-    let record = &plan.record;
-    let text = SweepText::of(&plan, &study, output.directory().is_some());
-    let (mut files, mut tally, next) = match output.directory() {
-        Some(directory) if arguments.resume => {
-            SweepFiles::resume(record, &text, directory).map_err(not_this)?
-        }
-        directory => {
-            let files = SweepFiles::begin(record, &text, directory);
-            let files = files.map_err(|error| match directory {
-                Some(_) => Stop::wrong_input(error),
-                None => unwritten(error),
-            })?;
-            (files, SweepStatistics::empty(record), record.blocks().start)
+    let text = SweepText::of(&plan, &study, !to_stdout);
+    let Some(claimed) = output.directory() else {
+        let statistics = pool
+            .install(|| to_standard_output(&plan, &text))
+            .map_err(unwritten)?;
+        return finish(&output, record, &statistics, false);
+    };
+    // Shards keep each other's parts, whatever is forced.
+    let anew = arguments.force && !arguments.resume && arguments.shard.is_none();
+    let directory = SweepDirectory::prepare(claimed, record, anew).map_err(Stop::unwritten)?;
+    let parts = match arguments.shard {
+        None => 0..record.parts(),
+        Some(shard) => {
+            claimed.share().map_err(Stop::unwritten)?;
+            record.parts_of(shard)
         }
     };
-    pool.install(|| sweep_blocks(&plan, &text, &mut files, &mut tally, next))
-        .and_then(|()| files.finish())
+    let missing = directory.done().map_err(not_this)?.missing;
+    if !missing.is_empty() {
+        // They would speak of other parts than there are.
+        for name in ["summary.json", "pareto.csv", "report.html"] {
+            claimed.remove(name).map_err(Stop::unwritten)?;
+        }
+    }
+    let own_are_whole = pool
+        .install(|| sweep_parts(&plan, &text, &directory, parts.clone()))
         .map_err(unwritten)?;
-    finish(&output, record, &tally, arguments.report)
+    let done = directory.done().map_err(not_this)?;
+    if let Some(shard) = arguments.shard
+        && !done.missing.is_empty()
+    {
+        return finish_shard(&output, record, shard, parts, &done.missing);
+    }
+    let exit = finish(&output, record, &done.statistics, arguments.report)?;
+    // Of a shard it is asked whether its parts are whole: engines take anything but 0 for a failure.
+    Ok(match arguments.shard.is_some() && own_are_whole {
+        true => Exit::Done,
+        false => exit,
+    })
+}
+
+/// What only a directory has is refused where there is none.
+fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<(), Stop> {
+    let refused = [
+        (
+            arguments.resume,
+            "--resume goes on with the files of a directory; with --out - there are none",
+        ),
+        (
+            arguments.report,
+            "--report is made of a run's directory; with --out - there is none",
+        ),
+        (
+            arguments.shard.is_some(),
+            "--shard does parts of a directory; with --out - there is none",
+        ),
+        (
+            format == FileFormat::Parquet,
+            "Parquet is written to a directory; --out - needs format = \"csv\" in [sweep]",
+        ),
+    ];
+    match refused.iter().find(|(asked, _)| *asked) {
+        Some((_, message)) => Err(Stop::wrong_input(message)),
+        None => Ok(()),
+    }
+}
+
+/// Claims the directory of a sweep.
+fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Result<Output, Stop> {
+    let mut files = SweepDirectory::files(record);
+    files.extend(arguments.report.then(|| "report.html".to_owned()));
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    let destination = Destination {
+        out: arguments.out.as_deref(),
+        default: match arguments.out {
+            Some(_) => Default::default(),
+            None => default_directory(&study.name)?,
+        },
+        force: arguments.force,
+        format: arguments.study.format.into(),
+    };
+    let there = SweepDirectory::read(destination.path()).ok();
+    let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
+    let claim = Claim {
+        command: "sweep",
+        study: &study.name,
+        digest: record.run_digest(),
+        former: smaller.map(|smaller| smaller.record.run_digest()),
+        files: &files,
+        inputs: &inputs(study, &arguments.study.study),
+        resume: arguments.resume || arguments.shard.is_some(),
+        sharing: match arguments.shard {
+            None => Sharing::Alone,
+            Some(_) => Sharing::Together,
+        },
+        ..Claim::default()
+    };
+    Output::at(&destination, claim)
 }
 
 /// What of the outputs a study asks for has no place in the results of a sweep.
@@ -100,52 +171,139 @@ fn left_out(outputs: &Outputs) -> Vec<&'static str> {
         .collect()
 }
 
-/// Does the blocks from `next` on, until the end or Ctrl-C.
-fn sweep_blocks(
-    plan: &SweepPlan,
+/// Does parts until all of them are whole, or Ctrl-C; says whether they are. One that another process is at is
+/// waited for: if that dies, it is done here.
+fn sweep_parts(
+    plan: &SweepPlan<'_>,
     text: &SweepText,
-    files: &mut SweepFiles,
-    tally: &mut SweepStatistics,
-    next: u64,
-) -> Result<(), WriteError> {
+    directory: &SweepDirectory,
+    parts: Range<u64>,
+) -> Result<bool, WriteError> {
     let record = &plan.record;
-    let line = progress::line(record.own_designs(), "designs");
-    line.set_position(tally.designs);
+    let designs = |parts: &[u64]| -> u64 { parts.iter().map(|p| record.designs_of_part(*p)).sum() };
+    let all: Vec<u64> = parts.collect();
+    let mut left: Vec<u64> = all
+        .iter()
+        .copied()
+        .filter(|p| !directory.has_rows(*p))
+        .collect();
+    let line = progress::line(designs(&all), "designs");
+    line.set_position(designs(&all) - designs(&left));
     line.reset_eta();
     let interrupt = progress::interrupt_flag();
-    let done = in_order(
-        next..record.blocks().end,
-        || plan.worker().expect("the same design was accepted before"),
-        |worker, block| {
-            let go_on = !interrupt.load(Ordering::SeqCst);
-            go_on.then(|| text.finish(record, worker, block))
-        },
-        |finished| {
-            files.append(&finished)?;
-            tally.absorb(record, &finished.tally);
-            line.set_position(tally.designs);
-            Ok(())
-        },
-    );
+    let go_on = || !interrupt.load(Ordering::SeqCst);
+    let result = loop {
+        let before = left.len();
+        let mut busy = Vec::new();
+        let mut failed = None;
+        for part in left {
+            match write_part(plan, text, directory, part, go_on, |designs| {
+                line.inc(designs)
+            }) {
+                Ok(PartOutcome::Whole) => {}
+                Ok(PartOutcome::Busy) => busy.push(part),
+                Ok(PartOutcome::Interrupted) => failed = Some(Ok(false)),
+                Err(error) => failed = Some(Err(error)),
+            }
+            if failed.is_some() {
+                break;
+            }
+        }
+        if let Some(result) = failed {
+            break result;
+        }
+        if busy.is_empty() {
+            break Ok(true);
+        }
+        if !go_on() {
+            break Ok(false);
+        }
+        if busy.len() == before {
+            std::thread::sleep(WAIT);
+        }
+        left = busy;
+    };
     line.finish_and_clear();
-    done
+    result
 }
 
-/// Writes and says what a sweep, or all of its shards together, came to.
+/// Writes the rows of all designs to standard output. Statistics are added up as those of parts are.
+fn to_standard_output(
+    plan: &SweepPlan<'_>,
+    text: &SweepText,
+) -> Result<SweepStatistics, WriteError> {
+    let record = &plan.record;
+    let line = progress::line(record.designs, "designs");
+    let interrupt = progress::interrupt_flag();
+    let mut out = TableFile::standard_output(&rows_header(record))?;
+    let mut all = SweepStatistics::empty(record);
+    for part in 0..record.parts() {
+        let mut statistics = SweepStatistics::empty(record);
+        in_order(
+            record.blocks_of(part),
+            || plan.worker().expect("the same design was accepted before"),
+            |worker, block| {
+                let go_on = !interrupt.load(Ordering::SeqCst);
+                go_on.then(|| text.finish(record, worker, block))
+            },
+            |finished| {
+                out.append(&finished.designs)?;
+                statistics.absorb(record, &finished.statistics);
+                line.inc(finished.statistics.designs);
+                Ok(())
+            },
+        )?;
+        all.absorb(record, &statistics);
+    }
+    out.finish()?;
+    line.finish_and_clear();
+    Ok(all)
+}
+
+/// Says what a shard has done of a sweep that is not whole yet.
+fn finish_shard(
+    output: &Output,
+    record: &SweepRecord,
+    [shard, shards]: [u64; 2],
+    parts: Range<u64>,
+    missing: &[u64],
+) -> Result<Exit, Stop> {
+    let own = missing.iter().filter(|part| parts.contains(part)).count() as u64;
+    let count = parts.end - parts.start;
+    let what = match count {
+        0 => format!("no part of the {} is this shard's", record.parts()),
+        1 => format!("part {}", parts.start),
+        _ => format!("parts {} to {}", parts.start, parts.end - 1),
+    };
+    output.say(&format!(
+        "{}: shard {shard}/{shards}, {what}; {} of {} parts are whole\n",
+        record.study,
+        record.parts() - missing.len() as u64,
+        record.parts()
+    ))?;
+    let names = SweepDirectory::part_files(record);
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    output.print_where(&names)?;
+    Ok(match own {
+        0 => Exit::Done,
+        _ => Exit::Incomplete,
+    })
+}
+
+/// Writes and says what a sweep, or as much of it as there is, came to.
 pub(super) fn finish(
     output: &Output,
     record: &SweepRecord,
-    tally: &SweepStatistics,
+    statistics: &SweepStatistics,
     with_page: bool,
 ) -> Result<Exit, Stop> {
-    let summary = SweepSummary::of(record, tally);
-    let mut files = vec![record.file_name("designs")];
-    files.extend(record.curves.then(|| record.file_name("curves")));
-    if let Some(pareto) = pareto_csv(record, tally) {
-        output.file("pareto.csv", &pareto)?;
-        files.push("pareto.csv".to_owned());
+    let summary = SweepSummary::of(record, statistics);
+    if let Some(directory) = output.directory() {
+        let written = SweepDirectory::write_summary(directory, record, statistics);
+        written.map_err(Stop::unwritten)?;
     }
-    output.json("summary.json", &summary)?;
+    let mut files = SweepDirectory::part_files(record);
+    files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
     if let Some(directory) = output.directory().filter(|_| with_page) {
         show_sweep(directory)?;
@@ -159,6 +317,9 @@ pub(super) fn finish(
         output.say("\n")?;
     }
     output.table("outputs", &summary.outputs_table())?;
+    if let Some(remark) = summary.of_which() {
+        output.say(&format!("\n{remark}\n"))?;
+    }
     output.table_for_programs("effects", || summary.effects_table());
     let best = summary.best_table();
     if !best.is_empty() {
@@ -174,7 +335,10 @@ pub(super) fn finish(
         ))?;
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    output.print_files(&files)?;
+    match summary.is_done() {
+        true => output.print_files(&files)?,
+        false => output.print_where(&files)?,
+    }
     Ok(match summary.is_complete() {
         true => Exit::Done,
         false => Exit::Incomplete,

@@ -16,7 +16,6 @@ mod picture;
 mod plausibility;
 mod record;
 mod run;
-mod run_directory;
 mod scene;
 mod solve_summary;
 mod station_label;
@@ -38,12 +37,12 @@ pub use picture::{Picture, pictures};
 pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
-pub use run_directory::{NoPlace, RunDirectory, WriteError};
 pub use scene::{BodyKind, Frame, Placement, Scene, SceneBody};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
-    Choice, Finished, MergeError, NotThisSweep, Parts, Resumed, ShownDesigns, SweepFiles, SweepRun,
-    SweepSummary, SweepText, pareto_csv,
+    Choice, Done, Finished, MergeError, NotThisSweep, PartOutcome, PartRecord, Parts, ShownDesigns,
+    SweepDirectory, SweepRun, SweepSummary, SweepText, TableFile, pareto_csv, rows_header,
+    write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{is_printable, printable, wrapped};

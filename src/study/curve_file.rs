@@ -1,6 +1,7 @@
 //! Target curves in CSV files.
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
+use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ pub fn read(
     problems: &mut Problems,
 ) -> Option<Vec<[f64; 2]>> {
     let full = directory.join(path.get_ref());
-    let text = match super::source::read_text(&full) {
+    let text = match read_text(&full, LONGEST_TEXT) {
         Ok(text) => text,
         Err(reason) => {
             let error = problems.add(

@@ -6,6 +6,7 @@
 
 use super::error::{Source, StudyError, StudyErrors};
 use super::names::nearest;
+use super::source::{LONGEST_TABLE, read_text};
 use super::sweep::column_stem;
 use super::value::Number;
 use super::{Move, SweepVariable};
@@ -28,7 +29,7 @@ impl DesignTable {
     /// Reads designs of a suspension.
     pub fn read(path: &Path, suspension: &Suspension) -> Result<Self, StudyErrors> {
         let name = path.display().to_string();
-        let text = super::source::read_text(path)
+        let text = read_text(path, LONGEST_TABLE)
             .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
         Self::from_text(&name, text, suspension)
     }

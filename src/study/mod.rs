@@ -32,6 +32,7 @@ mod value;
 
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
+pub use sweep::MOST_DESIGNS;
 
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
@@ -47,6 +48,8 @@ pub struct Study {
     /// out. Results that are studies themselves are edits of it, so that comments survive and no other
     /// file is needed.
     pub text: String,
+    /// The files it names: target curves and designs.
+    pub inputs: Vec<std::path::PathBuf>,
     /// The suspension.
     pub suspension: Suspension,
     /// The motion.

@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Motion, Study, edit, motion, optimise, outputs, overrides, parse, solver, source, suspension,
-    sweep,
+    Motion, Study, edit, file, motion, optimise, outputs, overrides, parse, solver, source,
+    suspension, sweep,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -24,7 +24,7 @@ impl Study {
     /// the text before it is read.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         let name = path.display().to_string();
-        let text = source::read_text(path)
+        let text = source::read_text(path, source::LONGEST_TEXT)
             .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         if overrides.is_empty() {
@@ -83,6 +83,14 @@ fn resolve(
             sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
         }
     };
+    if let (Some(section), Some(outputs)) = (&file.sweep, &outputs) {
+        let has_targets = file.optimise.is_some();
+        if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
+            let message = "there is nothing to keep of each design: expected characteristics or points in \
+                           [outputs], or targets in [optimise]";
+            problems.add(section.span(), message);
+        }
+    }
     let resolved = motion
         .zip(formulation)
         .zip(outputs)
@@ -98,6 +106,9 @@ fn resolve(
             .to_string_lossy()
             .into_owned(),
         text: edit::with_curves_inside(&source.text, &curves),
+        inputs: named_files(&file)
+            .map(|name| directory.join(name))
+            .collect(),
         suspension,
         motion,
         formulation,
@@ -106,4 +117,15 @@ fn resolve(
         optimise,
         sweep,
     })
+}
+
+/// The files a study names.
+fn named_files(file: &file::File) -> impl Iterator<Item = &str> {
+    let targets = file.optimise.iter().flat_map(|o| o.targets.get_ref());
+    let curves = targets.filter_map(|target| target.get_ref().file.as_ref());
+    let designs = file
+        .sweep
+        .iter()
+        .filter_map(|s| s.get_ref().designs.as_ref());
+    curves.chain(designs).map(|name| name.get_ref().as_str())
 }

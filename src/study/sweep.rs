@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use toml::Spanned;
 
 /// The most designs of a sweep: years of work for the fastest machine.
-const MOST_DESIGNS: u64 = 1_000_000_000_000;
+pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
 /// The most variables that are exchanged one by one: a group of such designs stays within a block.
 const MOST_EXCHANGED: usize = crate::sweep::BLOCK - 2;

@@ -13,6 +13,9 @@ use crate::characteristics::Unit;
 use std::ops::Range as Span;
 use toml::Spanned;
 
+/// The least tolerance, in the units of columns. Deviations in tolerances stay far from the largest number.
+const LEAST_TOLERANCE: f64 = 1e-12;
+
 /// A curve as written: drive value and wanted value, in the file's units.
 pub type WrittenCurve = Vec<[f64; 2]>;
 
@@ -46,6 +49,12 @@ fn target(
     let written = written.get_ref();
     let characteristic = characteristic(&written.characteristic, context.suspension, problems);
     let tolerance = above_zero(&written.tolerance, problems);
+    if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
+        let message =
+            format!("no value is known to {tolerance:?}; expected at least {LEAST_TOLERANCE:?}");
+        problems.add(written.tolerance.span.clone(), message);
+        return None;
+    }
     let weight = match &written.weight {
         None => Some(1.0),
         Some(weight) => above_zero(weight, problems),

@@ -1,24 +1,41 @@
 //! The Pareto front: designs that cannot be bettered in one target without losing in another.
 
 use super::Failing;
+use serde::{Deserialize, Serialize};
 
 /// A design worth keeping, with its row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Its number.
     pub design: u64,
     /// Values of the variables.
+    #[serde(with = "super::or_null")]
     pub variables: Vec<f64>,
     /// Its outputs, NaN where there is no value.
+    #[serde(with = "super::or_null")]
     pub outputs: Vec<f64>,
     /// What became of it, where not every station was solved.
     pub failing: Option<Failing>,
 }
 
 /// Designs of which none is at least as good as another in every target.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<Candidate>", into = "Vec<Candidate>")]
 pub struct Front {
     designs: Vec<Candidate>,
+}
+
+/// Written by the designs' numbers, whatever they were compared with before.
+impl From<Front> for Vec<Candidate> {
+    fn from(front: Front) -> Self {
+        front.sorted().into_iter().cloned().collect()
+    }
+}
+
+impl From<Vec<Candidate>> for Front {
+    fn from(designs: Vec<Candidate>) -> Self {
+        Front { designs }
+    }
 }
 
 impl Front {

@@ -14,6 +14,7 @@ mod gradients;
 mod in_order;
 mod lanes;
 mod moments;
+mod or_null;
 mod plan;
 mod record;
 mod rows;
@@ -29,7 +30,9 @@ pub use gradients::{Deviations, Gradients, Jacobians, Wanted};
 pub use in_order::in_order;
 pub use moments::{BinnedSums, LevelSums, Moments, SaltelliSums};
 pub use plan::{NotBegun, SweepPlan, Worker};
-pub use record::{FORM, Kind, MoveRecord, OutputColumn, SweepRecord, TargetColumn, VariableRecord};
+pub use record::{
+    BLOCKS_OF_PART, FORM, Kind, MoveRecord, OutputColumn, SweepRecord, TargetColumn, VariableRecord,
+};
 pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};

@@ -1,6 +1,7 @@
 //! Sums from which main effects follow.
 
 use super::SweepRecord;
+use serde::{Deserialize, Serialize};
 
 /// The most levels a variable is divided into.
 const MOST_LEVELS: u64 = 32;
@@ -46,21 +47,28 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
 }
 
 /// Sums, products and squares of scaled variables u and shifted outputs y.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
+    #[serde(skip)]
     spans: Vec<Span>,
+    #[serde(skip)]
     scaled: Vec<f64>,
     /// Number of designs.
     pub count: u64,
     /// Sums of u.
+    #[serde(with = "super::or_null")]
     pub u: Vec<f64>,
     /// `[i][j]`: sums of u_i u_j, j <= i.
+    #[serde(with = "super::or_null")]
     pub uu: Vec<f64>,
     /// Sums of y.
+    #[serde(with = "super::or_null")]
     pub y: Vec<f64>,
     /// Sums of y^2.
+    #[serde(with = "super::or_null")]
     pub yy: Vec<f64>,
     /// `[variable][output]`: sums of u y.
+    #[serde(with = "super::or_null")]
     pub uy: Vec<f64>,
 }
 
@@ -101,6 +109,12 @@ impl Moments {
         }
     }
 
+    /// Whether there are as many sums of each kind.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].map(Vec::len);
+        lengths(self) == lengths(other)
+    }
+
     pub(super) fn absorb(&mut self, next: &Self) {
         self.count += next.count;
         add_to(&mut self.u, &next.u);
@@ -112,22 +126,26 @@ impl Moments {
 }
 
 /// Sums of outputs by the level of each variable.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
+    #[serde(skip)]
     spans: Vec<Span>,
+    #[serde(skip)]
     scaled: Vec<f64>,
     /// By variable.
     pub of: Vec<LevelSums>,
 }
 
 /// Sums of outputs and variables by the level of one variable.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelSums {
     /// Designs by level.
     pub counts: Vec<u64>,
     /// `[level][output]`
+    #[serde(with = "super::or_null")]
     pub sums: Vec<f64>,
     /// `[level][variable]`, of the scaled variables.
+    #[serde(with = "super::or_null")]
     pub places: Vec<f64>,
 }
 
@@ -161,6 +179,13 @@ impl BinnedSums {
         }
     }
 
+    /// Whether there are as many sums of each kind.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        let lengths = |l: &LevelSums| [l.counts.len(), l.sums.len(), l.places.len()];
+        let (own, others) = (self.of.iter(), other.of.iter());
+        own.map(lengths).eq(others.map(lengths))
+    }
+
     pub(super) fn absorb(&mut self, next: &Self) {
         for (sums, other) in self.of.iter_mut().zip(&next.of) {
             for (count, other) in sums.counts.iter_mut().zip(&other.counts) {
@@ -174,22 +199,29 @@ impl BinnedSums {
 
 /// Sums over Saltelli's groups: a design A, a design B, then A with one variable after the other from
 /// B, called C below. Groups with a design that has no values are left out.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SaltelliSums {
     /// Number of groups.
     pub groups: u64,
     /// Sums of y_A + y_B.
+    #[serde(with = "super::or_null")]
     pub sum: Vec<f64>,
     /// Sums of y_A^2 + y_B^2.
+    #[serde(with = "super::or_null")]
     pub squares: Vec<f64>,
     /// `[variable][output]`: sums of y_C - y_A.
+    #[serde(with = "super::or_null")]
     pub steps: Vec<f64>,
     /// `[variable][output]`: sums of y_B (y_C - y_A).
+    #[serde(with = "super::or_null")]
     pub first: Vec<f64>,
     /// `[variable][output]`: sums of (y_A - y_C)^2.
+    #[serde(with = "super::or_null")]
     pub total: Vec<f64>,
     /// The group under way, [role][output]; empty where there are no groups.
+    #[serde(skip)]
     group: Vec<f64>,
+    #[serde(skip)]
     complete: bool,
 }
 
@@ -247,6 +279,12 @@ impl SaltelliSums {
                 self.total[at] += step * step;
             }
         }
+    }
+
+    /// Whether there are as many sums of each kind.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].map(Vec::len);
+        lengths(self) == lengths(other)
     }
 
     pub(super) fn absorb(&mut self, next: &Self) {

@@ -2,14 +2,16 @@
 
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{Block, Evaluator, FORM, Samples, Stations, SweepRecord};
+use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
 use crate::characteristics::Quantity;
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::{Output, Plan};
-use crate::study::{DesignTable, Designs, FileFormat, Study, StudyErrors, Sweep};
+use crate::study::{
+    DesignTable, Designs, FileFormat, Sampled, Sampling, Study, StudyErrors, Sweep,
+};
 
 /// What a sweep computes of each design.
 #[derive(Clone, Debug)]
@@ -56,8 +58,8 @@ impl From<DesignFault> for NotBegun {
 }
 
 impl<'s> SweepPlan<'s> {
-    /// The plan of a study's sweep, or of one of its shards (number, from 1, and number of them).
-    pub fn of(study: &'s Study, sweep: &Sweep, shard: Option<[u64; 2]>) -> Result<Self, NotBegun> {
+    /// The plan of a study's sweep.
+    pub fn of(study: &'s Study, sweep: &Sweep) -> Result<Self, NotBegun> {
         let suspension = &study.suspension;
         let samples = match &sweep.designs {
             Designs::Sampled(sampled) => Samples::Sampled(sampled.clone()),
@@ -92,7 +94,7 @@ impl<'s> SweepPlan<'s> {
         let (values, gains) = columns.into_iter().partition(|c| c.order == 0);
         let mut plan = SweepPlan {
             wishes: wishes.collect(),
-            record: describe(study, sweep, shard, &samples, &stations),
+            record: describe(study, sweep, &samples, &stations),
             stations,
             quantities,
             values,
@@ -187,8 +189,11 @@ impl<'s> SweepPlan<'s> {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
             let cell = cells.next().expect("a cell for each output");
-            // No negative zeros.
-            *cell = value + 0.0;
+            // What is not finite is no value; no negative zeros.
+            *cell = match value.is_finite() {
+                true => value + 0.0,
+                false => f64::NAN,
+            };
         };
         for (k, (column, gain)) in self.values.iter().zip(&self.gains).enumerate() {
             let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
@@ -340,13 +345,7 @@ fn with_gains(study: &Study) -> Plan {
     }
 }
 
-fn describe(
-    study: &Study,
-    sweep: &Sweep,
-    shard: Option<[u64; 2]>,
-    samples: &Samples,
-    stations: &Stations,
-) -> SweepRecord {
+fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations) -> SweepRecord {
     let Study {
         suspension, motion, ..
     } = study;
@@ -394,7 +393,7 @@ fn describe(
         method: method.to_owned(),
         seed,
         designs: samples.designs(),
-        shard,
+        blocks_of_part: BLOCKS_OF_PART,
         drive: match motion.drive.is_angle() {
             true => format!("{}_deg", motion.drive.key()),
             false => format!("{}_{}", motion.drive.key(), unit.symbol()),
@@ -424,7 +423,15 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         study.optimise.as_ref().map(|o| &o.targets),
         (sweep.curves, sweep.format),
         match samples {
-            Samples::Sampled(sampled) => format!("{sampled:?}"),
+            Samples::Sampled(sampled) => {
+                // Designs of a sequence do not depend on how many there are.
+                let samples = match sampled.method {
+                    Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
+                    Sampling::Grid | Sampling::LatinHypercube => sampled.samples,
+                };
+                let sampled = sampled.clone();
+                format!("{:?}", Sampled { samples, ..sampled })
+            }
             Samples::Table(table) => format!("{:?}", table.digest),
         },
     );

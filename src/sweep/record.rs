@@ -1,14 +1,18 @@
 //! `sweep.json`: what a sweep is, but for its results.
 //!
-//! With the rows of `designs.csv` it is all that statistics, `--resume`, `hardpoint merge` and a page
-//! need: what each column is, how designs were sampled and which of them a shard has.
+//! With the rows and statistics of its parts it is all that `--resume`, `hardpoint merge` and a page need: what
+//! each column is, how designs were sampled, how they are divided into parts.
 
 use super::BLOCK;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// The form of the file. A reader takes no other.
-pub const FORM: u32 = 1;
+pub const FORM: u32 = 2;
+
+/// Blocks of a part. With 128 designs each a part is some tenths of a second of work for one core, and a row
+/// group of the usual size. It must not depend on the machine: parts are the same whoever does them.
+pub const BLOCKS_OF_PART: u64 = 1024;
 
 /// What a sweep is, but for its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,7 +21,8 @@ pub struct SweepRecord {
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 of everything the results depend on, but for the shard.
+    /// SHA-256 of everything the results depend on, but for the number of designs where they are those of a
+    /// sequence, of which a longer one begins with the shorter.
     pub digest: String,
     /// Name of the study.
     pub study: String,
@@ -29,10 +34,10 @@ pub struct SweepRecord {
     pub method: String,
     /// Seed of the samples.
     pub seed: Option<u32>,
-    /// Number of designs, of all shards together.
+    /// Number of designs.
     pub designs: u64,
-    /// The part that is done here, counted from 1, and the number of parts.
-    pub shard: Option<[u64; 2]>,
+    /// Blocks of each part but the last, which may be shorter.
+    pub blocks_of_part: u64,
     /// Name and unit of the drive, as in `travel_mm`.
     pub drive: String,
     /// Stations each design is solved at.
@@ -137,24 +142,53 @@ impl SweepRecord {
         (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
     }
 
-    /// The blocks of this part.
-    pub fn blocks(&self) -> Range<u64> {
-        let blocks = self.designs.div_ceil(self.block());
-        let [part, parts] = self.shard.unwrap_or([1, 1]);
-        let up_to = |part: u64| (u128::from(blocks) * u128::from(part) / u128::from(parts)) as u64;
-        up_to(part - 1)..up_to(part)
+    /// The number of blocks.
+    pub fn blocks(&self) -> u64 {
+        self.designs.div_ceil(self.block())
+    }
+
+    /// The number of parts.
+    pub fn parts(&self) -> u64 {
+        self.blocks().div_ceil(self.blocks_of_part.max(1))
+    }
+
+    /// The blocks of a part.
+    pub fn blocks_of(&self, part: u64) -> Range<u64> {
+        let size = self.blocks_of_part;
+        part * size..self.blocks().min((part + 1) * size)
+    }
+
+    /// The parts of a shard, given its number, from 1, and the number of shards. There may be none.
+    pub fn parts_of(&self, [shard, shards]: [u64; 2]) -> Range<u64> {
+        let parts = u128::from(self.parts());
+        let up_to = |shard: u64| (parts * u128::from(shard) / u128::from(shards)) as u64;
+        up_to(shard - 1)..up_to(shard)
+    }
+
+    /// Tells this sweep from all others, those of fewer designs of the same sequence too.
+    pub fn run_digest(&self) -> String {
+        format!("{}-{}", self.digest, self.designs)
+    }
+
+    /// Whether this is another sweep with more designs of its sequence.
+    pub fn continues(&self, other: &SweepRecord) -> bool {
+        let longer = SweepRecord {
+            designs: self.designs,
+            ..other.clone()
+        };
+        other.designs < self.designs && longer == *self
+    }
+
+    /// The number of designs of a part.
+    pub fn designs_of_part(&self, part: u64) -> u64 {
+        let blocks = self.blocks_of(part);
+        self.designs.min(blocks.end * self.block()) - blocks.start * self.block()
     }
 
     /// The designs of a block.
     pub fn designs_of(&self, block: u64) -> Range<u64> {
         let size = self.block();
         block * size..self.designs.min((block + 1) * size)
-    }
-
-    /// The number of designs of this part.
-    pub fn own_designs(&self) -> u64 {
-        let blocks = self.blocks();
-        self.designs.min(blocks.end * self.block()) - blocks.start * self.block()
     }
 
     /// The names of the columns of the designs, in order.
@@ -170,9 +204,26 @@ impl SweepRecord {
         columns
     }
 
-    /// The name of a file of results: `designs` -> `designs.csv`.
-    pub fn file_name(&self, stem: &str) -> String {
-        format!("{stem}.{}", self.format)
+    /// The name of the file with the rows of a part: that of a sweep of one part is `designs.csv`.
+    pub fn rows_name(&self, part: u64) -> String {
+        self.part_name("designs", "part", part, &self.format)
+    }
+
+    /// The name of the file with the curves of a part.
+    pub fn curves_name(&self, part: u64) -> String {
+        self.part_name("curves", "curves", part, &self.format)
+    }
+
+    /// The name of the file with the statistics of a part.
+    pub fn statistics_name(&self, part: u64) -> String {
+        self.part_name("designs", "part", part, "json")
+    }
+
+    fn part_name(&self, only: &str, one_of_many: &str, part: u64, ending: &str) -> String {
+        match self.parts() {
+            0 | 1 => format!("{only}.{ending}"),
+            _ => format!("{one_of_many}-{part:09}.{ending}"),
+        }
     }
 
     /// The outputs that are deviations from targets, by number.

@@ -18,7 +18,7 @@ pub struct Rows {
 }
 
 /// Why a design was not solved at every station.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failing {
     /// The word in the `status` column.
     pub status: String,

@@ -1,18 +1,20 @@
 //! Statistics that can be added up: of a block, of a run, of all shards.
 //!
-//! A tally is made of the rows of one block, and tallies are absorbed in the order of their blocks. So
-//! every sum has one order of additions, whatever the threads, chunks and shards were.
+//! Statistics are made of the rows of one block. Those of a part absorb its blocks in their order, those of
+//! the sweep its parts in theirs. So every sum has one order of additions, whatever the threads and shards
+//! were, and whoever did a part. Written as JSON they come back to the bit.
 
 use super::front::{Candidate, Front};
 use super::moments::{BinnedSums, Moments, SaltelliSums};
 use super::{Rows, SweepRecord};
+use serde::{Deserialize, Serialize};
 
 /// How many of the best designs are kept, and how many examples of a failure.
 const KEPT: usize = 10;
 const EXAMPLES: usize = 5;
 
 /// Statistics of some designs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepStatistics {
     /// Designs looked at.
     pub designs: u64,
@@ -35,7 +37,7 @@ pub struct SweepStatistics {
 }
 
 /// Designs that failed for one reason.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureCount {
     /// The word in the `status` column.
     pub status: String,
@@ -52,7 +54,7 @@ pub struct FailureCount {
 }
 
 /// The range of an output, and the designs at its ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputRange {
     /// Designs that have the output.
     pub count: u64,
@@ -140,7 +142,20 @@ impl SweepStatistics {
         tally
     }
 
-    /// Adds the tally of the designs that follow.
+    /// Whether these are statistics of designs of this sweep.
+    pub fn are_of(&self, record: &SweepRecord) -> bool {
+        let empty = SweepStatistics::empty(record);
+        let [variables, outputs] = [record.variables.len(), record.outputs.len()];
+        let fits = |c: &Candidate| c.variables.len() == variables && c.outputs.len() == outputs;
+        self.ranges.len() == outputs
+            && self.best.iter().all(fits)
+            && self.front.sorted().into_iter().all(fits)
+            && self.moments.fits(&empty.moments)
+            && self.levels.fits(&empty.levels)
+            && self.exchanges.fits(&empty.exchanges)
+    }
+
+    /// Adds the statistics of the designs that follow.
     pub fn absorb(&mut self, record: &SweepRecord, next: &SweepStatistics) {
         self.designs += next.designs;
         self.solved += next.solved;

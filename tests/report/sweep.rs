@@ -127,8 +127,7 @@ fn report_makes_the_same_page_for_any_number_of_threads() {
     assert!(page("1") == page("2"));
 }
 
-/// The page is of what ran last in a directory: a sweep takes the place of a solve, but not the other way
-/// round.
+/// The page is of what ran last in a directory: a sweep takes the place of a solve where it is told to.
 #[test]
 fn a_sweep_in_the_same_directory_takes_its_place() {
     let run = sweep("plain", &["--set", "sweep.samples=200"]);
@@ -139,7 +138,8 @@ fn a_sweep_in_the_same_directory_takes_its_place() {
     solve.arg(&out).arg(&study).assert().success();
     assert!(page().contains("id=\"mechanism\""));
     let mut sweep = hardpoint(&["sweep", "--set", "sweep.samples=200", "--out"]);
-    sweep.arg(&out).arg(&study).assert().success();
+    sweep.arg(&out).arg(&study).assert().code(2);
+    sweep.arg("--force").assert().success();
     assert!(!out.join("report.html").exists(), "of another run");
     hardpoint(&["report"]).arg(&out).assert().success();
     assert!(page().contains("id=\"designs\""));

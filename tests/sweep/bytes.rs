@@ -2,25 +2,30 @@
 
 use super::*;
 
+/// Of one design position alone, and of designs enough for three parts.
+fn three_parts() -> String {
+    let from = STUDY.find("[optimise]").unwrap();
+    STUDY[..from]
+        .replace("[-60.0, -20.0, 20.0, 60.0]", "[0.0]")
+        .replace("[\"camber\", \"toe\"]", "[\"camber\"]")
+        .replace("curves = true", "curves = false")
+        .replace("latin_hypercube", "sobol")
+        .replace("samples = 700", "samples = 262272")
+}
+
 #[test]
 fn threads_and_shards_give_the_same_bytes() {
     let bench = Bench::new(STUDY);
     bench.sweep("one", &["--threads", "1"]).success();
-    bench.sweep("three", &["--threads", "3"]).success();
-    bench.assert_same("one", "three");
-    // Six blocks of designs; more shards than blocks, so that some are empty.
-    for shards in [2, 7] {
-        let mut parts = Vec::new();
-        for i in (1..=shards).rev() {
-            let (part, shard) = (format!("part{i}of{shards}"), format!("{i}/{shards}"));
-            bench.sweep(&part, &["--shard", &shard]).success();
-            parts.push(part);
-        }
-        let mut arguments = vec!["merge", "--out", "merged"];
-        arguments.extend(parts.iter().map(String::as_str));
-        bench.run(&arguments).success();
-        bench.assert_same("one", "merged");
+    bench.sweep("two", &["--threads", "2"]).success();
+    bench.assert_same("one", "two");
+    // There is one part, so that all shards but one have none.
+    for i in ["1/7", "7/7", "2/7"] {
+        bench.sweep("shards", &["--shard", i]).success();
     }
+    bench.assert_same("one", "shards");
+    bench.run(&["merge", "--out", "merged", "shards"]).success();
+    bench.assert_same("one", "merged");
     let designs = bench.designs("one");
     assert_eq!(designs.rows.len(), 700);
     assert!(designs.text("status").iter().all(|s| *s == "ok"));
@@ -28,33 +33,52 @@ fn threads_and_shards_give_the_same_bytes() {
     assert_eq!(curves.rows.len(), 700 * 4);
 }
 
-/// Wherever it was torn, in rows or curves, at a row's end or within, a sweep goes on to the same bytes.
+/// In one go, in shards by two processes at once in one directory, or with a part and its neighbour's
+/// statistics lost in between: the parts are the same, and joined they are what goes to standard output.
 #[test]
-fn a_torn_sweep_is_taken_up_again_to_the_same_bytes() {
-    let bench = Bench::new(STUDY);
+fn parts_are_the_same_whoever_does_them() {
+    let bench = Bench::new(&three_parts());
     bench.sweep("whole", &[]).success();
-    let sizes = ["designs.csv", "curves.csv"].map(|name| {
-        let contents = fs::read(bench.path("whole").join(name)).unwrap();
-        (name, contents)
-    });
-    for (designs, curves) in [(0.5, 0.7), (0.9, 0.3), (1.0, 0.999), (0.02, 1.0)] {
-        let torn = bench.path("torn");
-        fs::create_dir_all(&torn).unwrap();
-        fs::copy(bench.path("whole/sweep.json"), torn.join("sweep.json")).unwrap();
-        for ((name, contents), share) in sizes.iter().zip([designs, curves]) {
-            let length = (contents.len() as f64 * share) as usize;
-            fs::write(torn.join(name), &contents[..length]).unwrap();
-        }
-        bench
-            .sweep("torn", &["--resume", "--threads", "2"])
-            .success();
-        bench.assert_same("whole", "torn");
+    let shard = |i: &str| {
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
+        let arguments = ["sweep", "study.toml", "--out", "shards", "--shard", i];
+        command.current_dir(bench.0.path()).args(arguments);
+        command.stdout(std::process::Stdio::null()).spawn().unwrap()
+    };
+    // The same shard twice, as when a job is queued again whose first process still lives.
+    let running = ["2/2", "1/2", "2/2"].map(shard);
+    for mut process in running {
+        assert_eq!(process.wait().unwrap().code(), Some(0));
     }
-    // A finished one is left as it is; one that was never begun is begun.
-    bench.sweep("whole", &["--resume"]).success();
-    bench.assert_same("whole", "torn");
-    bench.sweep("begun", &["--resume"]).success();
-    bench.assert_same("whole", "begun");
+    bench.assert_same("whole", "shards");
+    let lost = bench.path("shards/part-000000001.csv");
+    fs::remove_file(&lost).unwrap();
+    let leftover = bench.path("shards/.hardpoint-part-000000001-abc");
+    fs::write(&leftover, "half a row").unwrap();
+    let (_, error) = said(&bench.run(&["merge", "--out", "none", "shards"]).code(2));
+    assert!(error.contains("1 of 3 parts are missing (1)"), "{error}");
+    bench.sweep("shards", &["--resume"]).success();
+    assert!(!leftover.exists());
+    bench.assert_same("whole", "shards");
+
+    bench.run(&["merge", "--out", "merged", "whole"]).success();
+    let read = |name: &str| fs::read(bench.path(name)).unwrap();
+    let mut joined = read("whole/part-000000000.csv");
+    for part in ["whole/part-000000001.csv", "whole/part-000000002.csv"] {
+        let rows = read(part);
+        let header = rows.iter().position(|byte| *byte == b'\n').unwrap();
+        joined.extend(&rows[header + 1..]);
+    }
+    assert!(read("merged/designs.csv") == joined);
+    assert!(read("merged/summary.json") == read("whole/summary.json"));
+    // A page is made of either, and of parts of a sweep too.
+    fs::remove_file(bench.path("whole/part-000000000.csv")).unwrap();
+    for run in ["shards", "merged", "whole"] {
+        bench.run(&["report", run]).success();
+    }
+    let page = |run: &str| fs::read_to_string(bench.path(run).join("report.html")).unwrap();
+    assert!(page("shards").contains("262272 designs"));
+    assert!(page("whole").contains("131200 of 262272 designs"));
 }
 
 #[test]
@@ -67,4 +91,32 @@ fn the_designs_alone_go_to_standard_output() {
         fs::read_to_string(bench.path("run/designs.csv")).unwrap()
     );
     assert!(error.contains("700 designs, all solved"), "{error}");
+}
+
+/// More samples of a sequence: parts that are there stay, and the bytes are those of a sweep of all of them.
+#[test]
+fn a_finished_sweep_grows() {
+    let bench = Bench::new(&three_parts());
+    let of = |samples: &str| ["--set".to_owned(), format!("sweep.samples={samples}")];
+    let sweep = |out: &str, samples: &str, more: &[&str]| {
+        let set = of(samples);
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        bench.sweep(out, &[&set[..], more].concat())
+    };
+    sweep("whole", "131300", &[]).success();
+    sweep("grown", "100", &[]).success();
+    // Not without a word.
+    sweep("grown", "131200", &[]).code(2);
+    sweep("grown", "131200", &["--resume"]).success();
+    assert!(!bench.path("grown/designs.csv").exists());
+    let modified = || {
+        fs::metadata(bench.path("grown/part-000000000.csv"))
+            .unwrap()
+            .modified()
+    };
+    let before = modified().unwrap();
+    sweep("grown", "131300", &["--resume"]).success();
+    assert_eq!(modified().unwrap(), before);
+    bench.assert_same("whole", "grown");
+    sweep("grown", "131200", &["--resume"]).code(2);
 }

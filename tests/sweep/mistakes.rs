@@ -7,18 +7,12 @@ fn only_the_same_sweep_is_taken_up_again() {
     let bench = Bench::new(STUDY);
     bench.sweep("run", &[]).success();
     let refused = |more: &[&str], phrase: &str| {
-        let (_, error) = said(&bench.sweep("run", &[&["--resume"], more].concat()).code(2));
+        let (_, error) = said(&bench.sweep("run", more).code(2));
         assert!(error.contains("run") && error.contains(phrase), "{error}");
     };
-    refused(&["--set", "sweep.seed=4"], "another study");
-    refused(
-        &[
-            "--set",
-            "suspension.hardpoints.strut_top=[-35.0, 575.0, 851.0]",
-        ],
-        "another study",
-    );
-    refused(&["--shard", "1/2"], "the whole sweep");
+    refused(&["--resume", "--set", "sweep.seed=4"], "another study");
+    let moved = "suspension.hardpoints.strut_top=[-35.0, 575.0, 851.0]";
+    refused(&["--resume", "--set", moved], "another study");
     // What the results do not depend on may change.
     let commented =
         format!("# A comment.\n{STUDY}").replace("\n[optimise]\n", "\n[optimise]\nstarts = 5\n");
@@ -26,40 +20,46 @@ fn only_the_same_sweep_is_taken_up_again() {
     bench.sweep("run", &["--resume"]).success();
     // A file that someone has edited is not gone on with.
     let path = bench.path("run/designs.csv");
-    let edited = fs::read_to_string(&path)
-        .unwrap()
-        .replacen("\n5,", "\n55,", 1);
-    fs::write(&path, edited).unwrap();
-    refused(&[], "design 5 ");
+    let written = fs::read_to_string(&path).unwrap();
+    fs::write(&path, written.replacen("\n5,", "\n55,", 1)).unwrap();
+    refused(&["--resume"], "designs.csv: changed since it was written");
     let (_, error) = said(&bench.sweep("-", &["--resume"]).code(2));
     assert!(error.contains("--resume"), "{error}");
+    bench.sweep("run", &["--force"]).success();
+    assert_eq!(fs::read_to_string(&path).unwrap(), written);
+    // One that has not ended is not begun anew without a word.
+    let manifest = bench.path("run/run.json");
+    let ended = fs::read_to_string(&manifest).unwrap();
+    let begun = ended.replace("\"finished\": true", "\"finished\": false");
+    fs::write(&manifest, begun).unwrap();
+    fs::remove_file(&path).unwrap();
+    refused(&[], "unfinished sweep");
+    bench.sweep("run", &["--resume"]).success();
+    assert_eq!(fs::read_to_string(&manifest).unwrap(), ended);
+    assert_eq!(fs::read_to_string(&path).unwrap(), written);
 }
 
 #[test]
 fn only_whole_sweeps_are_merged() {
     let bench = Bench::new(STUDY);
-    for i in ["1", "2", "3"] {
-        bench.sweep(i, &["--shard", &format!("{i}/3")]).success();
+    for (name, seed) in [("run", "sweep.seed=3"), ("other", "sweep.seed=9")] {
+        bench.sweep(name, &["--set", seed]).success();
     }
-    bench
-        .sweep("other", &["--shard", "3/3", "--set", "sweep.seed=9"])
-        .success();
     let refused = |parts: &[&str], phrase: &str| {
         let arguments = [&["merge", "--out", "merged"], parts].concat();
         let (_, error) = said(&bench.run(&arguments).code(2));
         assert!(error.contains(phrase), "{parts:?}: {error}");
         assert!(!bench.path("merged").exists());
     };
-    refused(&["1", "3"], "shard 2/3");
-    refused(&["1", "2", "2", "3"], "the same shard, 2 of 3");
-    refused(&["1", "2", "other"], "not a shard of the same sweep");
-    refused(&["1", "2", "absent"], "no sweep.json");
-    let path = bench.path("2/designs.csv");
+    refused(&["run", "other"], "not of the same sweep");
+    refused(&["run", "absent"], "no sweep.json");
+    bench.run(&["merge", "--out", "run", "run"]).code(2);
+    let path = bench.path("run/designs.csv");
     let contents = fs::read(&path).unwrap();
     fs::write(&path, &contents[..contents.len() / 2]).unwrap();
-    refused(&["1", "2", "3"], "not finished");
-    let arguments = ["merge", "--out", "1", "1", "3"];
-    bench.run(&arguments).code(2);
+    refused(&["run"], "changed since it was written");
+    fs::remove_file(&path).unwrap();
+    refused(&["run"], "1 of 1 parts are missing");
 }
 
 #[test]
@@ -258,4 +258,94 @@ fn what_a_sweep_leaves_to_solve_is_said() {
     assert!(error.contains("certify of [outputs]"), "{error}");
     let (_, error) = said(&bench.sweep("most", &[&few[..], &asked].concat()).success());
     assert!(error.contains("order, certify of [outputs]"), "{error}");
+}
+
+/// A sweep that keeps nothing is no sweep, and `check` says so too; of points alone it is one.
+#[test]
+fn a_sweep_of_nothing_is_refused() {
+    let study = &STUDY[..STUDY.find("[optimise]").unwrap()];
+    for outputs in [
+        "characteristics = []",
+        "",
+        "characteristics = []\norder = \"velocity\"",
+    ] {
+        let bench = Bench::new(&study.replace("characteristics = [\"camber\", \"toe\"]", outputs));
+        for command in ["check", "sweep"] {
+            let (_, error) = said(&bench.run(&[command, "study.toml"]).code(2));
+            assert!(error.contains("nothing to keep of each design"), "{error}");
+        }
+        let points = ["--set", "outputs.points=[\"wheel_centre\"]"];
+        bench.sweep("run", &points).success();
+        assert_eq!(bench.designs("run").header[3], "wheel_centre_x_min_mm");
+    }
+}
+
+/// No number of a sweep is infinite: tolerances are not smaller than what values are known to.
+#[test]
+fn tolerances_below_rounding_are_refused() {
+    let bench = Bench::new(&STUDY.replace("tolerance = 0.01", "tolerance = 1e-300"));
+    let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
+    assert!(
+        error.contains("tolerance") && error.contains("1e-12"),
+        "{error}"
+    );
+    let bench = Bench::new(&STUDY.replace("tolerance = 0.01", "tolerance = 1e-12"));
+    bench.sweep("run", &[]).success();
+    assert!(!bench.designs("run").text("misfit").contains(&"inf"));
+    bench.run(&["report", "run"]).success();
+}
+
+/// What has no end is not read.
+#[cfg(unix)]
+#[test]
+fn devices_are_no_inputs() {
+    let bench = Bench::new(STUDY);
+    let target =
+        "optimise.targets=[{characteristic=\"camber\", file=\"/dev/zero\", tolerance=1.0}]";
+    for command in ["solve", "sweep"] {
+        let call = [command, "study.toml", "--set", target];
+        let (_, error) = said(&bench.run(&call).code(2));
+        assert!(error.contains("/dev/zero: it is a device"), "{error}");
+    }
+    let (_, error) = said(&bench.run(&["solve", "/dev/zero"]).code(2));
+    assert!(error.contains("it is a device"), "{error}");
+    let from = STUDY.find("method = \"latin").unwrap();
+    let to = STUDY.find("[optimise]").unwrap();
+    let study = [&STUDY[..from], "designs = \"/dev/zero\"\n", &STUDY[to..]].concat();
+    fs::write(bench.path("study.toml"), study).unwrap();
+    let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
+    assert!(error.contains("it is a device"), "{error}");
+}
+
+/// Only two of every group of Saltelli's samples are independent; a mean is of these, and that is said.
+#[test]
+fn it_is_said_which_designs_statistics_are_of() {
+    let bench = Bench::new(STUDY);
+    let few = [
+        "--set",
+        "sweep.samples=50",
+        "--set",
+        "sweep.method=saltelli",
+    ];
+    let (text, _) = said(&bench.sweep("run", &few).success());
+    assert!(
+        text.contains("are of 100 designs, those of the two independent"),
+        "{text}"
+    );
+    let summary = bench.json("run/summary.json");
+    assert_eq!(
+        (&summary["done"], &summary["statistics_designs"]),
+        (&200.into(), &100.into())
+    );
+    assert_eq!(output(&summary, "camber_min_deg")["count"], 200);
+}
+
+/// More threads than cores or blocks are not started, and that is said.
+#[test]
+fn threads_are_no_more_than_help() {
+    let bench = Bench::new(STUDY);
+    let begun = std::time::Instant::now();
+    let (_, error) = said(&bench.sweep("run", &["--threads", "10000"]).success());
+    assert!(error.contains("of the 10000 threads asked for"), "{error}");
+    assert!(begun.elapsed().as_secs() < 30);
 }

@@ -122,13 +122,11 @@ fn unmoved(outputs: &[OutputSummary]) -> Vec<usize> {
 
 fn about(record: &SweepRecord) -> String {
     let seed = record.seed.map(|seed| format!(", seed {seed}"));
-    let shard = record.shard.map(|[i, n]| format!(", shard {i} of {n}"));
     format!(
-        "{}, sweep by {}{}{}, {} stations · hardpoint {}",
+        "{}, sweep by {}{}, {} stations · hardpoint {}",
         record.topology.replace('_', " "),
         record.method.replace('_', " "),
         seed.unwrap_or_default(),
-        shard.unwrap_or_default(),
         record.stations,
         record.version
     )
@@ -228,7 +226,7 @@ fn remarks(run: &SweepRun) -> String {
 /// Which designs are drawn.
 fn choice(run: &SweepRun) -> String {
     let (summary, shown) = (&run.summary, run.shown.design.len());
-    let file = html(&run.record.file_name("designs"));
+    let file = html(&run.files[0]);
     if run.choice.every == 1 {
         return format!("All {shown} designs are drawn, with the values of <code>{file}</code>.");
     }

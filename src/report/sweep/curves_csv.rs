@@ -55,11 +55,6 @@ impl CurvesCsv {
         }
     }
 
-    /// Rows of each design.
-    pub fn rows_of_design(&self) -> usize {
-        self.stations.len()
-    }
-
     /// Adds the curves of a block whose first design has this number.
     pub fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
         let mut words: Vec<&'static str> = Vec::new();

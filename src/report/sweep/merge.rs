@@ -1,25 +1,29 @@
-//! Joining the shards of a sweep to the bytes of one run.
+//! Joining the parts of a sweep to one file, for those who want one.
 
-use super::files::{NotThisSweep, read_record};
-use super::rows_csv;
-use super::table_file::{TableFile, open_lines};
-use crate::report::{RunDirectory, WriteError};
+use super::directory::{NotThisSweep, SweepDirectory};
+use super::part::{self, Pending};
+use super::table_file::open_lines;
+use crate::results::{RunDirectory, WriteError};
 use crate::sweep::{SweepRecord, SweepStatistics};
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
-/// All the shards of a sweep, in order.
+/// All the parts of a sweep, wherever they are.
 #[derive(Debug)]
 pub struct Parts {
-    /// The sweep as one run has it.
+    /// The sweep as one part.
     pub record: SweepRecord,
-    parts: Vec<(PathBuf, SweepRecord)>,
+    /// Of all of them.
+    pub statistics: SweepStatistics,
+    /// By part, where it is.
+    places: Vec<usize>,
+    directories: Vec<SweepDirectory>,
 }
 
-/// Why shards cannot be joined.
+/// Why parts cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// They are not all the finished shards of one sweep.
+    /// They are not all the parts of one sweep.
     #[error(transparent)]
     Parts(#[from] NotThisSweep),
     /// The result cannot be written.
@@ -35,109 +39,101 @@ fn wrong(path: &Path, reason: String) -> NotThisSweep {
 }
 
 impl Parts {
-    /// Reads what the directories hold, and sees whether together they are one whole sweep.
-    pub fn read(directories: &[PathBuf]) -> Result<Self, NotThisSweep> {
-        let mut parts = Vec::new();
-        for directory in directories {
-            parts.push((directory.clone(), read_record(directory)?));
-        }
-        let whole = |record: &SweepRecord| SweepRecord {
-            shard: None,
-            ..record.clone()
-        };
-        let Some((first_path, first)) = parts.first().cloned() else {
+    /// Reads what the directories hold, and sees whether together they have every part of one sweep.
+    pub fn read(paths: &[PathBuf]) -> Result<Self, NotThisSweep> {
+        let directories: Result<Vec<_>, _> = paths
+            .iter()
+            .map(|path| SweepDirectory::read(path))
+            .collect();
+        let directories = directories?;
+        let Some(first) = directories.first() else {
             let reason = "no directories were given".to_owned();
             return Err(wrong(Path::new("merge"), reason));
         };
-        let record = whole(&first);
-        let count = first.shard.map_or(1, |[_, n]| n);
-        for (path, part) in &parts {
-            if whole(part) != record || part.shard.map_or(1, |[_, n]| n) != count {
-                let first = first_path.display();
-                let reason = format!("not a shard of the same sweep as {first}");
-                return Err(wrong(path, reason));
+        if let Some(other) = directories.iter().find(|d| d.record != first.record) {
+            let reason = format!("not of the same sweep as {}", first.path().display());
+            return Err(wrong(other.path(), reason));
+        }
+        let mut statistics = SweepStatistics::empty(&first.record);
+        let (mut places, mut missing) = (Vec::new(), Vec::new());
+        for number in 0..first.record.parts() {
+            let mut found = None;
+            for (place, directory) in directories.iter().enumerate() {
+                if let Some(part) = directory.part(number)? {
+                    found = Some((place, part));
+                    break;
+                }
+            }
+            match found {
+                Some((place, part)) => {
+                    statistics.absorb(&first.record, &part.statistics);
+                    places.push(place);
+                }
+                None => missing.push(number.to_string()),
             }
         }
-        parts.sort_by_key(|(_, record)| record.shard);
-        let number = |record: &SweepRecord| record.shard.map_or(1, |[i, _]| i);
-        for pair in parts.windows(2) {
-            if number(&pair[0].1) == number(&pair[1].1) {
-                let reason = format!(
-                    "the same shard, {} of {count}, as {}",
-                    number(&pair[1].1),
-                    pair[0].0.display()
-                );
-                return Err(wrong(&pair[1].0, reason));
-            }
-        }
-        let there = |i: &u64| parts.iter().any(|(_, record)| number(record) == *i);
-        let missing: Vec<String> = (1..=count)
-            .filter(|i| !there(i))
-            .take(10)
-            .map(|i| format!("{i}/{count}"))
-            .collect();
         if !missing.is_empty() {
-            let reason = format!("missing of its sweep: shard {}", missing.join(", "));
-            return Err(wrong(&first_path, reason));
+            let reason = format!(
+                "{} of {} parts are missing ({}{}); `hardpoint sweep` with --resume or --shard makes them",
+                missing.len(),
+                first.record.parts(),
+                missing[..missing.len().min(10)].join(", "),
+                if missing.len() > 10 { ", ..." } else { "" },
+            );
+            return Err(wrong(first.path(), reason));
         }
-        Ok(Parts { record, parts })
+        Ok(Parts {
+            record: SweepRecord {
+                blocks_of_part: first.record.blocks().max(1),
+                ..first.record.clone()
+            },
+            statistics,
+            places,
+            directories,
+        })
     }
 
     /// Where they are.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
-        self.parts.iter().map(|(path, _)| path.as_path())
+        self.directories.iter().map(SweepDirectory::path)
     }
 
-    /// Sums all shards up, which must be finished; `watch` hears of every block's designs.
-    pub fn tally(&self, mut watch: impl FnMut(u64)) -> Result<SweepStatistics, NotThisSweep> {
-        let mut tally = SweepStatistics::empty(&self.record);
-        for (directory, part) in &self.parts {
-            let path = directory.join(part.file_name("designs"));
-            let unreadable = |e: io::Error| wrong(&path, e.to_string());
-            let mut reader = open_lines(&path)
-                .and_then(|lines| rows_csv::Reader::new(part, lines))
-                .map_err(unreadable)?;
-            for block in part.blocks() {
-                let Some((rows, _)) = reader.block(block).map_err(unreadable)? else {
-                    let reason = "not finished; `hardpoint sweep` with --resume goes on with it";
-                    return Err(wrong(directory, reason.to_owned()));
-                };
-                watch(rows.designs() as u64);
-                tally.absorb(&self.record, &SweepStatistics::of(&self.record, &rows));
-            }
-        }
-        Ok(tally)
-    }
-
-    /// Joins the files of all shards in a directory.
-    pub fn join(&self, into: &RunDirectory) -> Result<(), MergeError> {
-        let json = serde_json::to_string_pretty(&self.record).expect("records are plain data");
-        into.write("sweep.json", (json + "\n").as_bytes())?;
-        self.join_files("designs", into)?;
-        if self.record.curves {
-            self.join_files("curves", into)?;
-        }
+    /// Joins the files of all parts in a directory; `watch` hears of every part's designs.
+    pub fn join(&self, into: &RunDirectory, mut watch: impl FnMut(u64)) -> Result<(), MergeError> {
+        let directory = SweepDirectory::prepare(into, &self.record, true)?;
+        let rows = self.joined(&directory, SweepRecord::rows_name, &mut watch)?;
+        let curves = match self.record.curves {
+            true => Some(self.joined(&directory, SweepRecord::curves_name, &mut |_| {})?),
+            false => None,
+        };
+        let statistics = self.statistics.clone();
+        part::put(into.path(), &self.record, 0, rows, curves, statistics)?;
         Ok(())
     }
 
-    /// One header, then the rows of all shards.
-    fn join_files(&self, name: &str, into: &RunDirectory) -> Result<(), MergeError> {
-        let name = self.record.file_name(name);
-        let mut joined: Option<TableFile> = None;
-        for (directory, _) in &self.parts {
-            let path = directory.join(&name);
+    /// One header, then the rows of all parts.
+    fn joined(
+        &self,
+        into: &SweepDirectory,
+        name: impl Fn(&SweepRecord, u64) -> String,
+        watch: &mut dyn FnMut(u64),
+    ) -> Result<Pending, MergeError> {
+        let mut joined: Option<Pending> = None;
+        for (number, place) in (0..).zip(&self.places) {
+            let source = &self.directories[*place];
+            let path = source.path().join(name(&source.record, number));
             let unreadable = |e: io::Error| wrong(&path, e.to_string());
             let mut lines = open_lines(&path).map_err(unreadable)?;
             let mut header = Vec::new();
             lines.read_until(b'\n', &mut header).map_err(unreadable)?;
             let mut file = match joined.take() {
                 Some(file) => file,
-                None => TableFile::begin(into.path().join(&name), &header)?,
+                None => Pending::begin(into.path(), "merge", name(&self.record, 0), &header)?,
             };
-            file.copy_rows(&mut lines)?;
+            file.table.copy_rows(&mut lines)?;
             joined = Some(file);
+            watch(source.record.designs_of_part(number));
         }
-        joined.map_or(Ok(()), TableFile::finish)?;
-        Ok(())
+        joined.ok_or_else(|| wrong(into.path(), "there are no parts".to_owned()).into())
     }
 }

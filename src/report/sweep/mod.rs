@@ -1,36 +1,39 @@
 //! The files of a sweep, and what it came to.
 //!
-//! A sweep's directory has `sweep.json` ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how
-//! designs were sampled, targets), the rows in `designs.csv`, the rows of the Pareto front in
-//! `pareto.csv`, with `curves = true` every curve in `curves.csv`, and [`SweepSummary`] in `summary.json`:
-//! all that a page of the sweep needs. With
-//! `format = "parquet"` designs and curves end in `.parquet`.
+//! A sweep is divided into parts of 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]). Its directory has `sweep.json`
+//! ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how designs were sampled, targets), for each
+//! part its rows in `part-000000000.csv`, its statistics in `part-000000000.json` and with `curves = true` every
+//! curve in `curves-000000000.csv`, and from the statistics alone `pareto.csv` and [`SweepSummary`] in
+//! `summary.json`. A sweep of one part calls these `designs.csv`, `designs.json` and `curves.csv`. With
+//! `format = "parquet"` rows and curves end in `.parquet`. The parts are the result: whoever does one, its bytes
+//! are the same, and one that is whole is not done again.
 
 mod curves_csv;
-mod files;
+mod directory;
 mod merge;
 #[cfg(feature = "parquet")]
 mod parquet_file;
+mod part;
 mod rows_csv;
 mod run;
 mod shown;
 mod summary;
 mod table_file;
+mod text;
 
-pub use files::{Finished, NotThisSweep, Resumed, SweepFiles, SweepText};
+pub use directory::{Done, NotThisSweep, SweepDirectory};
 pub use merge::{MergeError, Parts};
+pub use part::{PartOutcome, PartRecord, write_part};
 pub use run::SweepRun;
 pub use shown::{Choice, ShownDesigns};
 pub(super) use summary::OutputSummary;
 pub use summary::{SweepSummary, pareto_csv};
+pub use table_file::TableFile;
+pub use text::{Finished, SweepText};
 
-use crate::report::WriteError;
-use std::path::Path;
+use crate::sweep::SweepRecord;
 
-/// Says what could not be written where.
-fn unwritten(path: &Path) -> impl FnOnce(std::io::Error) -> WriteError + '_ {
-    move |source| WriteError {
-        path: path.to_owned(),
-        source,
-    }
+/// The first line of a sweep's rows.
+pub fn rows_header(record: &SweepRecord) -> Vec<u8> {
+    rows_csv::header(record)
 }

@@ -13,17 +13,15 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use std::fs::File;
 use std::io::{self, BufRead, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use tempfile::NamedTempFile;
 
 /// Rows of a row group.
 const GROUP: usize = 1 << 15;
 
-/// A Parquet file that is being written. It takes its place when it is finished.
+/// A Parquet file that is being written.
 pub struct ParquetFile {
-    path: PathBuf,
-    writer: SerializedFileWriter<NamedTempFile>,
+    writer: SerializedFileWriter<File>,
     columns: Vec<Column>,
     rows: usize,
 }
@@ -107,7 +105,7 @@ fn failed(error: ParquetError) -> io::Error {
 
 impl ParquetFile {
     /// Begins a file with the columns of a CSV header.
-    pub fn begin(path: &Path, header: &[u8]) -> io::Result<Self> {
+    pub fn begin(file: File, header: &[u8]) -> io::Result<Self> {
         let header = String::from_utf8_lossy(header);
         let names: Vec<&str> = header.trim_end().split(',').collect();
         let columns: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
@@ -122,10 +120,7 @@ impl ParquetFile {
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             .set_created_by(format!("hardpoint {}", env!("CARGO_PKG_VERSION")))
             .build();
-        let directory = path.parent().unwrap_or(Path::new("."));
-        let file = crate::report::run_directory::temporary(directory)?;
         Ok(ParquetFile {
-            path: path.to_owned(),
             writer: SerializedFileWriter::new(file, schema, Arc::new(properties))
                 .map_err(failed)?,
             columns,
@@ -179,13 +174,12 @@ impl ParquetFile {
         Ok(())
     }
 
-    /// Writes what is left and puts the file in its place.
+    /// Writes what is left, and the file's end.
     pub fn finish(mut self) -> io::Result<()> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;
         }
-        let file = self.writer.into_inner().map_err(failed)?;
-        file.persist(&self.path).map_err(|e| e.error)?;
+        self.writer.close().map_err(failed)?;
         Ok(())
     }
 }

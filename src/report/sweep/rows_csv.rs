@@ -108,17 +108,16 @@ impl<'r, R: BufRead> Reader<'r, R> {
         })
     }
 
-    /// The rows of a block, with their length in bytes; `None` where the file ends before they do.
-    pub fn block(&mut self, block: u64) -> io::Result<Option<(Rows, u64)>> {
+    /// The rows of a block; `None` where the file ends before they do.
+    pub fn block(&mut self, block: u64) -> io::Result<Option<Rows>> {
         let range = self.record.designs_of(block);
         let mut rows = Rows {
             first: range.start,
             ..Rows::default()
         };
-        let mut length = 0;
         for design in range {
             self.line.clear();
-            length += self.lines.read_line(&mut self.line)? as u64;
+            self.lines.read_line(&mut self.line)?;
             let Some(line) = self.line.strip_suffix('\n') else {
                 return Ok(None);
             };
@@ -127,7 +126,7 @@ impl<'r, R: BufRead> Reader<'r, R> {
                 return Err(wrong(&message));
             }
         }
-        Ok(Some((rows, length)))
+        Ok(Some(rows))
     }
 }
 

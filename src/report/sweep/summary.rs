@@ -14,13 +14,15 @@ pub struct SweepSummary {
     study: String,
     topology: String,
     pub(in crate::report) method: String,
-    pub(in crate::report) shard: Option<[u64; 2]>,
-    /// Designs asked for here.
+    /// Designs asked for.
     pub(in crate::report) designs: u64,
     /// Designs done; fewer where the sweep was interrupted.
     pub(in crate::report) done: u64,
     /// Designs solved at every station.
     pub(in crate::report) solved: u64,
+    /// Designs that mean, standard deviation, r2 and change are of: those with every output, and of Saltelli's
+    /// samples only the two independent ones.
+    statistics_designs: u64,
     pub(in crate::report) failures: Vec<FailureSummary>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
@@ -55,7 +57,7 @@ pub(in crate::report) struct OutputSummary {
     min_design: Option<u64>,
     max: Option<f64>,
     max_design: Option<u64>,
-    /// Over the designs that have every output.
+    /// Over the `statistics_designs`.
     mean: Option<f64>,
     standard_deviation: Option<f64>,
     /// The part of the variance that the plane of least squares explains.
@@ -86,7 +88,7 @@ pub(in crate::report) struct DesignSummary {
 }
 
 impl SweepSummary {
-    /// The summary of a sweep or of a part of it.
+    /// The summary of a sweep or of parts of it.
     pub fn of(record: &SweepRecord, tally: &SweepStatistics) -> Self {
         let effects = Effects::all(record, tally);
         let (misfit, deviations) = (record.misfit(), record.deviations());
@@ -103,10 +105,10 @@ impl SweepSummary {
             study: record.study.clone(),
             topology: record.topology.clone(),
             method: record.method.clone(),
-            shard: record.shard,
-            designs: record.own_designs(),
+            designs: record.designs,
             done: tally.designs,
             solved: tally.solved,
+            statistics_designs: tally.moments.count,
             failures: tally
                 .failures
                 .iter()
@@ -134,17 +136,18 @@ impl SweepSummary {
             0 => "all solved".to_owned(),
             failed => format!("{failed} not solved everywhere"),
         };
-        let part = match self.shard {
-            None => String::new(),
-            Some([i, n]) => format!("shard {i}/{n}: "),
-        };
         match self.done == self.designs {
-            true => format!("{part}{} designs, {failed}", self.done),
+            true => format!("{} designs, {failed}", self.done),
             false => format!(
-                "{part}interrupted after {} of {} designs, {failed}; --resume goes on",
+                "{} of {} designs, {failed}; --resume goes on",
                 self.done, self.designs
             ),
         }
+    }
+
+    /// Whether every design was done.
+    pub fn is_done(&self) -> bool {
+        self.done == self.designs
     }
 
     /// Whether every design was done and solved at every station.
@@ -205,6 +208,17 @@ impl SweepSummary {
             }
         }
         table
+    }
+
+    /// Which designs the statistics are of, where they are not all.
+    pub fn of_which(&self) -> Option<String> {
+        (self.method == "saltelli").then(|| {
+            format!(
+                "Mean, standard deviation, r2 and change are of {} designs, those of the two independent samples; \
+                 min and max are of all, shares of all groups without a failure.",
+                self.statistics_designs
+            )
+        })
     }
 
     /// The best designs by misfit, with their variables; empty where there are no targets.

@@ -1,17 +1,14 @@
 //! A file of rows that grows by whole blocks, as CSV or Parquet, and the way to read one back.
 
-use super::unwritten;
-use crate::report::WriteError;
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use crate::results::{WriteError, unwritten};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 /// A file of rows that is being written.
 pub struct TableFile {
     path: PathBuf,
     out: Out,
-    /// Bytes written, as CSV.
-    length: u64,
 }
 
 enum Out {
@@ -27,80 +24,46 @@ impl TableFile {
         let mut file = TableFile {
             path: PathBuf::from("standard output"),
             out: Out::Standard,
-            length: 0,
         };
         file.append(header)?;
         Ok(file)
     }
 
-    /// Begins a file; the ending of its name says what it is. `header` is that of a CSV file.
-    pub fn begin(path: PathBuf, header: &[u8]) -> Result<Self, WriteError> {
+    /// Begins to write to a file; the ending of its name to be says what it is. `header` is that of a CSV file.
+    pub fn begin(file: File, path: PathBuf, header: &[u8]) -> Result<Self, WriteError> {
         #[cfg(feature = "parquet")]
         if is_parquet(&path) {
-            let file = super::parquet_file::ParquetFile::begin(&path, header);
+            let file = super::parquet_file::ParquetFile::begin(file, header);
             return Ok(TableFile {
                 out: Out::Parquet(Box::new(file.map_err(unwritten(&path))?)),
                 path,
-                length: header.len() as u64,
             });
         }
-        let file = File::create(&path).map_err(unwritten(&path))?;
         let mut file = TableFile {
             out: Out::Csv(file),
             path,
-            length: 0,
         };
         file.append(header)?;
         Ok(file)
-    }
-
-    /// Opens a file to go on after so many bytes (as CSV); the rest is dropped.
-    pub fn reopen(path: PathBuf, header: &[u8], length: u64) -> Result<Self, WriteError> {
-        if is_parquet(&path) {
-            // A Parquet file has an end: it is written again.
-            let copy = || -> io::Result<TableFile> {
-                let mut lines = open_lines(&path)?;
-                let rest = length - header.len() as u64;
-                io::copy(&mut (&mut lines).take(header.len() as u64), &mut io::sink())?;
-                let mut file = TableFile::begin(path.clone(), header).map_err(|e| e.source)?;
-                file.copy_rows(&mut lines.take(rest))
-                    .map_err(|e| e.source)?;
-                Ok(file)
-            };
-            return copy().map_err(unwritten(&path));
-        }
-        let open = || -> io::Result<File> {
-            let mut file = OpenOptions::new().write(true).open(&path)?;
-            file.set_len(length)?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(file)
-        };
-        Ok(TableFile {
-            out: Out::Csv(open().map_err(unwritten(&path))?),
-            path,
-            length,
-        })
     }
 
     /// Appends rows of CSV.
     pub fn append(&mut self, rows: &[u8]) -> Result<(), WriteError> {
         let written = match &mut self.out {
             Out::Standard => io::stdout().write_all(rows),
-            Out::Csv(file) => file.write_all(rows).inspect_err(|_| {
-                // A disk that is full: what there is of the block goes. If that fails as well,
-                // resuming will find the torn row.
-                let _ = file.set_len(self.length);
-            }),
+            Out::Csv(file) => file.write_all(rows),
             #[cfg(feature = "parquet")]
             Out::Parquet(file) => file.append(rows),
         };
-        written.map_err(unwritten(&self.path))?;
-        self.length += rows.len() as u64;
-        Ok(())
+        written.map_err(unwritten(&self.path))
     }
 
     /// Appends all that is left of some rows of CSV.
     pub fn copy_rows(&mut self, lines: &mut dyn BufRead) -> Result<(), WriteError> {
+        if let Out::Csv(file) = &mut self.out {
+            let copied = io::copy(lines, file);
+            return copied.map(|_| ()).map_err(unwritten(&self.path));
+        }
         let mut rows = Vec::new();
         loop {
             let read = lines.read_until(b'\n', &mut rows);
@@ -146,8 +109,9 @@ pub fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
 mod tests {
     use super::super::rows_csv;
     use super::*;
+    use std::io::Read;
 
-    /// Rows of several groups come back as they were written, and after a part of them is kept.
+    /// Rows of several groups come back as they were written, and from any chunks the same file is made.
     #[test]
     fn parquet_gives_the_text_back() {
         let directory = tempfile::tempdir().unwrap();
@@ -179,7 +143,9 @@ mod tests {
                 .unwrap();
             text
         };
-        let mut file = TableFile::begin(path.clone(), header).unwrap();
+        let begin =
+            || TableFile::begin(File::create(&path).unwrap(), path.clone(), header).unwrap();
+        let mut file = begin();
         for block in rows.chunks(128) {
             file.append(block.concat().as_bytes()).unwrap();
         }
@@ -187,9 +153,9 @@ mod tests {
         let whole = String::from_utf8(header.to_vec()).unwrap() + &rows.concat();
         assert!(read() == whole);
         let bytes = std::fs::read(&path).unwrap();
-        let kept = header.len() + rows[..1000].concat().len();
-        let mut file = TableFile::reopen(path.clone(), header, kept as u64).unwrap();
-        file.append(rows[1000..].concat().as_bytes()).unwrap();
+        let mut file = begin();
+        file.copy_rows(&mut whole[header.len()..].as_bytes())
+            .unwrap();
         file.finish().unwrap();
         assert!(std::fs::read(&path).unwrap() == bytes);
     }

@@ -1,0 +1,265 @@
+//! The directory of a sweep: what it is, in `sweep.json`, and its parts.
+
+use super::part::{FORM as PART_FORM, PartRecord};
+use super::rows_csv;
+use super::summary::{SweepSummary, pareto_csv};
+use super::table_file::open_lines;
+use crate::results::{RunDirectory, WriteError};
+use crate::sweep::{FORM, SweepRecord, SweepStatistics};
+use std::io::{self, BufRead};
+use std::path::{Path, PathBuf};
+
+/// Why a directory is not that of a sweep, or not of this one.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct NotThisSweep {
+    /// The directory or file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+/// The directory of a sweep.
+#[derive(Clone, Debug)]
+pub struct SweepDirectory {
+    path: PathBuf,
+    /// What the sweep is.
+    pub record: SweepRecord,
+}
+
+/// What there is of a sweep.
+#[derive(Clone, Debug)]
+pub struct Done {
+    /// Of all parts that are whole, in their order.
+    pub statistics: SweepStatistics,
+    /// The parts that are not, by number.
+    pub missing: Vec<u64>,
+}
+
+/// Names of the files with a sweep's parts, whatever their number and format. A star stands for digits.
+const PART_FILES: [&str; 10] = [
+    "designs.csv",
+    "designs.parquet",
+    "designs.json",
+    "curves.csv",
+    "curves.parquet",
+    "part-*.csv",
+    "part-*.parquet",
+    "part-*.json",
+    "curves-*.csv",
+    "curves-*.parquet",
+];
+
+impl SweepDirectory {
+    /// The files a sweep writes. A star stands for digits.
+    pub fn files(record: &SweepRecord) -> Vec<String> {
+        let mut names = vec!["sweep.json".to_owned()];
+        names.extend(SweepDirectory::part_files(record));
+        names.push("summary.json".to_owned());
+        names.extend((record.deviations().len() > 1).then(|| "pareto.csv".to_owned()));
+        names
+    }
+
+    /// The names of the files with its parts, for reading: a star stands for their numbers.
+    pub fn part_files(record: &SweepRecord) -> Vec<String> {
+        let mut names = vec![record.rows_name(0), record.statistics_name(0)];
+        names.extend(record.curves.then(|| record.curves_name(0)));
+        let starred = names.iter().map(|name| name.replace("000000000", "*"));
+        starred.collect()
+    }
+
+    /// Puts a claimed directory in order for a sweep: with parts of this sweep that are there, unless it is to
+    /// be begun anew, and of no other.
+    pub fn prepare(
+        directory: &RunDirectory,
+        record: &SweepRecord,
+        anew: bool,
+    ) -> Result<Self, WriteError> {
+        let there = read_record(directory.path()).ok();
+        let is_this = there.as_ref() == Some(record);
+        // Parts of the same length are the same in a longer sweep: all but the last one.
+        let shorter = there.filter(|there| record.continues(there) && there.parts() > 1);
+        match shorter {
+            _ if is_this && !anew => {}
+            Some(shorter) if !anew => {
+                let last = shorter.parts() - 1;
+                if shorter.designs_of_part(last) != record.designs_of_part(last) {
+                    directory.remove_all(&[
+                        &shorter.rows_name(last),
+                        &shorter.statistics_name(last),
+                        &shorter.curves_name(last),
+                    ])?;
+                }
+            }
+            _ => {
+                // With this gone, no part is taken for one of a sweep.
+                directory.remove("sweep.json")?;
+                directory.remove_all(&PART_FILES)?;
+            }
+        }
+        let names = SweepDirectory::part_files(record);
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        directory.record(&names)?;
+        directory.record(&["sweep.json"])?;
+        if anew || !is_this {
+            let json = serde_json::to_string_pretty(record).expect("records are plain data");
+            directory.write("sweep.json", (json + "\n").as_bytes())?;
+        }
+        Ok(SweepDirectory {
+            path: directory.path().to_owned(),
+            record: record.clone(),
+        })
+    }
+
+    /// Writes what follows from the statistics of parts: `pareto.csv`, where there is a front, and
+    /// `summary.json`.
+    pub fn write_summary(
+        directory: &RunDirectory,
+        record: &SweepRecord,
+        statistics: &SweepStatistics,
+    ) -> Result<(), WriteError> {
+        if let Some(pareto) = pareto_csv(record, statistics) {
+            directory.write("pareto.csv", &pareto)?;
+        }
+        let summary = SweepSummary::of(record, statistics);
+        let json = serde_json::to_string_pretty(&summary).expect("summaries are plain data");
+        directory.write("summary.json", (json + "\n").as_bytes())
+    }
+
+    /// Reads what a directory holds.
+    pub fn read(path: &Path) -> Result<Self, NotThisSweep> {
+        Ok(SweepDirectory {
+            path: path.to_owned(),
+            record: read_record(path)?,
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether the rows of a part are there: they come last.
+    pub fn has_rows(&self, part: u64) -> bool {
+        self.path.join(self.record.rows_name(part)).is_file()
+    }
+
+    /// The record of a part, where it is whole.
+    pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotThisSweep> {
+        if !self.has_rows(part) {
+            return Ok(None);
+        }
+        let record = &self.record;
+        let [rows, curves, statistics] = [
+            record.rows_name(part),
+            record.curves_name(part),
+            record.statistics_name(part),
+        ]
+        .map(|name| self.path.join(name));
+        let wrong = |path: &Path, reason: &str| NotThisSweep {
+            path: path.to_owned(),
+            reason: format!(
+                "{reason}; remove the part's files and `hardpoint sweep` makes them again"
+            ),
+        };
+        let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;
+        let found: PartRecord = serde_json::from_slice(&bytes).map_err(|e| {
+            wrong(
+                &statistics,
+                &format!("not as `hardpoint sweep` writes it: {e}"),
+            )
+        })?;
+        let is_ours = found.form == PART_FORM && found.part == part;
+        let designs = record.designs_of_part(part);
+        if !is_ours
+            || found.digest != record.digest
+            || found.statistics.designs != designs
+            || !found.statistics.are_of(record)
+        {
+            return Err(wrong(&statistics, "not of this part of this sweep"));
+        }
+        let mut lengths = vec![(&rows, Some(found.rows_length))];
+        lengths.extend(record.curves.then_some((&curves, found.curves_length)));
+        for (path, expected) in lengths {
+            let length = path
+                .metadata()
+                .map_err(|e| wrong(path, &e.to_string()))?
+                .len();
+            if Some(length) != expected {
+                let reason = "changed since it was written: it has another length";
+                return Err(wrong(path, reason));
+            }
+        }
+        Ok(Some(found))
+    }
+
+    /// The statistics of all parts that are whole, added in the order of the parts, and those that are not.
+    pub fn done(&self) -> Result<Done, NotThisSweep> {
+        let mut done = Done {
+            statistics: SweepStatistics::empty(&self.record),
+            missing: Vec::new(),
+        };
+        for part in 0..self.record.parts() {
+            match self.part(part)? {
+                Some(found) => done.statistics.absorb(&self.record, &found.statistics),
+                None => done.missing.push(part),
+            }
+        }
+        Ok(done)
+    }
+
+    /// Reads the rows of a part, block by block.
+    pub fn rows(&self, part: u64) -> Result<rows_csv::Reader<'_, Box<dyn BufRead>>, NotThisSweep> {
+        let path = self.path.join(self.record.rows_name(part));
+        open_lines(&path)
+            .and_then(|lines| rows_csv::Reader::new(&self.record, lines))
+            .map_err(|e| NotThisSweep {
+                path,
+                reason: e.to_string(),
+            })
+    }
+}
+
+/// Reads the record of a sweep's directory.
+fn read_record(directory: &Path) -> Result<SweepRecord, NotThisSweep> {
+    let path = directory.join("sweep.json");
+    let wrong = |reason: String| NotThisSweep {
+        path: path.clone(),
+        reason,
+    };
+    let text = std::fs::read(&path).map_err(|e| match e.kind() {
+        io::ErrorKind::NotFound => NotThisSweep {
+            path: directory.to_owned(),
+            reason: "not the directory of a sweep: there is no sweep.json".to_owned(),
+        },
+        _ => wrong(e.to_string()),
+    })?;
+    let form: Form = serde_json::from_slice(&text)
+        .map_err(|e| wrong(format!("not as `hardpoint sweep` writes it: {e}")))?;
+    if form.form != FORM {
+        return Err(wrong(format!(
+            "written in form {} by hardpoint {}, this version reads form {FORM}; run the sweep again",
+            form.form, form.version
+        )));
+    }
+    let record: SweepRecord = serde_json::from_slice(&text)
+        .map_err(|e| wrong(format!("not as `hardpoint sweep` writes it: {e}")))?;
+    if !["csv", "parquet"].contains(&record.format.as_str()) {
+        let format = &record.format;
+        return Err(wrong(format!(
+            "expected the format csv or parquet, found {format:?}"
+        )));
+    }
+    let is_sound = record.designs > 0 && record.block() > 0 && record.blocks_of_part > 0;
+    match is_sound && record.designs <= crate::study::MOST_DESIGNS {
+        true => Ok(record),
+        false => Err(wrong("not as `hardpoint sweep` writes it".to_owned())),
+    }
+}
+
+/// The part of `sweep.json` that every form has.
+#[derive(serde::Deserialize)]
+struct Form {
+    form: u32,
+    version: String,
+}

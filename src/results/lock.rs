@@ -1,0 +1,199 @@
+//! A file that says "being written": locked by the operating system, so that a process that dies holds
+//! nothing.
+
+use super::Owner;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How long a run waits for another that may be about to end.
+const ALONE: Duration = Duration::from_millis(300);
+
+/// How long one that would share waits for another that puts the directory in order, as shards do when they begin.
+const TOGETHER: Duration = Duration::from_secs(10);
+
+/// A lock that is held until it is dropped. Its file goes with it.
+#[derive(Debug)]
+pub struct Lock {
+    path: PathBuf,
+    file: File,
+}
+
+/// Why there is no lock.
+#[derive(Debug)]
+pub enum NotLocked {
+    /// Someone else has it; who, where it could be read.
+    Held(Option<Owner>),
+    /// The file cannot be made or locked.
+    Failed(io::Error),
+}
+
+impl Lock {
+    /// Takes the lock alone, waiting for a moment if need be.
+    pub fn exclusive(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
+        Lock::patiently(path, owner, ALONE, |file| file.try_lock())
+    }
+
+    /// Takes the lock together with others that take it so.
+    pub fn shared(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
+        Lock::patiently(path, owner, TOGETHER, |file| file.try_lock_shared())
+    }
+
+    /// Takes the lock alone, or not at all.
+    pub fn at_once(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
+        Lock::try_once(path, owner, &|file| file.try_lock())
+    }
+
+    /// Lets others have the lock, too.
+    pub fn share(self, owner: &Owner) -> Result<Self, NotLocked> {
+        let path = self.path.clone();
+        drop(self);
+        Lock::shared(&path, owner)
+    }
+
+    fn patiently(
+        path: &Path,
+        owner: &Owner,
+        patience: Duration,
+        take: impl Fn(&File) -> Result<(), TryLockError>,
+    ) -> Result<Self, NotLocked> {
+        let begun = Instant::now();
+        loop {
+            match Lock::try_once(path, owner, &take) {
+                Err(NotLocked::Held(_)) if begun.elapsed() < patience => {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                other => return other,
+            }
+        }
+    }
+
+    fn try_once(
+        path: &Path,
+        owner: &Owner,
+        take: &impl Fn(&File) -> Result<(), TryLockError>,
+    ) -> Result<Self, NotLocked> {
+        loop {
+            let file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(path);
+            let file = match file {
+                Ok(file) => file,
+                // The directory is being moved aside.
+                Err(e) if e.kind() == io::ErrorKind::NotFound => return Err(NotLocked::Held(None)),
+                Err(e) => return Err(NotLocked::Failed(e)),
+            };
+            match take(&file) {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Err(NotLocked::Held(holder(file))),
+                Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+                Err(TryLockError::Error(error)) => return Err(NotLocked::Failed(error)),
+            }
+            // Whoever held it before may have removed the file between the two steps.
+            if is_at(&file, path) {
+                let mut lock = Lock {
+                    path: path.to_owned(),
+                    file,
+                };
+                lock.sign(owner).map_err(NotLocked::Failed)?;
+                return Ok(lock);
+            }
+        }
+    }
+
+    fn sign(&mut self, owner: &Owner) -> io::Result<()> {
+        let text = serde_json::to_string(owner).expect("an owner is plain data");
+        self.file.rewind()?;
+        self.file.set_len(0)?;
+        self.file.write_all(text.as_bytes())
+    }
+
+    /// Removes the file before the lock is let go, for a directory that is to be moved.
+    pub fn remove_file(&self) {
+        if is_at(&self.file, &self.path) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Of those who share it the last one clears up: it alone gets it for itself.
+        if self.file.unlock().is_ok() && self.file.try_lock().is_ok() {
+            self.remove_file();
+        }
+    }
+}
+
+fn holder(mut file: File) -> Option<Owner> {
+    let mut text = String::new();
+    (&mut file).take(4096).read_to_string(&mut text).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// Whether a path still leads to an open file.
+#[cfg(unix)]
+pub(super) fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |m: std::fs::Metadata| (m.dev(), m.ino());
+    let (open, there) = (file.metadata(), std::fs::symlink_metadata(path));
+    open.ok().map(identity) == there.ok().map(identity)
+}
+
+/// Whether a path still leads to an open file. Elsewhere a file that is open cannot be removed.
+#[cfg(not(unix))]
+pub(super) fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn owner(name: &str) -> Owner {
+        Owner::here(name)
+    }
+
+    #[test]
+    fn one_holds_it_and_others_are_told_who() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("lock");
+        let held = Lock::exclusive(&path, &owner("first")).unwrap();
+        match Lock::at_once(&path, &owner("second")) {
+            Err(NotLocked::Held(Some(found))) => assert_eq!(found, owner("first")),
+            other => panic!("{other:?}"),
+        }
+        drop(held);
+        assert!(!path.exists());
+        Lock::at_once(&path, &owner("second")).unwrap();
+    }
+
+    #[test]
+    fn some_share_it_and_the_last_clears_up() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("lock");
+        let first = Lock::exclusive(&path, &owner("a")).unwrap();
+        let first = first.share(&owner("a")).unwrap();
+        let second = Lock::shared(&path, &owner("b")).unwrap();
+        assert!(Lock::at_once(&path, &owner("c")).is_err());
+        drop(first);
+        assert!(path.exists());
+        assert!(Lock::at_once(&path, &owner("c")).is_err());
+        drop(second);
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_file_left_by_the_dead_is_no_lock() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("lock");
+        std::fs::write(&path, "not even an owner").unwrap();
+        let held = Lock::at_once(&path, &owner("next")).unwrap();
+        drop(held);
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,127 @@
+//! `run.json`: which run wrote which files of a directory.
+
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Its name.
+pub const NAME: &str = "run.json";
+
+/// The form of the file. A reader takes no other.
+const FORM: u32 = 1;
+
+/// Which runs wrote which files of a directory.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    form: u32,
+    /// By run; no file is in two of them.
+    pub runs: Vec<RunRecord>,
+}
+
+/// A run and its files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// The command, as in `solve`.
+    pub command: String,
+    /// The name of the study.
+    pub study: String,
+    /// SHA-256 of all that the study says.
+    pub digest: String,
+    /// The version of the program.
+    pub version: String,
+    /// Whether the run has ended, with all of its results.
+    pub finished: bool,
+    /// Names of the files. A star stands for digits.
+    pub files: Vec<String>,
+}
+
+impl Default for Manifest {
+    fn default() -> Self {
+        Manifest {
+            form: FORM,
+            runs: Vec::new(),
+        }
+    }
+}
+
+impl Manifest {
+    /// Reads that of a directory: an empty one where there is none.
+    pub fn read(directory: &Path) -> Result<Self, String> {
+        let bytes = match std::fs::read(directory.join(NAME)) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Manifest::default()),
+            Err(e) => return Err(e.to_string()),
+        };
+        let manifest: Manifest = serde_json::from_slice(&bytes).map_err(|e| e.to_string())?;
+        match manifest.form {
+            FORM => Ok(manifest),
+            other => Err(format!(
+                "written in form {other}, this version reads form {FORM}"
+            )),
+        }
+    }
+
+    /// The text of the file.
+    pub fn text(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a manifest is plain data") + "\n"
+    }
+
+    /// The run that wrote a file.
+    pub fn author(&self, name: &str) -> Option<&RunRecord> {
+        self.runs.iter().find(|run| run.wrote(name))
+    }
+}
+
+impl RunRecord {
+    /// Whether it is this command with this study.
+    pub fn is_of(&self, command: &str, digest: &str) -> bool {
+        self.command == command && self.digest == digest
+    }
+
+    /// Whether a file is one of its files.
+    pub fn wrote(&self, name: &str) -> bool {
+        let mut files = self.files.iter();
+        files.any(|pattern| pattern == name || matches(pattern, name))
+    }
+}
+
+/// Whether a name is as the pattern says, in which a star stands for digits.
+pub fn matches(pattern: &str, name: &str) -> bool {
+    let Some((before, after)) = pattern.split_once('*') else {
+        return pattern == name;
+    };
+    let digits = name
+        .strip_prefix(before)
+        .and_then(|rest| rest.strip_suffix(after));
+    digits.is_some_and(|digits| {
+        !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_stands_for_digits_alone() {
+        for (pattern, name, expected) in [
+            ("curves.csv", "curves.csv", true),
+            ("curves.csv", "curves_csv", false),
+            ("part-*.csv", "part-000000012.csv", true),
+            ("part-*.csv", "part-.csv", false),
+            ("part-*.csv", "part-mine.csv", false),
+            ("part-*.csv", "part-1.parquet", false),
+        ] {
+            assert_eq!(matches(pattern, name), expected, "{pattern} {name}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_manifest_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        assert_eq!(Manifest::read(directory.path()).unwrap().runs, []);
+        for text in ["", "{}", "{\"form\": 2, \"runs\": []}", "[1"] {
+            std::fs::write(directory.path().join(NAME), text).unwrap();
+            assert!(Manifest::read(directory.path()).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The directories that hold the results of runs, and the rules by which one run may replace what another
+//! has left there.
+//!
+//! A run records in `run.json` who wrote which files: the command, the digest of the study and the version
+//! of the program ([`RunRecord`]). From then on
+//!
+//! 1. a file may be replaced by the same command with the same study, by nothing else;
+//! 2. a file that no run has recorded belongs to someone else and is never touched, nor is an input;
+//! 3. an unfinished sweep is gone on with or, where that is said, begun anew;
+//! 4. files appear whole or not at all: they are written under another name and renamed;
+//! 5. while a run writes it holds a [`Lock`], which the operating system takes from it when it dies;
+//! 6. what a run that died has left under other names is cleared by the next.
+//!
+//! `--force` lifts the first three.
+
+mod lock;
+mod manifest;
+mod owner;
+mod refusal;
+mod run_directory;
+
+pub use lock::{Lock, NotLocked};
+pub use manifest::{Manifest, RunRecord};
+pub use owner::Owner;
+pub use refusal::{Refusal, WriteError};
+pub use run_directory::{Claim, RunDirectory, Sharing, temporary, temporary_of};
+
+use crate::study::{Designs, Study};
+use std::path::Path;
+
+/// What the names of all temporary files begin with.
+pub const TEMPORARY: &str = ".hardpoint-";
+
+/// SHA-256 of all that a study says: its text, with what `--set` changed and curves from files in it, and
+/// the file of its designs.
+pub fn study_digest(study: &Study) -> String {
+    let mut hash = hmac_sha256::Hash::new();
+    hash.update(study.text.as_bytes());
+    if let Some(Designs::File(path)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
+        // A file that cannot be read is an error of the sweep; other commands do without.
+        hash.update(std::fs::read(path).unwrap_or_default());
+    }
+    hex(&hash.finalize())
+}
+
+/// Bytes as hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Says what could not be written where.
+pub fn unwritten(path: &Path) -> impl FnOnce(std::io::Error) -> WriteError + '_ {
+    move |source| WriteError {
+        path: path.to_owned(),
+        source,
+    }
+}

@@ -1,0 +1,87 @@
+//! Why a directory is not for the results of a run.
+
+use super::Owner;
+use std::path::PathBuf;
+
+/// A file or directory that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {path}: {source}")]
+pub struct WriteError {
+    /// What was to be written.
+    pub path: PathBuf,
+    /// Why it could not be.
+    pub source: std::io::Error,
+}
+
+/// Why a directory is not for the results of a run. Each names the file and the way out.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal {
+    /// It cannot be written.
+    #[error(transparent)]
+    Unwritable(#[from] WriteError),
+    /// Another run writes there now.
+    #[error(
+        "{directory} is being written by {who}: wait for it, or give another directory with --out",
+        who = owner.as_ref().map_or_else(|| "another run".to_owned(), Owner::to_string)
+    )]
+    Busy {
+        /// The directory.
+        directory: String,
+        /// Who writes, where it is known.
+        owner: Option<Owner>,
+    },
+    /// It holds what an input is.
+    #[error(
+        "{file} is an input of this run, which its results would overwrite: give another directory with \
+         --out"
+    )]
+    Input {
+        /// The input.
+        file: String,
+    },
+    /// It holds files that no run has written.
+    #[error(
+        "{file} is there already, and not from a run recorded in run.json: give another directory with \
+         --out, or overwrite it with --force"
+    )]
+    Foreign {
+        /// One of them.
+        file: String,
+    },
+    /// It holds the results of another run.
+    #[error(
+        "{directory} holds the results of `hardpoint {command}` {of} ({file}), which would be lost: give \
+         another directory with --out, or replace them with --force",
+        of = if *same_study { "of this study" } else { "of another study, or of another state of it" }
+    )]
+    Taken {
+        /// The directory.
+        directory: String,
+        /// Whose results they are.
+        command: String,
+        /// Whether it is the same study.
+        same_study: bool,
+        /// One of its files.
+        file: String,
+    },
+    /// It holds a sweep that has not ended.
+    #[error(
+        "{directory} holds an unfinished sweep of this study: go on with it by --resume, or begin it anew \
+         with --force"
+    )]
+    Unfinished {
+        /// The directory.
+        directory: String,
+    },
+    /// What is recorded there cannot be read.
+    #[error(
+        "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: give \
+         another directory with --out, or write there with --force"
+    )]
+    Unreadable {
+        /// The record.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}

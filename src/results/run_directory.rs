@@ -1,0 +1,490 @@
+//! The directory a run writes to.
+
+use super::lock::NotLocked;
+use super::manifest::{self, Manifest, RunRecord, matches};
+use super::{Lock, Owner, Refusal, TEMPORARY, WriteError, unwritten};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+/// Whether others may write there at the same time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sharing {
+    /// This run alone.
+    #[default]
+    Alone,
+    /// Runs of the same command with the same study, as the shards of a sweep.
+    Together,
+}
+
+/// What a run wants of a directory.
+#[derive(Clone, Debug, Default)]
+pub struct Claim<'a> {
+    /// The command, as in `solve`.
+    pub command: &'a str,
+    /// The name of the study.
+    pub study: &'a str,
+    /// SHA-256 of all that the study says.
+    pub digest: String,
+    /// The digest of a run of the same command whose results this one takes over: of the same sweep with fewer
+    /// samples.
+    pub former: Option<String>,
+    /// The files it will write, as far as they are known. A star stands for digits.
+    pub files: &'a [&'a str],
+    /// The files it has read.
+    pub inputs: &'a [PathBuf],
+    /// Whether what is there may be replaced, whoever wrote it.
+    pub force: bool,
+    /// Whether an unfinished run of the same command and study is gone on with.
+    pub resume: bool,
+    /// Whether the results of other runs may be moved aside: nobody has asked for this very directory.
+    pub set_aside: bool,
+    /// Whether others may write there at the same time.
+    pub sharing: Sharing,
+}
+
+/// A directory that is a run's to write to, until it is dropped.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    state: Mutex<State>,
+    command: String,
+    digest: String,
+    force: bool,
+    set_aside: Option<PathBuf>,
+    lock: Mutex<Option<Lock>>,
+}
+
+#[derive(Debug)]
+struct State {
+    manifest: Manifest,
+    /// The runs whose results this one replaces.
+    replaced: Vec<RunRecord>,
+    /// The names this run has written.
+    written: BTreeSet<String>,
+}
+
+impl RunDirectory {
+    /// Claims a directory, before anything is computed; makes it where there is none.
+    pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
+        let failed = |error| Refusal::Unwritable(unwritten(path)(error));
+        std::fs::create_dir_all(path).map_err(failed)?;
+        let owner = Owner::here(&format!("hardpoint {} {}", claim.command, claim.study));
+        let lock_path = path.join(format!("{TEMPORARY}lock"));
+        let locked = |result: Result<Lock, NotLocked>| {
+            result.map_err(|reason| match reason {
+                NotLocked::Held(owner) => Refusal::Busy {
+                    directory: path.display().to_string(),
+                    owner,
+                },
+                NotLocked::Failed(error) => failed(error),
+            })
+        };
+        let (mut lock, is_alone) = match claim.sharing {
+            Sharing::Alone => (locked(Lock::exclusive(&lock_path, &owner))?, true),
+            // Whoever is there alone puts the directory in order; the others find it so.
+            Sharing::Together => match Lock::at_once(&lock_path, &owner) {
+                Ok(lock) => (lock, true),
+                Err(_) => (locked(Lock::shared(&lock_path, &owner))?, false),
+            },
+        };
+        // Whether it can be written is known before the work is done.
+        temporary(path).map_err(failed)?;
+        let mut set_aside = None;
+        let manifest = match examine(path, claim) {
+            Ok(manifest) => manifest,
+            Err(Refusal::Taken { .. }) if claim.set_aside && may_be_moved(path, claim) => {
+                // A lock file is no result, and must not be in the way of the next run.
+                lock.remove_file();
+                set_aside = Some(move_aside(path).map_err(failed)?);
+                std::fs::create_dir_all(path).map_err(failed)?;
+                drop(lock);
+                lock = locked(Lock::exclusive(&lock_path, &owner))?;
+                Manifest::default()
+            }
+            Err(refusal) => return Err(refusal),
+        };
+        let is_replaced = |run: &&RunRecord| {
+            let wanted = |file: &String| is_wanted(claim, file);
+            !run.is_of(claim.command, &claim.digest) && run.files.iter().any(wanted)
+        };
+        let directory = RunDirectory {
+            path: path.to_owned(),
+            state: Mutex::new(State {
+                replaced: manifest.runs.iter().filter(is_replaced).cloned().collect(),
+                manifest,
+                written: BTreeSet::new(),
+            }),
+            command: claim.command.to_owned(),
+            digest: claim.digest.clone(),
+            force: claim.force,
+            set_aside,
+            lock: Mutex::new(Some(lock)),
+        };
+        directory.begin(claim).map_err(Refusal::Unwritable)?;
+        if is_alone {
+            directory.clear_leftovers();
+        }
+        Ok(directory)
+    }
+
+    /// Claims the directory of a finished run for files that are made of its results.
+    pub fn reopen(path: &Path, files: &[&str], force: bool) -> Result<Self, Refusal> {
+        let manifest = Manifest::read(path).unwrap_or_default();
+        let main = manifest.author("summary.json");
+        let claim = Claim {
+            command: main.map_or("report", |run| &run.command),
+            study: main.map_or("", |run| &run.study),
+            digest: main.map_or_else(String::new, |run| run.digest.clone()),
+            files,
+            force,
+            resume: true,
+            ..Claim::default()
+        };
+        RunDirectory::claim(path, &claim)
+    }
+
+    /// Lets other runs of the same command and study write there, too.
+    pub fn share(&self) -> Result<(), WriteError> {
+        let mut held = self.lock.lock().unwrap_or_else(|e| e.into_inner());
+        let Some(lock) = held.take() else {
+            return Ok(());
+        };
+        let owner = Owner::here(&format!("hardpoint {}", self.command));
+        let shared = lock.share(&owner).map_err(|reason| {
+            let error = match reason {
+                NotLocked::Held(_) => io::Error::other("another run has taken it"),
+                NotLocked::Failed(error) => error,
+            };
+            unwritten(&self.path)(error)
+        });
+        *held = Some(shared?);
+        Ok(())
+    }
+
+    /// Records the run as begun.
+    fn begin(&self, claim: &Claim<'_>) -> Result<(), WriteError> {
+        let mut state = self.state();
+        let mut runs = state.manifest.runs.clone();
+        match runs.iter_mut().find(|run| self.is_own(run)) {
+            Some(_) if claim.resume && claim.former.is_none() => return Ok(()),
+            Some(known) => {
+                known.finished = false;
+                known.version = env!("CARGO_PKG_VERSION").to_owned();
+            }
+            None => runs.push(RunRecord {
+                command: claim.command.to_owned(),
+                study: claim.study.to_owned(),
+                digest: claim.digest.clone(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                finished: false,
+                files: Vec::new(),
+            }),
+        }
+        state.manifest.runs = runs;
+        self.store(&state)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // A thread that panicked has left nothing half done here.
+        self.state.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn is_own(&self, run: &RunRecord) -> bool {
+        run.is_of(&self.command, &self.digest)
+    }
+
+    fn store(&self, state: &State) -> Result<(), WriteError> {
+        self.put(manifest::NAME, state.manifest.text().as_bytes())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where the results went that were here before, if they were in the way.
+    pub fn set_aside(&self) -> Option<&Path> {
+        self.set_aside.as_deref()
+    }
+
+    /// Whether this run had ended before, with all of its results.
+    pub fn was_finished(&self) -> bool {
+        let state = self.state();
+        let own = state.manifest.runs.iter().find(|run| self.is_own(run));
+        own.is_some_and(|run| run.finished)
+    }
+
+    /// Makes files, or names with a star for digits, this run's own. A file of someone else is refused.
+    pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
+        let mut state = self.state();
+        let before = state.manifest.clone();
+        for name in names {
+            if !self.force && self.path.join(name).symlink_metadata().is_ok() {
+                let is_own = state
+                    .manifest
+                    .author(name)
+                    .is_some_and(|run| self.is_own(run));
+                if !is_own {
+                    let message =
+                        "it is there already, and not from this run; --force overwrites it";
+                    let error = io::Error::new(io::ErrorKind::AlreadyExists, message);
+                    return Err(unwritten(&self.path.join(name))(error));
+                }
+            }
+            state.written.insert((*name).to_owned());
+            for run in &mut state.manifest.runs {
+                let is_own = run.is_of(&self.command, &self.digest);
+                if is_own && !run.wrote(name) {
+                    run.files.push((*name).to_owned());
+                } else if !is_own {
+                    run.files.retain(|file| file != name);
+                }
+            }
+        }
+        match state.manifest == before {
+            true => Ok(()),
+            false => self.store(&state),
+        }
+    }
+
+    /// Writes a file, which becomes this run's own.
+    pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
+        self.record(&[name])?;
+        self.put(name, contents)
+    }
+
+    /// Writes a file: beside its place first, then moved there.
+    fn put(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
+        let path = self.path.join(name);
+        let written = || -> io::Result<()> {
+            let mut file = temporary(&self.path)?;
+            file.write_all(contents)?;
+            file.flush()?;
+            file.persist(&path).map_err(|e| e.error)?;
+            Ok(())
+        };
+        written().map_err(unwritten(&path))
+    }
+
+    /// Removes a file of this run, if there is one: beside new results it would speak of others.
+    pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        let is_own = {
+            let mut state = self.state();
+            state.written.remove(name);
+            state
+                .manifest
+                .author(name)
+                .is_some_and(|run| self.is_own(run))
+        };
+        let path = self.path.join(name);
+        match is_own.then(|| std::fs::remove_file(&path)) {
+            Some(Err(error)) if error.kind() != io::ErrorKind::NotFound => {
+                Err(unwritten(&path)(error))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes the files with names like these, which must be this run's to replace. A star stands for digits.
+    pub fn remove_all(&self, patterns: &[&str]) -> Result<(), WriteError> {
+        let state = self.state();
+        for name in names(&self.path) {
+            let is_own = || {
+                state
+                    .manifest
+                    .author(&name)
+                    .is_some_and(|run| self.is_own(run))
+            };
+            if patterns.iter().any(|p| matches(p, &name)) && (self.force || is_own()) {
+                let path = self.path.join(&name);
+                std::fs::remove_file(&path).map_err(unwritten(&path))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the run: what earlier runs have left that this one replaces, and did not write again, goes.
+    pub fn finish(&self) -> Result<(), WriteError> {
+        let mut state = self.state();
+        let State {
+            manifest,
+            replaced,
+            written,
+        } = &mut *state;
+        let mut stale: Vec<String> = Vec::new();
+        for run in &mut manifest.runs {
+            if run.is_of(&self.command, &self.digest) {
+                run.finished = true;
+                let all = std::mem::take(&mut run.files).into_iter();
+                let (mut kept, gone): (Vec<_>, Vec<_>) =
+                    all.partition(|name| written.contains(name));
+                kept.sort();
+                run.files = kept;
+                stale.extend(gone);
+            } else if replaced.iter().any(|r| run.is_of(&r.command, &r.digest)) {
+                stale.append(&mut run.files);
+            }
+        }
+        manifest.runs.retain(|run| !run.files.is_empty());
+        for name in names(&self.path) {
+            let is_stale = stale.iter().any(|pattern| matches(pattern, &name));
+            if is_stale && manifest.author(&name).is_none() {
+                let path = self.path.join(&name);
+                std::fs::remove_file(&path).map_err(unwritten(&path))?;
+            }
+        }
+        self.store(&state)
+    }
+
+    /// Removes what runs that died have left under temporary names.
+    fn clear_leftovers(&self) {
+        let Ok(entries) = std::fs::read_dir(&self.path) else {
+            return;
+        };
+        for entry in entries.flatten() {
+            let name = entry.file_name();
+            let is_ours = name.to_string_lossy().starts_with(TEMPORARY);
+            let is_lock = name == format!("{TEMPORARY}lock").as_str();
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            if is_ours && !is_lock && is_file {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// What is recorded in a directory, if a run may write there.
+fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
+    let shown = |name: &str| path.join(name).display().to_string();
+    let entries = names(path);
+    let inputs: Vec<PathBuf> = resolved(claim.inputs);
+    for name in entries.iter().filter(|name| is_wanted(claim, name)) {
+        let there = path.join(name).canonicalize().ok();
+        if there.is_some_and(|there| inputs.contains(&there)) {
+            return Err(Refusal::Input { file: shown(name) });
+        }
+    }
+    let manifest = match Manifest::read(path) {
+        Ok(mut manifest) => {
+            let taken_over = |run: &&mut RunRecord| {
+                let former = claim.former.as_deref();
+                run.command == claim.command && Some(run.digest.as_str()) == former
+            };
+            for run in manifest.runs.iter_mut().filter(taken_over) {
+                run.digest.clone_from(&claim.digest);
+            }
+            manifest
+        }
+        Err(_) if claim.force => Manifest::default(),
+        Err(reason) => {
+            return Err(Refusal::Unreadable {
+                file: shown(manifest::NAME),
+                reason,
+            });
+        }
+    };
+    if claim.force {
+        return Ok(manifest);
+    }
+    let mut taken = None;
+    for name in entries.iter().filter(|name| is_wanted(claim, name)) {
+        match manifest.author(name) {
+            None => return Err(Refusal::Foreign { file: shown(name) }),
+            Some(run) if run.is_of(claim.command, &claim.digest) => {
+                let is_begun = run.command == "sweep" && !run.finished;
+                if is_begun && !claim.resume {
+                    return Err(Refusal::Unfinished {
+                        directory: path.display().to_string(),
+                    });
+                }
+            }
+            Some(run) => {
+                taken.get_or_insert_with(|| Refusal::Taken {
+                    directory: path.display().to_string(),
+                    command: run.command.clone(),
+                    same_study: run.digest == claim.digest,
+                    file: name.clone(),
+                });
+            }
+        }
+    }
+    taken.map_or(Ok(manifest), Err)
+}
+
+/// Whether all that a directory holds is of finished runs, and no input of this one.
+fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
+    let Ok(manifest) = Manifest::read(path) else {
+        return false;
+    };
+    let inputs = resolved(claim.inputs);
+    let is_ours = |name: &String| {
+        let there = path.join(name).canonicalize().ok();
+        let is_input = there.is_some_and(|there| inputs.contains(&there));
+        let own = name == manifest::NAME || name.starts_with(TEMPORARY);
+        !is_input && (own || manifest.author(name).is_some())
+    };
+    let unfinished = |run: &RunRecord| run.command == "sweep" && !run.finished;
+    !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
+}
+
+/// Renames a directory to the first free of `name.1`, `name.2` and so on.
+fn move_aside(path: &Path) -> io::Result<PathBuf> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let free = (1_u64..)
+        .map(|number| path.with_file_name(format!("{name}.{number}")))
+        .find(|place| place.symlink_metadata().is_err());
+    let place = free.ok_or_else(|| io::Error::other("no name is left"))?;
+    std::fs::rename(path, &place)?;
+    Ok(place)
+}
+
+/// Whether a run will write a file of this name, or files of these names.
+fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
+    let mut files = claim.files.iter();
+    files.any(|file| *file == name || matches(file, name))
+}
+
+fn resolved(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let paths = paths.iter();
+    paths.filter_map(|path| path.canonicalize().ok()).collect()
+}
+
+/// The names of what is in a directory, sorted.
+fn names(path: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+/// A file beside the place it will take when it is whole.
+pub fn temporary(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    temporary_of(directory, "file")
+}
+
+/// The same, with what it is of in its name, so that those of the dead can be told from those of the living.
+pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedTempFile> {
+    tempfile::Builder::new()
+        .prefix(&format!("{TEMPORARY}{stem}-"))
+        .permissions(readable())
+        .tempfile_in(directory)
+}
+
+/// Ordinary permissions: a temporary file would be the owner's alone.
+#[cfg(unix)]
+fn readable() -> std::fs::Permissions {
+    std::os::unix::fs::PermissionsExt::from_mode(0o644)
+}
+
+#[cfg(not(unix))]
+fn readable() -> std::fs::Permissions {
+    // Elsewhere permissions are inherited from the directory; there is nothing to set, but the type
+    // has no constructor of its own.
+    std::fs::metadata(".")
+        .map(|m| m.permissions())
+        .expect("the current directory exists")
+}

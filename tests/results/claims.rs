@@ -1,0 +1,218 @@
+//! Who may replace what.
+
+use super::*;
+
+/// The same command with the same study replaces its files; anything else is refused and loses nothing.
+#[test]
+fn only_the_same_study_and_command_replace_results() {
+    let bench = Bench::new();
+    let few = ["--set", "sweep.samples=10"];
+    for (command, file) in [
+        ("solve", "curves.csv"),
+        ("optimise", "optimised.toml"),
+        ("sweep", "designs.csv"),
+    ] {
+        fn call<'a>(command: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+            [&[command, "study.toml", "--out", command], more].concat()
+        }
+        let run = |more| call(command, more);
+        bench.run(&run(&[])).success();
+        let before = contents(&bench.path(command));
+        assert!(before.iter().any(|(name, _)| name == file));
+        bench.run(&run(&[])).success();
+        assert_eq!(contents(&bench.path(command)), before);
+        let others: [&[&str]; 2] = [&few, &["--set", "motion.travel=[-30.0, 0.0, 30.0]"]];
+        for other in others {
+            let phrases = ["another study", "--out", "--force", command];
+            bench.refused(&run(other), &phrases);
+        }
+        for other in ["solve", "optimise", "sweep"] {
+            if other != command {
+                let phrase = format!("holds the results of `hardpoint {command}`");
+                bench.refused(&[other, "study.toml", "--out", command], &[&phrase]);
+            }
+        }
+        assert_eq!(contents(&bench.path(command)), before);
+    }
+    // With --force they do, and nothing of the former run stays.
+    let forced = ["solve", "study.toml", "--out", "sweep", "--force"];
+    bench.run(&forced).success();
+    let names = |run: &str| -> Vec<String> {
+        let files = contents(&bench.path(run)).into_iter();
+        files.map(|(name, _)| name).collect()
+    };
+    assert_eq!(names("sweep"), names("solve"));
+}
+
+/// Where nobody has asked for the directory, older results are moved aside and kept.
+#[test]
+fn in_the_default_directory_older_results_are_moved_aside() {
+    let bench = Bench::new();
+    bench.run(&["solve", "study.toml"]).success();
+    let solved = contents(&bench.path("out/study"));
+    let assert = bench.run(&["optimise", "study.toml"]).success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("out/study.1"), "{said}");
+    assert_eq!(contents(&bench.path("out/study.1")), solved);
+    let tuned = contents(&bench.path("out/study"));
+    bench.run(&["solve", "study.toml"]).success();
+    assert_eq!(contents(&bench.path("out/study")), solved);
+    assert_eq!(contents(&bench.path("out/study.2")), tuned);
+    // Not with a file of someone else in it, nor an input.
+    fs::write(bench.path("out/study/notes.txt"), "mine").unwrap();
+    let other = ["--set", "motion.travel=[-30.0, 0.0, 30.0]"];
+    bench.refused(
+        &[&["solve", "study.toml"], &other[..]].concat(),
+        &["curves.csv", "--force"],
+    );
+    fs::remove_file(bench.path("out/study/notes.txt")).unwrap();
+    let target = "optimise.targets=[{characteristic=\"camber\", file=\"out/study/mine.csv\", tolerance=1.0}]";
+    fs::write(
+        bench.path("out/study/mine.csv"),
+        "travel_mm,camber_deg\n-40,0\n40,0\n",
+    )
+    .unwrap();
+    bench.refused(
+        &["optimise", "study.toml", "--set", target],
+        &["curves.csv"],
+    );
+    assert!(bench.path("out/study/mine.csv").exists());
+}
+
+/// What no run of ours has written is neither overwritten nor deleted.
+#[test]
+fn foreign_files_are_never_touched() {
+    let files = [
+        ("solve", "curves.csv"),
+        ("solve", "summary.json"),
+        ("solve", "report.json"),
+        ("optimise", "optimised.toml"),
+        ("optimise", "history.csv"),
+        ("sweep", "designs.csv"),
+        ("sweep", "summary.json"),
+        ("sweep", "sweep.json"),
+        ("sweep", "run.json"),
+    ];
+    for (command, file) in files {
+        let bench = Bench::new();
+        fs::create_dir(bench.path("out")).unwrap();
+        let path = bench.path("out").join(file);
+        fs::write(&path, "mine").unwrap();
+        let call = [command, "study.toml", "--out", "out"];
+        bench.refused(&call, &[file, "--out", "--force"]);
+        let alone = contents(&bench.path("out"));
+        assert_eq!(alone, [(file.to_owned(), b"mine".to_vec())]);
+        bench.run(&[&call[..], &["--force"]].concat()).success();
+        assert_ne!(fs::read(&path).unwrap(), b"mine");
+    }
+    // A page of someone else stays where none is asked for, and is in the way where one is.
+    let bench = Bench::new();
+    fs::create_dir(bench.path("out")).unwrap();
+    fs::write(bench.path("out/report.html"), "mine").unwrap();
+    for command in ["solve", "sweep"] {
+        let call = [command, "study.toml", "--out", "out"];
+        bench.refused(&[&call[..], &["--report"]].concat(), &["report.html"]);
+    }
+    bench
+        .run(&["solve", "study.toml", "--out", "out"])
+        .success();
+    bench.refused(&["report", "out"], &["report.html", "--force"]);
+    assert_eq!(bench.read("out/report.html"), "mine");
+    bench.run(&["report", "out", "--force"]).success();
+    bench.run(&["report", "out"]).success();
+    // Pictures.
+    fs::create_dir(bench.path("drawn")).unwrap();
+    fs::write(bench.path("drawn/overview.svg"), "mine").unwrap();
+    bench.refused(&["report", "out", "--plots", "drawn"], &["overview.svg"]);
+    assert_eq!(bench.read("drawn/overview.svg"), "mine");
+    bench
+        .run(&["report", "out", "--plots", "pictures"])
+        .success();
+    bench
+        .run(&["report", "out", "--plots", "pictures"])
+        .success();
+}
+
+/// The study, a target and a file of designs are not results.
+#[test]
+fn inputs_are_never_overwritten() {
+    let bench = Bench::new();
+    fs::rename(bench.path("study.toml"), bench.path("optimised.toml")).unwrap();
+    let call = ["optimise", "optimised.toml", "--out", "."];
+    bench.refused(&call, &["optimised.toml is an input"]);
+    bench.refused(
+        &[&call[..], &["--force"]].concat(),
+        &["optimised.toml is an input"],
+    );
+    assert_eq!(bench.read("optimised.toml"), STUDY);
+    let rows = "tie_rod_inner_dz\n1\n2\n";
+    fs::write(bench.path("designs.csv"), rows).unwrap();
+    let from = STUDY.find("method = ").unwrap();
+    let to = STUDY.find("[optimise]").unwrap();
+    let study = [&STUDY[..from], "designs = \"designs.csv\"\n", &STUDY[to..]].concat();
+    fs::write(bench.path("rows.toml"), study).unwrap();
+    bench.refused(
+        &["sweep", "rows.toml", "--out", "."],
+        &["designs.csv is an input"],
+    );
+    assert_eq!(bench.read("designs.csv"), rows);
+    // A tuned study run where it is.
+    bench
+        .run(&["optimise", "optimised.toml", "--out", "a"])
+        .success();
+    let tuned = bench.read("a/optimised.toml");
+    bench.refused(
+        &["optimise", "a/optimised.toml", "--out", "a"],
+        &["optimised.toml is an input"],
+    );
+    bench.refused(
+        &["solve", "a/optimised.toml", "--out", "a"],
+        &["holds the results"],
+    );
+    assert_eq!(bench.read("a/optimised.toml"), tuned);
+}
+
+/// A name that leads elsewhere is no name for a directory.
+#[test]
+fn a_study_called_by_dots_writes_nowhere_else() {
+    let bench = Bench::new();
+    for name in ["...toml", "..toml"] {
+        fs::write(bench.path(name), STUDY).unwrap();
+        for command in ["solve", "optimise", "sweep"] {
+            bench.refused(&[command, name], &["--out"]);
+        }
+        assert!(!bench.path("out").exists());
+        bench.run(&["solve", name, "--out", "given"]).success();
+        fs::remove_dir_all(bench.path("given")).unwrap();
+    }
+}
+
+/// Of two that want one directory at once, one is told who has it.
+#[test]
+fn one_run_at_a_time_writes_to_a_directory() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("out")).unwrap();
+    let path = bench.path("out/.hardpoint-lock");
+    let owner = r#"{"process": 4711, "host": "elsewhere", "command": "hardpoint sweep other"}"#;
+    fs::write(&path, owner).unwrap();
+    let lock = fs::OpenOptions::new().write(true).open(&path).unwrap();
+    lock.lock().unwrap();
+    for command in ["solve", "sweep", "optimise"] {
+        let call = [command, "study.toml", "--out", "out"];
+        bench.refused(
+            &call,
+            &[
+                "out is being written by",
+                "4711",
+                "elsewhere",
+                "sweep other",
+            ],
+        );
+    }
+    // As when its owner dies.
+    drop(lock);
+    bench
+        .run(&["solve", "study.toml", "--out", "out"])
+        .success();
+    assert!(!path.exists());
+}

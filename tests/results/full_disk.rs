@@ -1,0 +1,65 @@
+//! A disk that is full, as a limit on the size of files.
+
+use super::*;
+
+/// What was whole stays whole, what is not is no result, and with room again the sweep goes on.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_loses_nothing_that_was_whole() {
+    let bench = Bench::new();
+    bench
+        .run(&["sweep", "study.toml", "--out", "whole"])
+        .success();
+    let limited = |blocks: u32, call: &str| {
+        let program = assert_cmd::cargo::cargo_bin("hardpoint");
+        // SIGXFSZ would kill it, a full disk would not.
+        let script = format!(
+            "trap '' XFSZ; ulimit -f {blocks}; exec '{}' {call}",
+            program.display()
+        );
+        let mut shell = Command::new("sh");
+        shell.current_dir(bench.0.path()).args(["-c", &script]);
+        let output = shell.output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    // 512 or 1024 bytes a block: room for what says what it is, not for the rows.
+    let (code, said) = limited(6, "sweep study.toml --out full");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("cannot write") && said.contains("designs.csv"),
+        "{said}"
+    );
+    let left: Vec<String> = contents(&bench.path("full"))
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    assert_eq!(left, ["run.json", "sweep.json"]);
+    bench.refused(&["sweep", "study.toml", "--out", "full"], &["--resume"]);
+    bench
+        .run(&["sweep", "study.toml", "--out", "full", "--resume"])
+        .success();
+    assert_eq!(
+        contents(&bench.path("full")),
+        contents(&bench.path("whole"))
+    );
+
+    // A tuning and a solve over results of their own: each file is the former or the new one.
+    for command in ["solve", "optimise"] {
+        let call = [command, "study.toml", "--out", command];
+        bench.run(&call).success();
+        let before = contents(&bench.path(command));
+        let (code, said) = limited(1, &call.join(" "));
+        assert!(matches!(code, Some(1 | 2)), "{said}");
+        assert!(said.contains("cannot write"), "{said}");
+        for (name, text) in contents(&bench.path(command)) {
+            let former = before.iter().find(|(known, _)| *known == name);
+            let is_same = former.is_some_and(|(_, former)| *former == text);
+            assert!(is_same || name == "run.json", "{command}: {name}");
+        }
+        bench.run(&call).success();
+        assert_eq!(contents(&bench.path(command)), before);
+    }
+}

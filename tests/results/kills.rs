@@ -1,0 +1,106 @@
+//! Runs killed at random moments.
+
+use super::*;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A sequence that looks random and is the same every time.
+fn fraction(seed: &mut u64) -> f64 {
+    *seed = seed
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 33) as f64 / (1_u64 << 31) as f64
+}
+
+/// What may stand in a directory whose run was killed: what a whole run has, to the byte, what says how far it
+/// is, and leftovers.
+fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
+    for (name, text) in contents(directory) {
+        if name.starts_with(".hardpoint-") || name == "run.json" {
+            continue;
+        }
+        let expected = whole.iter().find(|(known, _)| *known == name);
+        assert!(
+            expected.is_some_and(|(_, expected)| *expected == text),
+            "{name} is torn"
+        );
+    }
+}
+
+/// Sweeps and tunings killed at random moments, each with a second run in the same directory: what they leave is
+/// whole, what is of others is untouched, and the next run ends with the bytes of one that was left alone.
+fn kill(rounds: u64, samples: &str) {
+    let bench = Bench::new();
+    let many = format!("sweep.samples={samples}");
+    let sweep = ["sweep", "study.toml", "--set", &many, "--out"];
+    let tuning = [
+        "optimise",
+        "study.toml",
+        "--set",
+        "optimise.starts=400",
+        "--out",
+    ];
+    let mut seed = 17;
+    for (call, resume) in [(&sweep, true), (&tuning, false)] {
+        let begun = Instant::now();
+        bench.run(&[&call[..], &["whole"]].concat()).success();
+        let time = begun.elapsed();
+        let whole = contents(&bench.path("whole"));
+        for round in 0..rounds {
+            let run = format!("{}-{round}", call[0]);
+            let directory = bench.path(&run);
+            fs::create_dir(&directory).unwrap();
+            fs::write(directory.join("notes.txt"), "mine").unwrap();
+            fs::write(directory.join("curves_of_mine.csv"), "mine").unwrap();
+            let with_foreign = |mut files: Vec<(String, Vec<u8>)>| {
+                files.retain(|(name, _)| name != "notes.txt" && name != "curves_of_mine.csv");
+                files
+            };
+            for attempt in 0..2 {
+                let more: &[&str] = if resume && attempt > 0 {
+                    &["--resume"]
+                } else {
+                    &[]
+                };
+                let call = [&call[..], &[&run], more].concat();
+                let mut first = bench.start(&call);
+                sleep(time.mul_f64(1.1 * fraction(&mut seed)));
+                let second = bench.start(&call);
+                sleep(Duration::from_millis((30.0 * fraction(&mut seed)) as u64));
+                first.kill().unwrap();
+                first.wait().unwrap();
+                // It has found the directory taken, or free and as the first has left it.
+                let second = second.wait_with_output().unwrap();
+                let said = String::from_utf8_lossy(&second.stderr);
+                assert!(matches!(second.status.code(), Some(0 | 2)), "{said}");
+                for name in ["notes.txt", "curves_of_mine.csv"] {
+                    assert_eq!(fs::read(directory.join(name)).unwrap(), b"mine");
+                }
+                let there = bench.path("seen");
+                fs::create_dir(&there).unwrap();
+                for (name, text) in with_foreign(contents(&directory)) {
+                    fs::write(there.join(name), text).unwrap();
+                }
+                assert_nothing_is_torn(&there, &whole);
+                fs::remove_dir_all(&there).unwrap();
+            }
+            let more: &[&str] = if resume { &["--resume"] } else { &[] };
+            bench.run(&[&call[..], &[&run], more].concat()).success();
+            assert_eq!(with_foreign(contents(&directory)), whole);
+            fs::remove_dir_all(&directory).unwrap();
+        }
+        fs::remove_dir_all(bench.path("whole")).unwrap();
+    }
+}
+
+#[test]
+fn a_dozen_kills_lose_nothing() {
+    kill(3, "40000");
+}
+
+/// Run by `.ci/long`: two sweeps or tunings are killed in each round, some in the middle of a second part.
+#[test]
+#[ignore = "takes minutes"]
+fn a_hundred_kills_lose_nothing() {
+    kill(25, "300000");
+}

@@ -1,0 +1,100 @@
+//! What a directory of results may lose, and what it may not: whoever writes there, however a run ends.
+
+mod claims;
+mod full_disk;
+mod kills;
+
+use assert_cmd::assert::Assert;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+/// A strut with two travels to be quick, a sweep and a tuning.
+const STUDY: &str = r#"[suspension]
+topology = "macpherson"
+
+[suspension.hardpoints]
+lower_arm_front  = [ 120.0, 360.0, 195.0]
+lower_arm_rear   = [-260.0, 350.0, 205.0]
+lower_ball_joint = [   5.0, 705.0, 190.0]
+strut_top        = [ -35.0, 575.0, 850.0]
+strut_lower      = [ -11.0, 623.0, 370.0]
+tie_rod_inner    = [-110.0, 330.0, 243.0]
+tie_rod_outer    = [-130.0, 690.0, 240.0]
+wheel_centre     = [   0.0, 760.0, 300.0]
+spindle_inner    = [  -0.2, 660.0, 299.1]
+
+[motion]
+travel = [-40.0, 0.0, 40.0]
+
+[outputs]
+characteristics = ["camber"]
+
+[sweep]
+method = "sobol"
+samples = 100
+variables = [ { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] } ]
+
+[optimise]
+variables = [ { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] } ]
+targets = [ { characteristic = "toe", points = [[-40.0, 0.1], [40.0, 0.1]], tolerance = 0.01 } ]
+"#;
+
+/// A directory with a study, to run in.
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        fs::write(directory.path().join("study.toml"), STUDY).unwrap();
+        Bench(directory)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
+        command.current_dir(self.0.path()).args(arguments);
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Assert {
+        assert_cmd::Command::from_std(self.command(arguments)).assert()
+    }
+
+    fn start(&self, arguments: &[&str]) -> Child {
+        let mut command = self.command(arguments);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    }
+
+    /// A call that is refused: what it says, which must have all the phrases.
+    fn refused(&self, arguments: &[&str], phrases: &[&str]) {
+        let assert = self.run(arguments).code(2);
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        for phrase in phrases {
+            assert!(
+                said.contains(phrase),
+                "{arguments:?} lacks {phrase:?}: {said}"
+            );
+        }
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+}
+
+/// All files below a directory, with what is in them.
+fn contents(directory: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        all.push((name, fs::read(&path).unwrap()));
+    }
+    all.sort();
+    all
+}

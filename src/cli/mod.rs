@@ -113,7 +113,7 @@ struct SweepArguments {
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
-    /// Go on with a sweep that was interrupted
+    /// Go on with a sweep that was interrupted, or with more samples of its sequence
     #[arg(long)]
     resume: bool,
     /// Write report.html as well: one page that needs nothing else

@@ -305,7 +305,10 @@ pub(super) fn finish(
     let mut files = SweepDirectory::part_files(record);
     files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
-    if let Some(directory) = output.directory().filter(|_| with_page) {
+    if let Some(directory) = output
+        .directory()
+        .filter(|_| with_page && statistics.designs > 0)
+    {
         show_sweep(directory)?;
         files.push("report.html".to_owned());
     }

@@ -84,7 +84,7 @@ impl Parts {
         }
         Ok(Parts {
             record: SweepRecord {
-                blocks_of_part: first.record.blocks().max(1),
+                blocks_of_part: first.record.blocks().max(first.record.blocks_of_part),
                 ..first.record.clone()
             },
             statistics,

@@ -37,7 +37,7 @@ fn kill(rounds: u64, samples: &str) {
         "optimise",
         "study.toml",
         "--set",
-        "optimise.starts=400",
+        "optimise.starts=60",
         "--out",
     ];
     let mut seed = 17;
@@ -95,12 +95,12 @@ fn kill(rounds: u64, samples: &str) {
 
 #[test]
 fn a_dozen_kills_lose_nothing() {
-    kill(3, "40000");
+    kill(3, "20000");
 }
 
 /// Run by `.ci/long`: two sweeps or tunings are killed in each round, some in the middle of a second part.
 #[test]
 #[ignore = "takes minutes"]
 fn a_hundred_kills_lose_nothing() {
-    kill(25, "300000");
+    kill(25, "150000");
 }

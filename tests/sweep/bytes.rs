@@ -2,15 +2,15 @@
 
 use super::*;
 
-/// Of one design position alone, and of designs enough for three parts.
-fn three_parts() -> String {
+/// Of one design position alone, and of designs enough for two parts.
+fn two_parts() -> String {
     let from = STUDY.find("[optimise]").unwrap();
     STUDY[..from]
         .replace("[-60.0, -20.0, 20.0, 60.0]", "[0.0]")
         .replace("[\"camber\", \"toe\"]", "[\"camber\"]")
         .replace("curves = true", "curves = false")
         .replace("latin_hypercube", "sobol")
-        .replace("samples = 700", "samples = 262272")
+        .replace("samples = 700", "samples = 131200")
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn threads_and_shards_give_the_same_bytes() {
 /// statistics lost in between: the parts are the same, and joined they are what goes to standard output.
 #[test]
 fn parts_are_the_same_whoever_does_them() {
-    let bench = Bench::new(&three_parts());
+    let bench = Bench::new(&two_parts());
     bench.sweep("whole", &[]).success();
     let shard = |i: &str| {
         let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
@@ -56,7 +56,7 @@ fn parts_are_the_same_whoever_does_them() {
     let leftover = bench.path("shards/.hardpoint-part-000000001-abc");
     fs::write(&leftover, "half a row").unwrap();
     let (_, error) = said(&bench.run(&["merge", "--out", "none", "shards"]).code(2));
-    assert!(error.contains("1 of 3 parts are missing (1)"), "{error}");
+    assert!(error.contains("1 of 2 parts are missing (1)"), "{error}");
     bench.sweep("shards", &["--resume"]).success();
     assert!(!leftover.exists());
     bench.assert_same("whole", "shards");
@@ -64,11 +64,9 @@ fn parts_are_the_same_whoever_does_them() {
     bench.run(&["merge", "--out", "merged", "whole"]).success();
     let read = |name: &str| fs::read(bench.path(name)).unwrap();
     let mut joined = read("whole/part-000000000.csv");
-    for part in ["whole/part-000000001.csv", "whole/part-000000002.csv"] {
-        let rows = read(part);
-        let header = rows.iter().position(|byte| *byte == b'\n').unwrap();
-        joined.extend(&rows[header + 1..]);
-    }
+    let rows = read("whole/part-000000001.csv");
+    let header = rows.iter().position(|byte| *byte == b'\n').unwrap();
+    joined.extend(&rows[header + 1..]);
     assert!(read("merged/designs.csv") == joined);
     assert!(read("merged/summary.json") == read("whole/summary.json"));
     // A page is made of either, and of parts of a sweep too.
@@ -77,8 +75,8 @@ fn parts_are_the_same_whoever_does_them() {
         bench.run(&["report", run]).success();
     }
     let page = |run: &str| fs::read_to_string(bench.path(run).join("report.html")).unwrap();
-    assert!(page("shards").contains("262272 designs"));
-    assert!(page("whole").contains("131200 of 262272 designs"));
+    assert!(page("shards").contains("131200 designs"));
+    assert!(page("whole").contains("128 of 131200 designs"));
 }
 
 #[test]
@@ -96,7 +94,7 @@ fn the_designs_alone_go_to_standard_output() {
 /// More samples of a sequence: parts that are there stay, and the bytes are those of a sweep of all of them.
 #[test]
 fn a_finished_sweep_grows() {
-    let bench = Bench::new(&three_parts());
+    let bench = Bench::new(&two_parts());
     let of = |samples: &str| ["--set".to_owned(), format!("sweep.samples={samples}")];
     let sweep = |out: &str, samples: &str, more: &[&str]| {
         let set = of(samples);
@@ -119,4 +117,46 @@ fn a_finished_sweep_grows() {
     assert_eq!(modified().unwrap(), before);
     bench.assert_same("whole", "grown");
     sweep("grown", "131200", &["--resume"]).code(2);
+}
+
+/// Ctrl-C leaves whole parts and no others, and says how to go on.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_leaves_whole_parts() {
+    let bench = Bench::new(&two_parts());
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
+    // Of a sequence, so that its parts are those of the shorter sweep.
+    let many = ["--set", "sweep.samples=100000000"];
+    command
+        .args(["sweep", "study.toml", "--out", "run"])
+        .args(many);
+    command.current_dir(bench.0.path());
+    command.stdout(std::process::Stdio::piped());
+    let process = command.spawn().unwrap();
+    let first = bench.path("run/part-000000000.csv");
+    while !first.exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let number = process.id().to_string();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &number])
+        .status();
+    assert!(killed.unwrap().success());
+    let output = process.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        said.contains("of 100000000 designs") && said.contains("--resume"),
+        "{said}"
+    );
+    let names = fs::read_dir(bench.path("run")).unwrap();
+    let names = names.map(|e| e.unwrap().file_name().into_string().unwrap());
+    assert_eq!(names.filter(|name| name.starts_with('.')).count(), 0);
+    bench.sweep("whole", &[]).success();
+    for name in ["part-000000000.csv", "part-000000000.json"] {
+        let read = |run: &str| fs::read(bench.path(run).join(name)).unwrap();
+        assert!(read("run") == read("whole"), "{name}");
+    }
+    let (_, error) = said(&bench.sweep("run", &many).code(2));
+    assert!(error.contains("unfinished sweep"), "{error}");
 }

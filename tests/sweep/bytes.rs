@@ -144,10 +144,10 @@ fn an_interrupted_sweep_leaves_whole_parts() {
     assert!(killed.unwrap().success());
     let output = process.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        said.contains("of 100000000 designs") && said.contains("--resume"),
-        "{said}"
+        printed.contains("of 100000000 designs") && printed.contains("--resume"),
+        "{printed}"
     );
     let names = fs::read_dir(bench.path("run")).unwrap();
     let names = names.map(|e| e.unwrap().file_name().into_string().unwrap());

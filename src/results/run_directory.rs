@@ -94,7 +94,9 @@ impl RunDirectory {
         let mut set_aside = None;
         let manifest = match examine(path, claim) {
             Ok(manifest) => manifest,
-            Err(Refusal::Taken { .. }) if claim.set_aside && may_be_moved(path, claim) => {
+            Err(Refusal::Taken { .. })
+                if claim.set_aside && is_alone && may_be_moved(path, claim) =>
+            {
                 // A lock file is no result, and must not be in the way of the next run.
                 lock.remove_file();
                 set_aside = Some(move_aside(path).map_err(failed)?);
@@ -109,10 +111,18 @@ impl RunDirectory {
             let wanted = |file: &String| is_wanted(claim, file);
             !run.is_of(claim.command, &claim.digest) && run.files.iter().any(wanted)
         };
+        let replaced: Vec<RunRecord> = manifest.runs.iter().filter(is_replaced).cloned().collect();
+        if !is_alone && !replaced.is_empty() {
+            // Others of that run are at work there.
+            return Err(Refusal::Busy {
+                directory: path.display().to_string(),
+                owner: None,
+            });
+        }
         let directory = RunDirectory {
             path: path.to_owned(),
             state: Mutex::new(State {
-                replaced: manifest.runs.iter().filter(is_replaced).cloned().collect(),
+                replaced,
                 manifest,
                 written: BTreeSet::new(),
             }),

@@ -30,6 +30,7 @@
 //! | [`solve`] | poses connected to the design position, one design at a time or many side by side |
 //! | [`analyse`] | limits, loads, assemblies, certificates |
 //! | [`attia`] | the seed paper's fifteen equations, its drive and its angles |
+//! | [`build`] | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
 //! | [`plan`] | what a study asks for, turned into what is computed |
 //! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
 //! | [`curves`] | a plan carried out over a motion |
@@ -60,6 +61,7 @@
 pub mod analyse;
 pub mod attia;
 pub mod bench;
+pub mod build;
 pub mod characteristics;
 pub mod cli;
 pub mod curves;

@@ -68,14 +68,39 @@ impl<T: Real> Closure<T> {
     /// The equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        Closure::of_rows(mechanism, |constraint, number| {
+            let constraint = mechanism.constraints[constraint];
+            Row::of(constraint, number, design, mechanism.origin)
+        })
+    }
+
+    /// The equations of parts whose dimensions are held apart: the points of the body, every point where the
+    /// undisplaced knuckle carries it, and a length for each constraint, read where it is a rod.
+    #[inline(always)]
+    pub(crate) fn of_parts(
+        mechanism: &Mechanism,
+        body: &[Vector3<T>],
+        knuckle: &[Vector3<T>],
+        lengths: &[T],
+    ) -> Self {
+        Closure::of_rows(mechanism, |constraint, number| {
+            let (length, constraint) = (lengths[constraint], mechanism.constraints[constraint]);
+            let points = [body, knuckle];
+            Row::of_parts(constraint, number, points, length, mechanism.origin)
+        })
+    }
+
+    /// Row by row, from the number of a constraint and that of the row among its own.
+    #[inline(always)]
+    fn of_rows(mechanism: &Mechanism, row_of: impl Fn(usize, usize) -> Row<T>) -> Self {
         let [mut constraint, mut number] = [0; 2];
-        let mut rows = [Row::of(mechanism.constraints[0], 0, design); 5];
+        let mut rows = [row_of(0, 0); 5];
         for row in &mut rows[1..] {
             number += 1;
             if number == mechanism.constraints[constraint].freedoms() {
                 (constraint, number) = (constraint + 1, 0);
             }
-            *row = Row::of(mechanism.constraints[constraint], number, design);
+            *row = row_of(constraint, number);
         }
         Closure { rows }
     }

@@ -20,6 +20,7 @@ pub use closure::{Closure, Driver};
 pub use constraint::raises_its_joint;
 pub use failure::{DesignFault, Failure, LimitCause, PartMeasure, Toggle, Unproven};
 pub use pose::{Configuration, Pose, Twist, Wrench};
+pub(crate) use rocker::turned_by_rod;
 pub use rocker::{MovingAngle, MovingPoint, Toggles, has_leverage};
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};
 pub use validation::{GeometryFault, HardpointFault};

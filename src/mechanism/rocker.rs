@@ -97,6 +97,15 @@ impl<T: Real> Turn<T> {
     }
 }
 
+/// Where points of a rocker come to, whose rod has the length that `inner` and `outer` are apart and whose outer
+/// end has come to `outer_now`: the ends are `[first, second, inner, outer, outer_now]`. Beyond a toggle it is not a
+/// number.
+#[inline(always)]
+pub(crate) fn turned_by_rod<T: Real>(ends: [Vector3<T>; 5]) -> impl Fn(Vector3<T>) -> Vector3<T> {
+    let turn = Turn::of(ends);
+    move |point| turn.moved(point)
+}
+
 /// A rocker that turns.
 struct Turning<T> {
     rocker: Rocker,

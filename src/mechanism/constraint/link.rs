@@ -30,6 +30,12 @@ impl<T: Real> Link<T> {
     #[inline(always)]
     pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
         let squared = (design[outer.0] - design[inner.0]).norm_squared();
+        Link::of_squared_length(inner, outer, squared)
+    }
+
+    /// A rod whose length is a dimension of its own.
+    #[inline(always)]
+    pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         Link {
             inner,
             outer,

@@ -22,7 +22,7 @@ use revolute::Pinned;
 use strut_line::StrutLine;
 
 use super::pose::{Configuration, Sink, Twist, Wrench};
-use crate::model::Constraint;
+use crate::model::{Constraint, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
@@ -37,14 +37,40 @@ pub(crate) enum Row<T> {
 impl<T: Real> Row<T> {
     /// One of a constraint's rows, by its number among them.
     #[inline(always)]
-    pub(crate) fn of(constraint: Constraint, number: usize, design: &[Vector3<T>]) -> Row<T> {
+    pub(crate) fn of(
+        constraint: Constraint,
+        number: usize,
+        design: &[Vector3<T>],
+        origin: PointId,
+    ) -> Row<T> {
         match constraint {
             Constraint::Link { inner, outer } => Row::Link(Link::new(inner, outer, design)),
             Constraint::StrutLine { top, lower, upper } => {
-                Row::StrutLine(StrutLine::both(top, lower, upper, design)[number])
+                Row::StrutLine(StrutLine::both(top, lower, upper, design, origin)[number])
             }
             Constraint::Revolute { first, second } => {
-                Row::Pinned(Pinned::all(first, second, design)[number])
+                Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
+            }
+        }
+    }
+
+    /// The same of parts whose dimensions are held apart: the points of the body, every point as the undisplaced
+    /// knuckle carries it, and the length of a rod.
+    #[inline(always)]
+    pub(crate) fn of_parts(
+        constraint: Constraint,
+        number: usize,
+        [body, knuckle]: [&[Vector3<T>]; 2],
+        length: T,
+        origin: PointId,
+    ) -> Row<T> {
+        match constraint {
+            Constraint::Link { inner, outer } => {
+                Row::Link(Link::of_squared_length(inner, outer, length.squared()))
+            }
+            Constraint::StrutLine { .. } => Row::of(constraint, number, knuckle, origin),
+            Constraint::Revolute { first, second } => {
+                Row::Pinned(Pinned::all(first, second, body, knuckle, origin)[number])
             }
         }
     }

@@ -10,6 +10,9 @@
 //!
 //! n is x, y and z for the first point of the axis; of the second, only the two directions normal to
 //! the axis are left to hold. These turn with the axis, but as p = c in every pose that adds nothing.
+//!
+//! Where p lies in the knuckle is a dimension of it: a built arm has its bushes as it was made, wherever the
+//! body's points have come to lie.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -24,15 +27,29 @@ pub(crate) struct Pinned<T> {
     pub point: PointId,
     /// n
     pub direction: Vector3<T>,
+    /// From the origin of the undisplaced knuckle to p.
+    lever: Vector3<T>,
 }
 
 impl<T: Real> Pinned<T> {
+    /// All five equations. `body` has the points of the body, `knuckle` every point where the undisplaced
+    /// knuckle carries it: both are the design's own, for a design; `origin` is the knuckle's.
     #[inline(always)]
-    pub(crate) fn all(first: PointId, second: PointId, design: &[Vector3<T>]) -> [Self; 5] {
-        let axis = (design[second.0] - design[first.0]).normalised();
+    pub(crate) fn all(
+        first: PointId,
+        second: PointId,
+        body: &[Vector3<T>],
+        knuckle: &[Vector3<T>],
+        origin: PointId,
+    ) -> [Self; 5] {
+        let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
         let [across, other] = normals(axis);
-        let pinned = |point, direction| Pinned { point, direction };
+        let pinned = |point: PointId, direction| Pinned {
+            point,
+            direction,
+            lever: knuckle[point.0] - knuckle[origin.0],
+        };
         [
             pinned(first, x),
             pinned(first, y),
@@ -44,20 +61,23 @@ impl<T: Real> Pinned<T> {
 
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
-        self.direction
-            .dot(at.carried(self.point) - at.designed(self.point))
+        let carried = at.pose.origin + at.pose.rotation.apply(self.lever);
+        self.direction.dot(carried - at.designed(self.point))
     }
 
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
-        at.push_carried(self.point, along, sink);
-        sink.hardpoint(self.point, -along);
+        let in_knuckle = at.pose.rotation.apply_transposed(along);
+        let lever = at.pose.rotation.apply(self.lever);
+        sink.wrench(along, lever.cross(along));
+        sink.hardpoint(self.point, in_knuckle - along);
+        sink.hardpoint(at.mechanism.origin, -in_knuckle);
     }
 
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
-        let lever = at.pose.rotation.apply(at.designed_lever(self.point));
+        let lever = at.pose.rotation.apply(self.lever);
         Wrench {
             force: lever.zero(),
             moment: along.turn.cross(lever).cross(self.direction),

@@ -9,6 +9,9 @@
 //!
 //! u is the direction of the line and turns its normal with it, dn = -u (n.du); c = R u . g - u . g0 is
 //! how far the knuckle has slid along the line.
+//!
+//! n . g0 and u are dimensions of the knuckle: a built strut has them as its knuckle was made, wherever its
+//! mount has come to lie in the body.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -25,6 +28,8 @@ pub(crate) struct StrutLine<T> {
     upper: Option<PointId>,
     /// n
     pub normal: Vector3<T>,
+    /// n . g0
+    offset: T,
     /// u
     along: Vector3<T>,
     /// 1 over the design distance of the two points that give the direction.
@@ -32,13 +37,18 @@ pub(crate) struct StrutLine<T> {
 }
 
 impl<T: Real> StrutLine<T> {
+    /// Both equations. `knuckle` has every point where the undisplaced knuckle carries it: the design's own,
+    /// for a design; `origin` is the knuckle's.
+    #[inline(always)]
     pub(crate) fn both(
         top: PointId,
         lower: PointId,
         upper: Option<PointId>,
-        design: &[Vector3<T>],
+        knuckle: &[Vector3<T>],
+        origin: PointId,
     ) -> [Self; 2] {
-        let base = design[upper.unwrap_or(top).0] - design[lower.0];
+        let base = knuckle[upper.unwrap_or(top).0] - knuckle[lower.0];
+        let lever = knuckle[top.0] - knuckle[origin.0];
         let inverse_base = base.x.one() / base.norm();
         let along = base * inverse_base;
         normals(along).map(|normal| StrutLine {
@@ -46,15 +56,16 @@ impl<T: Real> StrutLine<T> {
             lower,
             upper,
             normal,
+            offset: normal.dot(lever),
             along,
             inverse_base,
         })
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
-        let gap = at.point(self.top) - at.pose.origin;
-        at.pose.rotation.apply(self.normal).dot(gap) - self.normal.dot(at.designed_lever(self.top))
+        let gap = at.grounded(self.top) - at.pose.origin;
+        at.pose.rotation.apply(self.normal).dot(gap) - self.offset
     }
 
     #[inline]

@@ -1,0 +1,490 @@
+//! Putting parts together.
+//!
+//! The knuckle's pose q obeys the closure equations with the parts' own lengths and shapes, and a sixth: the
+//! wheel centre is at a height. With A the inverse of the Jacobian in the drawn position,
+//!
+//! ```text
+//! q <- q - A F(q, parts)
+//! ```
+//!
+//! contracts as fast as the parts differ from the drawing, a thousandth or so each time. The same few lines serve
+//! plain numbers and derivative numbers, whose parts it mends order by order. Where it contracts by less
+//! than a half, the parts are changed from the drawn to the built ones step by step, with the Jacobian of
+//! each step, and the determinant keeps its sign: so a build is always the assembly connected to the drawn one.
+//!
+//! Carriers then follow. A point of an arm keeps its place in the frame of arm axis and outer joint (origin at
+//! the joint, one axis along the pivots, one from them to the joint); a point of a rocker its place along and about the rocker's
+//! axis, the rod with its own length turning it; the upper part of a strut turns with the knuckle about its mount.
+
+use super::parts::{Parts, is_of_body};
+use crate::linear::lu::{Lu6, Matrix6, Vector6};
+use crate::mechanism::Twist;
+use crate::mechanism::{
+    Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, turned_by_rod,
+};
+use crate::model::Point;
+use crate::model::PointId;
+use crate::model::{Arm, Body, Rod, SpinAxis, Suspension};
+use crate::number::{Matrix3, Real, Vector3};
+use crate::solve::Solver;
+use std::fmt;
+
+/// The most corrections; what contracts by a half each time has long settled.
+const MOST_ROUNDS: usize = 40;
+/// The farthest the carrier may move at once, relative to the size, and the most it may turn (rad).
+const FARTHEST: f64 = 0.2;
+/// The shortest step from the drawn to the built parts.
+const SHORTEST_STEP: f64 = 1.0 / 1024.0;
+
+/// Why parts cannot be put together.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reject {
+    /// On the way from the drawn parts to these the mechanism comes to a singular position: there the links
+    /// cannot reach.
+    OutOfReach {
+        /// How far of the way it can be put together, 0 to 1.
+        share: f64,
+    },
+    /// The rod of a rocker cannot reach, or is at toggle.
+    Rod(Rod),
+    /// The spring cannot be given its length at any height nearby.
+    Spring,
+    /// Put together they are no design that can move.
+    Immovable(DesignFault),
+}
+
+impl Reject {
+    /// One word for counting.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Reject::OutOfReach { .. } => "out_of_reach",
+            Reject::Rod(_) => "rod_out_of_reach",
+            Reject::Spring => "no_rest",
+            Reject::Immovable(_) => "immovable",
+        }
+    }
+}
+
+impl fmt::Display for Reject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reject::OutOfReach { share } => write!(
+                f,
+                "the links cannot reach: from the drawn parts to these the mechanism goes together up to {:.0} %",
+                100.0 * share
+            ),
+            Reject::Rod(rod) => write!(f, "the {rod} cannot reach, or is at toggle"),
+            Reject::Spring => write!(f, "the spring keeps its length at no height nearby"),
+            Reject::Immovable(_) => write!(f, "put together, it cannot move"),
+        }
+    }
+}
+
+impl std::error::Error for Reject {}
+
+/// Puts the parts of one suspension together, build after build.
+#[derive(Clone, Debug)]
+pub struct Assembler {
+    suspension: Suspension,
+    drawn: Parts<f64>,
+    /// The pose of the drawing and the inverse of the Jacobian there.
+    home: Linearised,
+    size: f64,
+    /// What positions are rounded at.
+    rounding: f64,
+}
+
+/// A pose and the inverse of its Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Linearised {
+    pub(crate) pose: Pose<f64>,
+    pub(crate) inverse: Matrix6<f64>,
+    determinant: f64,
+}
+
+impl Assembler {
+    /// For a suspension, whose drawing must be one that can move.
+    pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
+        let suspension = with_spindle(suspension);
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let solver = Solver::new(mechanism, design)?;
+        let (pose, size) = (solver.design_pose(), solver.size());
+        let drawn = Parts::drawn(&suspension);
+        let rounding = ROUNDING * mechanism.coordinate_scale(design);
+        let mut assembler = Assembler {
+            home: Linearised {
+                pose,
+                inverse: [[0.0; 6]; 6],
+                determinant: 0.0,
+            },
+            drawn,
+            size,
+            rounding,
+            suspension,
+        };
+        let closure = assembler.closure(&assembler.drawn);
+        assembler.home = assembler
+            .linearise(&closure, &assembler.drawn, &pose)
+            .ok_or(DesignFault::Singular)?;
+        Ok(assembler)
+    }
+
+    /// The suspension as drawn. Its spin axis always runs through a point of the carrier: where the study gives
+    /// static camber and toe instead, `spindle_inner` is added.
+    pub fn suspension(&self) -> &Suspension {
+        &self.suspension
+    }
+
+    /// The parts as drawn.
+    pub fn drawn(&self) -> &Parts<f64> {
+        &self.drawn
+    }
+
+    pub(crate) fn home(&self) -> &Linearised {
+        &self.home
+    }
+
+    /// Puts parts together with the wheel centre `height` above its drawn height, and writes the built design.
+    pub fn assemble(
+        &self,
+        parts: &Parts<f64>,
+        height: f64,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Reject> {
+        let pose = self.pose(parts, height)?;
+        self.place(parts, &pose, into);
+        self.check_rods(into)
+    }
+
+    /// The pose of the carrier, from that of the drawing.
+    pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
+        let closure = self.closure(parts);
+        match self.settle(&closure, parts, height, &self.home) {
+            Some(pose) => Ok(pose),
+            None => self.approach(parts, height),
+        }
+    }
+
+    /// From the drawn parts to these step by step.
+    fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
+        let (mut reached, mut step) = (0.0, 0.25_f64);
+        let mut place = self.home;
+        while reached < 1.0 {
+            let target = (reached + step).min(1.0);
+            let between = self.between(parts, target);
+            let closure = self.closure(&between);
+            let found = self
+                .settle(&closure, &between, height * target, &place)
+                .and_then(|pose| self.linearise(&closure, &between, &pose))
+                .filter(|found| {
+                    let ratio = found.determinant / place.determinant;
+                    ratio > 0.5 && ratio < 2.0
+                });
+            match found {
+                Some(found) => {
+                    (place, reached) = (found, target);
+                    step *= 2.0;
+                }
+                None => {
+                    step *= 0.5;
+                    if step < SHORTEST_STEP {
+                        return Err(Reject::OutOfReach { share: reached });
+                    }
+                }
+            }
+        }
+        Ok(place.pose)
+    }
+
+    fn between(&self, parts: &Parts<f64>, share: f64) -> Parts<f64> {
+        let mix = |from: f64, to: f64| match share {
+            1.0 => to,
+            _ => from + (to - from) * share,
+        };
+        let points = self.drawn.points.iter().zip(&parts.points);
+        let lengths = self.drawn.lengths.iter().zip(&parts.lengths);
+        Parts {
+            points: points
+                .map(|(a, b)| Vector3::new(mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)))
+                .collect(),
+            lengths: lengths.map(|(a, b)| mix(*a, *b)).collect(),
+        }
+    }
+
+    /// Corrections with one inverse, as long as each is at most half of the one before.
+    fn settle(
+        &self,
+        closure: &Closure<f64>,
+        parts: &Parts<f64>,
+        height: f64,
+        from: &Linearised,
+    ) -> Option<Pose<f64>> {
+        let mut pose = from.pose;
+        let mut before = FARTHEST * self.size;
+        for _ in 0..MOST_ROUNDS {
+            let (next, correction) = self.corrected(closure, parts, height, &pose, &from.inverse);
+            let [x, y, z, a, b, c] = correction;
+            let shift = Vector3::new(x, y, z).norm();
+            let moved = shift.max(Vector3::new(a, b, c).norm() * self.size);
+            pose = next;
+            // What the next correction would be, if it is again this much smaller.
+            if moved * (moved / before).min(1.0) <= self.rounding && moved <= before {
+                return Some(pose);
+            }
+            // Written so that NaN is refused.
+            if !(moved <= 0.5 * before) {
+                return None;
+            }
+            before = moved;
+        }
+        None
+    }
+
+    /// One correction of a pose.
+    #[inline(always)]
+    pub(crate) fn corrected<T: Real>(
+        &self,
+        closure: &Closure<T>,
+        parts: &Parts<T>,
+        height: T,
+        pose: &Pose<T>,
+        inverse: &Matrix6<f64>,
+    ) -> (Pose<T>, Vector6<T>) {
+        let at = self.configuration(parts, pose);
+        let residuals = match T::IN_REGISTERS {
+            true => closure.residuals_inlined(&at, self.driver(parts, height)),
+            false => closure.residuals(&at, self.driver(parts, height)),
+        };
+        let mut correction = residuals;
+        for (entry, row) in correction.iter_mut().zip(inverse) {
+            let mut sum = residuals[0].scaled(-row[0]);
+            for k in 1..6 {
+                sum = sum.minus_product(residuals[k], sum.lit(row[k]));
+            }
+            *entry = sum;
+        }
+        let twist = Twist::from_array(correction);
+        (
+            pose.moved(twist.shift, twist.turn * height.lit(0.5)),
+            correction,
+        )
+    }
+
+    /// The wheel centre at a height above its drawn one, whatever its place in the carrier.
+    #[inline(always)]
+    fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
+        let centre = self.suspension.mechanism.wheel_centre.0;
+        let drawn = height.lit(self.drawn.points[centre].z);
+        Driver::Travel(drawn - parts.points[centre].z + height)
+    }
+
+    #[inline(always)]
+    fn configuration<'a, T: Real>(
+        &'a self,
+        parts: &'a Parts<T>,
+        pose: &Pose<T>,
+    ) -> Configuration<'a, T> {
+        Configuration {
+            mechanism: &self.suspension.mechanism,
+            design: &parts.points,
+            pose: *pose,
+            rack: pose.origin.x.zero(),
+            steering: None,
+        }
+    }
+
+    /// The closure equations of parts.
+    pub(crate) fn closure<T: Real>(&self, parts: &Parts<T>) -> Closure<T> {
+        let mechanism = &self.suspension.mechanism;
+        let knuckle: Vec<_> = (0..parts.points.len())
+            .map(|i| self.in_carrier(parts, PointId(i)))
+            .collect();
+        Closure::of_parts(mechanism, &parts.points, &knuckle, &parts.lengths)
+    }
+
+    /// Where the undisplaced carrier has a point: the counterpart of a point of the body where it was drawn.
+    #[inline(always)]
+    fn in_carrier<T: Real>(&self, parts: &Parts<T>, id: PointId) -> Vector3<T> {
+        let point = parts.points[id.0];
+        match is_of_body(&self.suspension.mechanism, id) {
+            true => point.lit(self.drawn.points[id.0]),
+            false => point,
+        }
+    }
+
+    /// A pose with the inverse of its Jacobian; `None` where it is singular.
+    pub(crate) fn linearise(
+        &self,
+        closure: &Closure<f64>,
+        parts: &Parts<f64>,
+        pose: &Pose<f64>,
+    ) -> Option<Linearised> {
+        let at = self.configuration(parts, pose);
+        let jacobian = closure.jacobian(&at, Driver::Travel(0.0));
+        let lu = Lu6::new(jacobian, self.size)?;
+        let mut inverse = [[0.0; 6]; 6];
+        for k in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[k] = 1.0;
+            for (row, entry) in inverse.iter_mut().zip(lu.solve(unit)) {
+                row[k] = entry;
+            }
+        }
+        Some(Linearised {
+            pose: *pose,
+            inverse,
+            determinant: lu.determinant(),
+        })
+    }
+
+    /// The pose over another kind of number, its derivatives mended in as many corrections as they have orders.
+    pub(crate) fn lifted<T: Real>(
+        &self,
+        parts: &Parts<T>,
+        height: T,
+        at: &Linearised,
+        orders: usize,
+    ) -> Pose<T> {
+        let closure = self.closure(parts);
+        let mut pose = at.pose.map(|c| height.lit(c));
+        for _ in 0..orders {
+            pose = self
+                .corrected(&closure, parts, height, &pose, &at.inverse)
+                .0;
+        }
+        pose
+    }
+
+    /// The built design: every point of parts put together in a pose of the carrier.
+    #[inline(always)]
+    pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
+        let mechanism = &self.suspension.mechanism;
+        let drawn = |id: PointId| parts.points[id.0].lit(self.drawn.points[id.0]);
+        let at = self.configuration(parts, pose);
+        for i in 0..parts.points.len() {
+            let (id, point) = (PointId(i), parts.points[i]);
+            into[i] = match mechanism.body(id) {
+                Body::Chassis | Body::Rack | Body::Rocker(_) => point,
+                Body::Knuckle => at.carried(id),
+                Body::StrutRod(top) => {
+                    parts.points[top.0] + pose.rotation.apply(point - drawn(top))
+                }
+                Body::Arm(number) => {
+                    let arm = mechanism.arms[number.0];
+                    let from = ArmFrame::of(arm, drawn);
+                    let to = ArmFrame::of(arm, |id| match id == arm.outer {
+                        true => at.carried(id),
+                        false => parts.points[id.0],
+                    });
+                    to.place(from.read(point))
+                }
+            };
+        }
+        for (number, rocker) in mechanism.rockers.iter().enumerate() {
+            let (first, second) = (parts.points[rocker.first.0], parts.points[rocker.second.0]);
+            let drawn_first = drawn(rocker.first);
+            let tilt = Tilt::between(drawn(rocker.second) - drawn_first, second - first);
+            let set = |point: Vector3<T>| first + tilt.apply(point - drawn_first);
+            let inner = set(parts.points[rocker.inner.0]);
+            let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
+            let length = parts.lengths[mechanism.constraints.len() + number];
+            let outer = inner + along * length;
+            let ends = [first, second, inner, outer, into[rocker.outer.0]];
+            let turned = turned_by_rod(ends);
+            for i in 0..parts.points.len() {
+                if mechanism.body(PointId(i)) == Body::Rocker(crate::model::RockerId(number)) {
+                    into[i] = turned(set(parts.points[i]));
+                }
+            }
+        }
+    }
+
+    /// Names the rod that could not reach.
+    fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), Reject> {
+        for rocker in &self.suspension.mechanism.rockers {
+            let inner = built[rocker.inner.0];
+            if !(inner.x + inner.y + inner.z).is_finite()
+                || !crate::mechanism::has_leverage(rocker, built)
+            {
+                return Err(Reject::Rod(rocker.rod));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The frame of an arm: its outer joint, the way of its axis, and the way from there to the joint.
+struct ArmFrame<T> {
+    origin: Vector3<T>,
+    axes: Matrix3<T>,
+}
+
+impl<T: Real> ArmFrame<T> {
+    #[inline(always)]
+    fn of(arm: Arm, point: impl Fn(PointId) -> Vector3<T>) -> Self {
+        let (front, outer) = (point(arm.front), point(arm.outer));
+        let axis = (point(arm.rear) - front).normalised();
+        let from_front = outer - front;
+        let radial = (from_front - axis * axis.dot(from_front)).normalised();
+        ArmFrame {
+            origin: outer,
+            axes: Matrix3 {
+                columns: [axis, radial, axis.cross(radial)],
+            },
+        }
+    }
+
+    /// The coordinates of a point in the frame.
+    #[inline(always)]
+    fn read(&self, point: Vector3<T>) -> Vector3<T> {
+        self.axes.apply_transposed(point - self.origin)
+    }
+
+    /// The point with these coordinates.
+    #[inline(always)]
+    fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
+        self.origin + self.axes.apply(coordinates)
+    }
+}
+
+/// The least rotation from one direction to another: with k = a x b and c = a.b of the unit vectors,
+/// v + k x v + k x (k x v)/(1 + c).
+struct Tilt<T> {
+    across: Vector3<T>,
+    factor: T,
+}
+
+impl<T: Real> Tilt<T> {
+    #[inline(always)]
+    fn between(from: Vector3<T>, to: Vector3<T>) -> Self {
+        let (from, to) = (from.normalised(), to.normalised());
+        let cosine = from.dot(to);
+        Tilt {
+            across: from.cross(to),
+            factor: cosine.one() / (cosine.one() + cosine),
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: Vector3<T>) -> Vector3<T> {
+        let once = self.across.cross(v);
+        v + once + self.across.cross(once) * self.factor
+    }
+}
+
+/// The suspension with a point of the carrier on its spin axis, which a built carrier takes with it.
+fn with_spindle(suspension: &Suspension) -> Suspension {
+    let mut suspension = suspension.clone();
+    if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
+        let centre = suspension.design[suspension.mechanism.wheel_centre.0];
+        let length = suspension.wheel_radius.unwrap_or(0.25 * suspension.size());
+        let id = PointId(suspension.design.len());
+        suspension.design.push(centre - direction * length);
+        suspension.mechanism.points.push(Point {
+            name: "spindle_inner".to_owned(),
+            body: Body::Knuckle,
+        });
+        suspension.mechanism.spin_axis = SpinAxis::From(id);
+    }
+    suspension
+}

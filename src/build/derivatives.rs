@@ -1,0 +1,74 @@
+//! Curves of built mechanisms with their derivatives by the parts.
+
+use super::assembler::Assembler;
+use super::rest::{Built, Direction};
+use crate::curves::{Curves, curves};
+use crate::mechanism::DesignFault;
+use crate::model::PointId;
+use crate::plan::Plan;
+
+/// Curves of a built mechanism.
+#[derive(Clone, Debug)]
+pub struct BuiltCurves {
+    /// The curves; they carry no sensitivities.
+    pub curves: Curves,
+    /// How fast the height of rest changes along each direction.
+    pub height: Vec<f64>,
+    /// By direction, station and column: derivatives of what the columns say, value or rate or curvature, in the
+    /// column's unit per length unit.
+    derivatives: Vec<f64>,
+}
+
+impl BuiltCurves {
+    /// The derivative of a column at a station along a direction.
+    pub fn derivative(&self, direction: usize, station: usize, column: usize) -> f64 {
+        let columns = self.curves.columns.len();
+        let stations = self.curves.stations.len();
+        self.derivatives[(direction * stations + station) * columns + column]
+    }
+}
+
+/// The curves of a built mechanism under a plan, with their derivatives along directions among its parts. Where a
+/// station has no pose its derivatives are NaN.
+pub fn built_curves(
+    assembler: &Assembler,
+    built: &Built,
+    plan: &Plan,
+    directions: &[&Direction],
+) -> Result<BuiltCurves, DesignFault> {
+    let suspension = &built.suspension;
+    let mut plan = plan.clone();
+    plan.sensitivities = match directions.is_empty() {
+        true => Vec::new(),
+        false => (0..suspension.design.len()).map(PointId).collect(),
+    };
+    let mut curves = curves(suspension, &plan)?;
+    let sensitivities = std::mem::take(&mut curves.sensitivities);
+    let (columns, stations) = (curves.columns.len(), curves.stations.len());
+    let mut derivatives = vec![f64::NAN; directions.len() * stations * columns];
+    let mut heights = Vec::with_capacity(directions.len());
+    for (d, direction) in directions.iter().enumerate() {
+        let (moves, height) = assembler.design_by(built, direction);
+        heights.push(height);
+        let of_direction = &mut derivatives[d * stations * columns..(d + 1) * stations * columns];
+        for s in &sensitivities {
+            let entry = &mut of_direction[s.station * columns + s.column];
+            if entry.is_nan() {
+                *entry = 0.0;
+            }
+        }
+        for s in &sensitivities {
+            let along = moves[s.point.0].to_array()[s.axis as usize];
+            let sign = suspension.frame.sign(s.axis);
+            // What does not move adds nothing, even where the sensitivity by it has no value.
+            if along != 0.0 {
+                of_direction[s.station * columns + s.column] += s.value * sign * along;
+            }
+        }
+    }
+    Ok(BuiltCurves {
+        curves,
+        height: heights,
+        derivatives,
+    })
+}

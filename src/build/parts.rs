@@ -1,0 +1,129 @@
+//! The parts of a suspension: their dimensions, held apart.
+
+use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
+use crate::number::{Real, Vector3};
+
+/// A member with a length of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Member {
+    /// A rod, or a leg of an arm, by its place among [`Mechanism::constraints`].
+    Link(usize),
+    /// The rod of a rocker.
+    Rod(RockerId),
+}
+
+impl Member {
+    /// The members of a mechanism with their names: those of the columns of loads, and `pushrod`, `pullrod`,
+    /// `drop_link`.
+    pub fn all(mechanism: &Mechanism) -> Vec<(String, Member)> {
+        let links = mechanism.constraints.iter().enumerate();
+        let links = links.filter_map(|(number, constraint)| match *constraint {
+            Constraint::Link { inner, .. } => {
+                let name = mechanism.name(inner);
+                let name = name.strip_suffix("_inner").unwrap_or(name);
+                Some((name.to_owned(), Member::Link(number)))
+            }
+            _ => None,
+        });
+        let rods = mechanism.rockers.iter().enumerate();
+        let rods = rods.map(|(number, rocker)| {
+            let name = rocker.rod.to_string().replace(' ', "_");
+            (name, Member::Rod(RockerId(number)))
+        });
+        links.chain(rods).collect()
+    }
+
+    /// Its two ends, the one nearer to the body first.
+    pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
+        match self {
+            Member::Link(number) => match mechanism.constraints[number] {
+                Constraint::Link { inner, outer } => Some((inner, outer)),
+                _ => None,
+            },
+            Member::Rod(id) => {
+                let rocker = mechanism.rocker(id);
+                Some((rocker.inner, rocker.outer))
+            }
+        }
+    }
+
+    /// Its place in [`Parts::lengths`].
+    #[inline(always)]
+    pub(crate) fn place(self, mechanism: &Mechanism) -> usize {
+        match self {
+            Member::Link(number) => number,
+            Member::Rod(id) => mechanism.constraints.len() + id.0,
+        }
+    }
+}
+
+/// A dimension of the parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildParameter {
+    /// A coordinate of a point in the part that has it: of the body, or of a carrier in the axes it was drawn in.
+    /// The ends of members are points of what they are fixed to. In the kernel's frame.
+    Coordinate(PointId, Axis),
+    /// The length of a member.
+    Length(Member),
+}
+
+/// The dimensions of all parts, over any number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts<T> {
+    /// Every point as its part has it: in the body, or in its carrier as that was drawn.
+    pub points: Vec<Vector3<T>>,
+    /// Lengths of members, by [`Member::place`]; 0 for a constraint that is no rod.
+    pub lengths: Vec<T>,
+}
+
+impl Parts<f64> {
+    /// The parts as drawn.
+    pub fn drawn(suspension: &Suspension) -> Self {
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let mut lengths = vec![0.0; mechanism.constraints.len() + mechanism.rockers.len()];
+        for (_, member) in Member::all(mechanism) {
+            if let Some((inner, outer)) = member.ends(mechanism) {
+                lengths[member.place(mechanism)] = (design[outer.0] - design[inner.0]).norm();
+            }
+        }
+        Parts {
+            points: design.clone(),
+            lengths,
+        }
+    }
+
+    /// The same parts over another kind of number.
+    pub fn map<T>(&self, mut f: impl FnMut(f64) -> T) -> Parts<T> {
+        Parts {
+            points: self.points.iter().map(|p| p.map(&mut f)).collect(),
+            lengths: self.lengths.iter().map(|l| f(*l)).collect(),
+        }
+    }
+}
+
+impl<T: Real> Parts<T> {
+    /// Changes a dimension.
+    #[inline(always)]
+    pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
+        match parameter {
+            BuildParameter::Coordinate(point, axis) => {
+                let point = &mut self.points[point.0];
+                match axis {
+                    Axis::X => point.x = point.x + by,
+                    Axis::Y => point.y = point.y + by,
+                    Axis::Z => point.z = point.z + by,
+                }
+            }
+            BuildParameter::Length(member) => {
+                let length = &mut self.lengths[member.place(mechanism)];
+                *length = *length + by;
+            }
+        }
+    }
+}
+
+/// Whether a point is one of the body; the rack's are.
+#[inline(always)]
+pub(crate) fn is_of_body(mechanism: &Mechanism, id: PointId) -> bool {
+    matches!(mechanism.body(id), Body::Chassis | Body::Rack)
+}

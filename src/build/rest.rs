@@ -1,0 +1,174 @@
+//! Where a built mechanism rests.
+
+use super::assembler::{Assembler, Linearised, Reject};
+use super::parts::{BuildParameter, Parts};
+use crate::model::Suspension;
+use crate::number::{Dual, Jet, Real, Vector3};
+
+/// What the height of the wheel centre is at travel 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rest {
+    /// This much above its drawn height: the workshop sets it.
+    Height(f64),
+    /// Where the spring is this much longer than drawn, seat to seat: what a change of its pushrod comes to.
+    Spring(f64),
+}
+
+/// Parts put together.
+#[derive(Clone, Debug)]
+pub struct Built {
+    /// The built design, at rest.
+    pub suspension: Suspension,
+    /// The parts.
+    pub parts: Parts<f64>,
+    /// What it rests on.
+    pub rest: Rest,
+    /// Height of the wheel centre above its drawn height.
+    pub height: f64,
+    at: Linearised,
+}
+
+/// Some dimensions that change together, each with its part of the change: a direction among all parts.
+pub type Direction = [(BuildParameter, f64)];
+
+/// The most steps to the height at which the spring has its length.
+const MOST_STEPS: usize = 30;
+
+impl Assembler {
+    /// Puts parts together.
+    pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, Reject> {
+        let suspension = self.suspension();
+        let mut built = Built {
+            suspension: suspension.clone(),
+            parts: parts.clone(),
+            rest,
+            height: 0.0,
+            at: *self.home(),
+        };
+        match rest {
+            Rest::Height(height) => self.rebuild(&mut built, height)?,
+            Rest::Spring(longer) => {
+                let drawn = spring_length(suspension, &suspension.design).ok_or(Reject::Spring)?;
+                self.settle_on_spring(&mut built, drawn + longer)?;
+            }
+        }
+        Ok(built)
+    }
+
+    fn rebuild(&self, built: &mut Built, height: f64) -> Result<(), Reject> {
+        self.assemble(&built.parts, height, &mut built.suspension.design)?;
+        let pose = self.pose(&built.parts, height)?;
+        let closure = self.closure(&built.parts);
+        built.at = self
+            .linearise(&closure, &built.parts, &pose)
+            .ok_or(Reject::OutOfReach { share: 1.0 })?;
+        built.height = height;
+        Ok(())
+    }
+
+    /// Newton's method in the height, damped where the mechanism does not go so far at once.
+    fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), Reject> {
+        self.rebuild(built, 0.0)?;
+        let size = self.suspension().size();
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let [now, by_height] = self.spring_by(built, &[], 1.0).ok_or(Reject::Spring)?;
+            let step = (wanted - now) / by_height;
+            if !(step.abs() <= size) {
+                return Err(Reject::Spring);
+            }
+            // The last step is taken where it halves no more: rounding.
+            if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
+                return Ok(());
+            }
+            before = step.abs();
+            let (mut share, from) = (1.0, built.height);
+            while let Err(reject) = self.rebuild(built, from + share * step) {
+                share *= 0.5;
+                if share < 1e-3 {
+                    return Err(reject);
+                }
+            }
+        }
+        Err(Reject::Spring)
+    }
+
+    /// The length of the spring, and its derivative along a direction of the parts and `rise` of the height.
+    fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
+        let design = self.design_along::<Dual<f64, 1>>(
+            built,
+            |value, by| Dual {
+                value,
+                partials: [by],
+            },
+            1,
+            direction,
+            rise,
+        );
+        let length = spring_length(self.suspension(), &design)?;
+        Some([length.value, length.partials[0]])
+    }
+
+    /// The built design over another kind of number along a direction; `number` makes one of a value and its
+    /// slope.
+    fn design_along<T: Real>(
+        &self,
+        built: &Built,
+        number: impl Fn(f64, f64) -> T,
+        orders: usize,
+        direction: &Direction,
+        rise: f64,
+    ) -> Vec<Vector3<T>> {
+        let mut parts = built.parts.map(|value| number(value, 0.0));
+        for (parameter, share) in direction {
+            let mechanism = &self.suspension().mechanism;
+            parts.change(mechanism, *parameter, number(0.0, *share));
+        }
+        let height = number(built.height, rise);
+        let pose = self.lifted(&parts, height, &built.at, orders);
+        let mut design = parts.points.clone();
+        self.place(&parts, &pose, &mut design);
+        design
+    }
+
+    /// How every point of the built design moves as the parts change along a direction, and how much the height
+    /// changes.
+    pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
+        let rise = match built.rest {
+            Rest::Height(_) => 0.0,
+            // The spring keeps its length.
+            Rest::Spring(_) => {
+                let by_parts = self.spring_by(built, direction, 0.0);
+                let by_height = self.spring_by(built, &[], 1.0);
+                match (by_parts, by_height) {
+                    (Some([_, by_parts]), Some([_, by_height])) => -by_parts / by_height,
+                    _ => 0.0,
+                }
+            }
+        };
+        let number = |value, by| Dual::<f64, 1> {
+            value,
+            partials: [by],
+        };
+        let design = self.design_along(built, number, 1, direction, rise);
+        (
+            design
+                .iter()
+                .map(|p| p.map(|coordinate| coordinate.partials[0]))
+                .collect(),
+            rise,
+        )
+    }
+
+    /// The built design as a series to second order along a direction, the height held.
+    pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
+        let number = |value, by| Jet([value, by, 0.0]);
+        self.design_along(built, number, 2, direction, 0.0)
+    }
+}
+
+/// The spring's length from seat to seat in a design.
+pub(super) fn spring_length<T: Real>(suspension: &Suspension, design: &[Vector3<T>]) -> Option<T> {
+    let spring = suspension.mechanism.spring?;
+    Some((design[spring.upper.0] - design[spring.lower.0]).norm())
+}

@@ -1,0 +1,153 @@
+//! Where a build and a drawing are one.
+
+use super::{assembler, parameter, study};
+use hardpoint::build::{Parts, Rest, built_curves};
+use hardpoint::curves::curves;
+use hardpoint::model::Suspension;
+use hardpoint::plan::Plan;
+
+const STUDIES: [&str; 4] = [
+    "macpherson_solve",
+    "double_wishbone_rocker",
+    "five_link_solve",
+    "semi_trailing_arm_solve",
+];
+
+/// Parts as drawn go together as drawn.
+#[test]
+fn drawn_parts_make_the_drawing() {
+    for name in STUDIES {
+        let study = study(name, &[]);
+        let assembler = assembler(&study);
+        let built = assembler
+            .build(assembler.drawn(), Rest::Height(0.0))
+            .unwrap();
+        let (design, size) = (&study.suspension.design, study.suspension.size());
+        for (drawn, built) in design.iter().zip(&built.suspension.design) {
+            assert!((*drawn - *built).norm() < 1e-14 * size, "{name}");
+        }
+    }
+}
+
+/// With points moved, lengths cut to them and the carriers shaped after them, the built curves are the curves of the moved
+/// drawing, and so are their derivatives by the chain rule over all parts.
+#[test]
+fn with_everything_recut_the_build_is_the_moved_drawing() {
+    for name in STUDIES {
+        let study = study(name, &["outputs.order=\"acceleration\""]);
+        let assembler = assembler(&study);
+        let suspension = assembler.suspension();
+        let mut moved: Suspension = suspension.clone();
+        // Inner pick-ups only: their carrier is the body, and no static angle changes.
+        let body: Vec<usize> = (0..moved.design.len())
+            .filter(|i| suspension.mechanism.points[*i].body == hardpoint::model::Body::Chassis)
+            .filter(|i| {
+                let name = &suspension.mechanism.points[*i].name;
+                name.contains("lower_arm") || name.contains("lower_front_link_inner")
+            })
+            .collect();
+        for (k, i) in body.iter().enumerate() {
+            moved.design[*i].z += 1.5 + k as f64;
+            moved.design[*i].y -= 0.5;
+        }
+        let mut parts = assembler.drawn().clone();
+        let recut = Parts::drawn(&moved);
+        for i in &body {
+            parts.points[*i] = moved.design[*i];
+        }
+        parts.lengths = recut.lengths;
+        let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
+        let plan = Plan::of(&study);
+        let found = built_curves(&assembler, &built, &plan, &[]).unwrap().curves;
+        // A point on an arm whose axis moves is shaped after the arm in a drawing, not in a build.
+        let mut expected = moved.clone();
+        for (i, point) in moved.mechanism.points.iter().enumerate() {
+            if !matches!(
+                point.body,
+                hardpoint::model::Body::Chassis
+                    | hardpoint::model::Body::Knuckle
+                    | hardpoint::model::Body::Rack
+            ) {
+                expected.design[i] = built.suspension.design[i];
+            }
+        }
+        let expected = curves(&expected, &plan).unwrap();
+        for (a, b) in found.stations.iter().zip(&expected.stations) {
+            for (column, (a, b)) in a.values.iter().zip(&b.values).enumerate() {
+                let (Some(a), Some(b)) = (a, b) else {
+                    assert_eq!(a, b);
+                    continue;
+                };
+                let off = (a - b).abs() / (1.0 + b.abs());
+                assert!(
+                    off < 1e-11,
+                    "{name} {}: {a} {b}",
+                    found.columns[column].name
+                );
+            }
+        }
+    }
+}
+
+/// The derivative by a point of the drawing is that by the point of the part, and by the lengths that follow it.
+#[test]
+fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
+    for name in [
+        "macpherson_solve",
+        "double_wishbone_solve",
+        "five_link_solve",
+    ] {
+        let inner = match name {
+            "five_link_solve" => "lower_front_link_inner",
+            _ => "lower_arm_front",
+        };
+        let study = study(
+            name,
+            &[
+                "outputs.order=\"acceleration\"",
+                &format!("outputs.sensitivities=[\"{inner}\"]"),
+            ],
+        );
+        let assembler = assembler(&study);
+        let built = assembler
+            .build(assembler.drawn(), Rest::Height(0.0))
+            .unwrap();
+        let design = &study.suspension.design;
+        let mechanism = &study.suspension.mechanism;
+        let id = mechanism.point(inner).unwrap();
+        let member = inner.strip_suffix("_inner").unwrap_or(inner);
+        let length = parameter(&assembler, member, None);
+        let hardpoint::build::BuildParameter::Length(link) = length else {
+            unreachable!()
+        };
+        let (_, outer) = link.ends(mechanism).unwrap();
+        let along = (design[id.0] - design[outer.0]).normalised().to_array();
+        let plan = Plan::of(&study);
+        let drawn = curves(&study.suspension, &plan).unwrap();
+        let directions: Vec<_> = ["x", "y", "z"]
+            .into_iter()
+            .zip(along)
+            .map(|(axis, along)| {
+                let point = parameter(&assembler, inner, Some(axis));
+                [(point, 1.0), (length, along)]
+            })
+            .collect();
+        let directions: Vec<_> = directions.iter().map(|d| &d[..]).collect();
+        let by_parts = built_curves(&assembler, &built, &plan, &directions).unwrap();
+        // A point of the arm keeps its place in the arm, not in the drawing.
+        let on_arm = |column: usize| {
+            let output = &drawn.columns[column].output;
+            ["spring", "motion"].iter().any(|w| output.contains(w))
+        };
+        for s in drawn.sensitivities.iter().filter(|s| !on_arm(s.column)) {
+            let found = by_parts.derivative(s.axis as usize, s.station, s.column);
+            let off = (found - s.value).abs() / (1e-3 + s.value.abs());
+            assert!(
+                off < 1e-8,
+                "{name} {}: {found} {}",
+                drawn.columns[s.column].name,
+                s.value
+            );
+        }
+    }
+}

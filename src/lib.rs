@@ -36,6 +36,7 @@
 //! | [`curves`] | a plan carried out over a motion |
 //! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
+//! | [`tolerance`] | what manufacturing scatter does, and which tolerance is worth money |
 //! | [`report`] | files and tables |
 //! | [`results`] | directories of results: who may replace what, locks |
 //! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
@@ -77,6 +78,7 @@ pub mod results;
 pub mod solve;
 pub mod study;
 pub mod sweep;
+pub mod tolerance;
 
 pub use mechanism::{BuildError, SuspensionBuilder};
 pub use model::{FrameConvention, LengthUnit, Side, Suspension, Topology, Vehicle};

@@ -186,6 +186,8 @@ impl Trial {
             },
             optimise: None,
             sweep: None,
+            setup: None,
+            tolerance: None,
         })
     }
 }

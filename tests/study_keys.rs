@@ -55,6 +55,19 @@ const TABLES: &[(&str, &str, &str)] = &[
         "targets = []",
         "targets = [{ bogus = 1 }]",
     ),
+    ("setup", "[setup]", "[setup]\nbogus = 1"),
+    ("setup.adjust", "adjust = []", "adjust = [{ bogus = 1 }]"),
+    ("tolerance", "[tolerance]", "[tolerance]\nbogus = 1"),
+    (
+        "tolerance.scatter",
+        "scatter = []",
+        "scatter = [{ bogus = 1 }]",
+    ),
+    (
+        "tolerance.bands",
+        "scatter = []",
+        "scatter = []\nbands = [{ bogus = 1 }]",
+    ),
 ];
 
 /// A study with every table; only its keys matter.
@@ -74,6 +87,10 @@ travel = { from = 0.0, to = 1.0, steps = 2 }
 [optimise]
 variables = []
 targets = []
+[setup]
+adjust = []
+[tolerance]
+scatter = []
 "#;
 
 /// The keys that the reader knows where `text` has the key `bogus`.

@@ -49,6 +49,8 @@ pub enum Reject {
     Rod(Rod),
     /// The spring cannot be given its length at any height nearby.
     Spring,
+    /// Toe and camber cannot be set to what they were drawn.
+    Unaligned,
     /// Put together they are no design that can move.
     Immovable(DesignFault),
 }
@@ -60,6 +62,7 @@ impl Reject {
             Reject::OutOfReach { .. } => "out_of_reach",
             Reject::Rod(_) => "rod_out_of_reach",
             Reject::Spring => "no_rest",
+            Reject::Unaligned => "not_aligned",
             Reject::Immovable(_) => "immovable",
         }
     }
@@ -75,6 +78,7 @@ impl fmt::Display for Reject {
             ),
             Reject::Rod(rod) => write!(f, "the {rod} cannot reach, or is at toggle"),
             Reject::Spring => write!(f, "the spring keeps its length at no height nearby"),
+            Reject::Unaligned => write!(f, "toe and camber cannot be set as they were drawn"),
             Reject::Immovable(_) => write!(f, "put together, it cannot move"),
         }
     }

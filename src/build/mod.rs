@@ -22,8 +22,10 @@ mod assembler;
 mod derivatives;
 mod parts;
 mod rest;
+mod set_up;
 
 pub use assembler::{Assembler, Reject};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
+pub use set_up::{NoSetUp, SetUp, State, Static};

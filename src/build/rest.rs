@@ -124,11 +124,32 @@ impl Assembler {
             let mechanism = &self.suspension().mechanism;
             parts.change(mechanism, *parameter, number(0.0, *share));
         }
-        let height = number(built.height, rise);
-        let pose = self.lifted(&parts, height, &built.at, orders);
+        self.lifted_design(built, &parts, number(built.height, rise), orders)
+    }
+
+    fn lifted_design<T: Real>(
+        &self,
+        built: &Built,
+        parts: &Parts<T>,
+        height: T,
+        orders: usize,
+    ) -> Vec<Vector3<T>> {
+        let pose = self.lifted(parts, height, &built.at, orders);
         let mut design = parts.points.clone();
-        self.place(&parts, &pose, &mut design);
+        self.place(parts, &pose, &mut design);
         design
+    }
+
+    /// The built design of parts over a derivative number with so many orders, whose values are the build's own; its
+    /// height is held.
+    pub fn design_of<T: Real>(
+        &self,
+        built: &Built,
+        parts: &Parts<T>,
+        orders: usize,
+    ) -> Vec<Vector3<T>> {
+        let height = parts.points[0].x.lit(built.height);
+        self.lifted_design(built, parts, height, orders)
     }
 
     /// How every point of the built design moves as the parts change along a direction, and how much the height

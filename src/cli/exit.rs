@@ -47,6 +47,14 @@ impl Stop {
         }
     }
 
+    /// What was asked for cannot be had.
+    pub(super) fn not_met(message: impl std::fmt::Display) -> Self {
+        Stop::Failed {
+            message: format!("error: {message}"),
+            exit: Exit::Incomplete,
+        }
+    }
+
     /// Results that were computed could not be written.
     pub(super) fn unwritten(error: WriteError) -> Self {
         Stop::Failed {

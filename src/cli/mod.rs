@@ -12,9 +12,11 @@ mod output;
 mod printer;
 mod progress;
 mod report;
+mod setup;
 mod solve;
 mod sweep;
 mod terminal;
+mod tolerance;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
@@ -54,6 +56,10 @@ enum Command {
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
     Optimise(RunArguments),
+    /// Adjustments that give the static values wanted, and what a turn of each does
+    Setup(RunArguments),
+    /// What manufacturing scatter does: sigma, percentiles, yield, who contributes
+    Tolerance(RunArguments),
     /// How far travel, rack and arm go from the design position, and what stops them
     Limits(StudyArguments),
     /// Every way to assemble the design's lengths at a given travel
@@ -258,6 +264,8 @@ pub fn run() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Optimise(arguments) => optimise::run(&arguments),
+        Command::Setup(arguments) => setup::run(&arguments),
+        Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Limits(arguments) => limits::run(&arguments),
         Command::Assemblies(arguments) => assemblies::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

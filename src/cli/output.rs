@@ -31,6 +31,22 @@ const TUNING_FILES: [&str; 6] = [
     "report.json",
 ];
 
+/// The files of a set-up.
+const SETUP_FILES: [&str; 4] = ["curves.csv", "setup.csv", "effects.csv", "summary.json"];
+
+/// The files of builds.
+const TOLERANCE_FILES: [&str; 9] = [
+    "tolerance.csv",
+    "contributors.csv",
+    "curves.csv",
+    "curves_p1.csv",
+    "curves_p5.csv",
+    "curves_p95.csv",
+    "curves_p99.csv",
+    "summary.json",
+    "report.json",
+];
+
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
@@ -79,6 +95,8 @@ impl Output {
     ) -> Result<Self, Stop> {
         let mut files = match command {
             "optimise" => TUNING_FILES.to_vec(),
+            "setup" => SETUP_FILES.to_vec(),
+            "tolerance" => TOLERANCE_FILES.to_vec(),
             _ => CURVE_FILES.to_vec(),
         };
         files.extend(arguments.report.then_some("report.html"));

@@ -10,4 +10,5 @@ pub(crate) mod steering;
 
 pub(crate) use motion::Factorised;
 pub use motion::{DesignSeries, MotionPoint};
+pub(crate) use rates::pose_series;
 pub use sensitivity::{DesignedSpinAxis, Gradient, Linearised, Seeds};

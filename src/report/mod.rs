@@ -17,11 +17,13 @@ mod plausibility;
 mod record;
 mod run;
 mod scene;
+mod set_up_summary;
 mod solve_summary;
 mod station_label;
 mod sweep;
 mod table;
 mod text;
+mod tolerance_summary;
 mod tuning_summary;
 
 pub use accuracy::remarks;
@@ -38,6 +40,7 @@ pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
 pub use scene::{BodyKind, Frame, Placement, Scene, SceneBody};
+pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, Finished, MergeError, NotThisSweep, PartOutcome, PartRecord, Parts, ShownDesigns,
@@ -46,6 +49,9 @@ pub use sweep::{
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{is_printable, printable, wrapped};
+pub use tolerance_summary::{
+    BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord,
+};
 pub use tuning_summary::TuningSummary;
 
 /// A number as results write it: the shortest decimal that reads back to the same bits, and no

@@ -2,7 +2,7 @@
 
 use super::curve_table::CurveTable;
 use super::record::{FORM, Record};
-use super::{SolveSummary, TuningSummary};
+use super::{SolveSummary, ToleranceSummary, TuningSummary};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -38,6 +38,8 @@ pub enum Summary {
     Solve(SolveSummary),
     /// An optimisation.
     Optimise(TuningSummary),
+    /// Builds.
+    Tolerance(ToleranceSummary),
 }
 
 impl Run {
@@ -88,9 +90,10 @@ impl Run {
             files.push(design.curves.clone());
         }
         let optimised = record.command == "optimise";
-        let summary = match optimised {
-            true => Summary::Optimise(folder.json("summary.json")?),
-            false => Summary::Solve(folder.json("summary.json")?),
+        let summary = match record.command.as_str() {
+            "optimise" => Summary::Optimise(folder.json("summary.json")?),
+            "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
+            _ => Summary::Solve(folder.json("summary.json")?),
         };
         let history = match optimised {
             true => Some(folder.table("history.csv")?),
@@ -101,6 +104,8 @@ impl Run {
             "history.csv",
             "summary.json",
             "optimised.toml",
+            "tolerance.csv",
+            "contributors.csv",
         ];
         let there = others.iter().filter(|name| directory.join(name).is_file());
         files.extend(there.map(|name| (*name).to_owned()));

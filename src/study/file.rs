@@ -3,7 +3,7 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{Accuracy, Number, Selection, Text, Values, Whole};
+use super::value::{Accuracy, MemberName, Number, Selection, Text, Values, Whole};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -34,6 +34,10 @@ pub struct File {
     pub sweep: Option<Spanned<Sweep>>,
     /// `[optimise]`
     pub optimise: Option<Optimise>,
+    /// `[setup]`
+    pub setup: Option<Setup>,
+    /// `[tolerance]`
+    pub tolerance: Option<Spanned<Tolerance>>,
 }
 
 /// `[suspension]`
@@ -270,4 +274,88 @@ pub struct Target {
     pub weight: Option<Number>,
     /// `linear` or `monotone_cubic`.
     pub interpolation: Option<Text>,
+}
+
+/// `[setup]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// What may be adjusted, in the order a mechanic does it.
+    pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
+    /// Wanted static values by characteristic.
+    pub want: Option<BTreeMap<Text, Number>>,
+    /// Travel of the new resting position.
+    pub ride_height: Option<Number>,
+}
+
+/// An element of `adjust`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Adjustment {
+    /// The member whose length is adjusted,
+    pub length: Option<Spanned<MemberName>>,
+    /// or the hardpoint under which shims lie,
+    pub shim: Option<Text>,
+    /// and the way they move it.
+    pub axis: Option<Text>,
+    /// How much longer a turn makes it, both threads together.
+    pub per_turn: Option<Number>,
+    /// Thickness of the thinnest shim.
+    pub step: Option<Number>,
+}
+
+/// `[tolerance]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Number of builds.
+    pub builds: Option<Whole>,
+    /// Seed of the builds.
+    pub seed: Option<Whole>,
+    /// Whether toe and camber are set again after assembly.
+    pub aligned: Option<Spanned<bool>>,
+    /// What scatters.
+    pub scatter: Spanned<Vec<Spanned<Scatter>>>,
+    /// What builds are to keep to.
+    pub bands: Option<Vec<Spanned<Band>>>,
+}
+
+/// An element of `scatter`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// A hardpoint,
+    pub hardpoint: Option<Text>,
+    /// or several, each on its own,
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// or a member,
+    pub length: Option<Spanned<MemberName>>,
+    /// or hardpoints that are moved together.
+    pub jig: Option<Spanned<Vec<Text>>>,
+    /// The only coordinate that scatters.
+    pub axis: Option<Text>,
+    /// Standard deviation of a normal scatter.
+    pub sigma: Option<Number>,
+    /// Ends of a uniform scatter.
+    pub limits: Option<Spanned<Vec<Number>>>,
+    /// Standard deviation of each component of a jig's shift.
+    pub shift: Option<Number>,
+    /// Standard deviation of each component of a jig's turn, degrees.
+    pub turn: Option<Number>,
+}
+
+/// An element of `bands`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// Name of the characteristic.
+    pub characteristic: Text,
+    /// Where it is looked at; everywhere in the motion without it.
+    pub at: Option<Number>,
+    /// Lowest and highest value,
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// or the lowest alone,
+    pub at_least: Option<Number>,
+    /// or the highest alone.
+    pub at_most: Option<Number>,
 }

@@ -14,6 +14,7 @@ mod error;
 mod file;
 mod geometry;
 mod loads;
+mod members;
 mod motion;
 mod moves;
 mod names;
@@ -23,17 +24,20 @@ mod overrides;
 mod parse;
 mod place;
 mod resolve;
+mod setup;
 mod solver;
 mod source;
 mod suspension;
 mod sweep;
 mod targets;
+mod tolerance;
 mod value;
 
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 pub use sweep::MOST_DESIGNS;
 
+use crate::build::BuildParameter;
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Vector3;
@@ -64,6 +68,10 @@ pub struct Study {
     pub optimise: Option<Optimise>,
     /// The sweep, if the study has one.
     pub sweep: Option<Sweep>,
+    /// The set-up, if the study has one.
+    pub setup: Option<Setup>,
+    /// The tolerances, if the study has them.
+    pub tolerance: Option<Tolerance>,
 }
 
 /// What drives the mechanism.
@@ -315,4 +323,100 @@ pub enum Interpolation {
     /// The smooth piecewise cubic that overshoots nowhere (F. N. Fritsch, R. E. Carlson, Monotone
     /// piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980).
     MonotoneCubic,
+}
+
+/// A set-up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// What may be adjusted, in the order a mechanic does it; at least one.
+    pub adjust: Vec<Adjustment>,
+    /// Wanted static values.
+    pub want: Vec<Want>,
+    /// Travel of the new resting position.
+    pub ride_height: Option<f64>,
+}
+
+/// Something that can be adjusted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adjustment {
+    /// Its name: `tie_rod`, `upper_ball_joint y`.
+    pub name: String,
+    /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
+    pub change: (BuildParameter, f64),
+    /// How much longer a turn of both threads makes it.
+    pub per_turn: Option<f64>,
+    /// Thickness of the thinnest shim.
+    pub step: Option<f64>,
+}
+
+/// A wanted static value, in radians or length units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Want {
+    /// Of which characteristic.
+    pub characteristic: Characteristic,
+    /// The value.
+    pub value: f64,
+}
+
+/// How builds scatter and what they are to keep to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Number of builds.
+    pub builds: u64,
+    /// Seed they are drawn from.
+    pub seed: u32,
+    /// Whether toe and camber are set again after assembly.
+    pub aligned: bool,
+    /// What scatters; at least one.
+    pub scatter: Vec<Contributor>,
+    /// What builds are to keep to.
+    pub bands: Vec<Band>,
+}
+
+/// Something that scatters: a point, a length or a jig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contributor {
+    /// Its name.
+    pub name: String,
+    /// Its independent parts.
+    pub sources: Vec<Source>,
+}
+
+/// A number that scatters on its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// Its name.
+    pub name: String,
+    /// Dimensions it changes, each by how much per unit, in the kernel's frame.
+    pub changes: Vec<(BuildParameter, f64)>,
+    /// How it scatters.
+    pub law: Law,
+}
+
+/// How a number scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// Normally, about 0.
+    Normal {
+        /// Standard deviation.
+        sigma: f64,
+    },
+    /// Evenly between two ends.
+    Uniform {
+        /// The lowest value.
+        low: f64,
+        /// The highest value.
+        high: f64,
+    },
+}
+
+/// What a characteristic is to keep to, in radians or length units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Which one.
+    pub characteristic: Characteristic,
+    /// At which drive value; everywhere in the motion without it.
+    pub at: Option<f64>,
+    /// Lowest and highest value; infinite where there is none.
+    pub between: [f64; 2],
 }

@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Motion, Study, edit, file, motion, optimise, outputs, overrides, parse, solver, source,
-    suspension, sweep,
+    Motion, Study, edit, file, motion, optimise, outputs, overrides, parse, setup, solver, source,
+    suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -91,14 +91,28 @@ fn resolve(
             problems.add(section.span(), message);
         }
     }
+    let setup = match &file.setup {
+        None => Some(None),
+        Some(section) => setup::setup(section, &context, &mut problems).map(Some),
+    };
+    let tolerance = match &file.tolerance {
+        None => Some(None),
+        Some(section) => {
+            let adjusted = setup.as_ref().and_then(Option::as_ref);
+            tolerance::tolerance(section, adjusted, &context, &mut problems).map(Some)
+        }
+    };
     let resolved = motion
         .zip(formulation)
         .zip(outputs)
         .zip(optimise)
         .zip(sweep)
-        .zip(accuracy);
-    let (((((motion, formulation), outputs), (optimise, curves)), sweep), accuracy) =
-        problems.finish(resolved)?;
+        .zip(accuracy)
+        .zip(setup.zip(tolerance));
+    let (
+        (((((motion, formulation), outputs), (optimise, curves)), sweep), accuracy),
+        (setup, tolerance),
+    ) = problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -116,6 +130,8 @@ fn resolve(
         outputs,
         optimise,
         sweep,
+        setup,
+        tolerance,
     })
 }
 

@@ -227,3 +227,40 @@ impl<'de> Visitor<'de> for SelectionVisitor {
         Ok(Selection::Named(names))
     }
 }
+
+/// A member: by its name, or by its two ends.
+#[derive(Clone, Debug)]
+pub enum MemberName {
+    /// As in the columns of loads.
+    Name(String),
+    /// The names of its ends.
+    Ends(Vec<Text>),
+}
+
+impl<'de> Deserialize<'de> for MemberName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(MemberNameVisitor)
+    }
+}
+
+struct MemberNameVisitor;
+
+impl<'de> Visitor<'de> for MemberNameVisitor {
+    type Value = MemberName;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a member or a list of its two ends")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<MemberName, E> {
+        Ok(MemberName::Name(name.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<MemberName, A::Error> {
+        let mut ends = Vec::new();
+        while let Some(end) = seq.next_element()? {
+            ends.push(end);
+        }
+        Ok(MemberName::Ends(ends))
+    }
+}

@@ -2,11 +2,11 @@
 
 use super::escape::html;
 use super::{Page, STAGE};
-use crate::report::TuningSummary;
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
+use crate::report::{ToleranceSummary, TuningSummary};
 use serde::Serialize;
 
 /// The page's own script.
@@ -42,12 +42,13 @@ pub fn page(run: &Run) -> String {
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: match &run.summary {
             Summary::Optimise(tuning) => tuning.kept_start(),
-            Summary::Solve(_) => None,
+            Summary::Solve(_) | Summary::Tolerance(_) => None,
         },
     };
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
         Summary::Solve(solve) => (String::new(), solve.table().html()),
+        Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
     };
     let main = format!(
         include_str!("run.html"),
@@ -180,4 +181,18 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
         unseen = unseen,
         starts = tuning.starts_table().html(),
     )
+}
+
+/// What scatter comes to: below the fans about the curves.
+fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
+    let mut sections = tolerance.values_table().html();
+    if !tolerance.bands.is_empty() {
+        sections += &tolerance.bands_table().html();
+        sections += "<p>What to hold tighter, what may be looser</p>";
+        sections += &tolerance.ranking_table().html();
+    }
+    for line in tolerance.failures() {
+        sections += &format!("<p>{}</p>", html(&line));
+    }
+    sections
 }

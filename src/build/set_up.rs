@@ -1,0 +1,333 @@
+//! Setting a suspension up: adjustments that give wanted static values.
+//!
+//! With a the adjustments and w(a) what is wanted at rest, Gauss and Newton's step is da = -W^+ (w - wanted), W the
+//! exact derivative and W^+ its pseudo-inverse: Newton's method where there are as many adjustments as wishes, the
+//! smallest adjustment where there are more, the least squares where there are fewer. A tenth of a degree counts as
+//! much as a length unit of a millimetre. Shims come in steps: in the order of the study each is rounded to whole
+//! ones, and what is adjusted after it makes up for that.
+
+use super::assembler::{Assembler, Reject};
+use super::derivatives::built_curves;
+use super::parts::{BuildParameter, Member};
+use super::rest::{Built, Direction, Rest};
+use crate::characteristics::{Characteristic, Unit};
+use crate::mechanism::DesignFault;
+use crate::plan::Plan;
+use crate::study::{Adjustment, Drive, Order, Setup, Study};
+use nalgebra::{DMatrix, DVector};
+
+/// The most steps of Newton's method.
+const MOST_STEPS: usize = 40;
+/// What counts as met: rounding, in degrees or length units.
+const MET: f64 = 1e-9;
+/// Singular values of W below this part of the largest are directions that no wish feels.
+const FLAT: f64 = 1e-8;
+
+/// A quantity of the resting position: of the catalogue, or the height of the wheel centre above its drawn one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Static {
+    /// A characteristic at travel 0.
+    Characteristic(Characteristic),
+    /// The ride height.
+    RideHeight,
+}
+
+/// A suspension at rest with its parts adjusted.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// How much each adjustment is.
+    pub amounts: Vec<f64>,
+    /// The parts put together.
+    pub built: Built,
+    /// The static values, as they are printed.
+    pub values: Vec<f64>,
+    /// Their derivatives by each adjustment, by adjustment and value.
+    pub by: Vec<Vec<f64>>,
+}
+
+/// A set-up solved.
+#[derive(Clone, Debug)]
+pub struct SetUp {
+    /// What is looked at: camber, toe, caster and bump steer where there are any, what is wanted beside, and the ride
+    /// height.
+    pub statics: Vec<Static>,
+    /// What is wanted of each, as it is printed.
+    pub wanted: Vec<Option<f64>>,
+    /// What is left of each wish by steps of shims that nothing adjusted after them can make up for.
+    pub by_steps: Vec<f64>,
+    /// As drawn, at the ride height that is wanted.
+    pub drawn: State,
+    /// After each adjustment, in the order of the study.
+    pub steps: Vec<State>,
+}
+
+/// Why a set-up has no answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoSetUp {
+    /// The parts as drawn, or adjusted a little, cannot be put together.
+    Reject(Reject),
+    /// Put together they are no design that moves.
+    Fault(DesignFault),
+    /// Newton's method does not settle: what is wanted is beyond what the adjustments reach.
+    Unsettled,
+}
+
+impl From<Reject> for NoSetUp {
+    fn from(reject: Reject) -> Self {
+        NoSetUp::Reject(reject)
+    }
+}
+
+impl From<DesignFault> for NoSetUp {
+    fn from(fault: DesignFault) -> Self {
+        NoSetUp::Fault(fault)
+    }
+}
+
+impl SetUp {
+    /// The adjustments that give what a study wants.
+    pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+        let problem = Problem::of(study, setup, assembler);
+        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
+        let free: Vec<usize> = (0..setup.adjust.len()).collect();
+        let mut state = problem.settle(drawn.clone(), &free)?;
+        let mut by_steps = vec![0.0; problem.statics.len()];
+        for (k, adjustment) in setup.adjust.iter().enumerate() {
+            let Some(step) = adjustment.step else {
+                continue;
+            };
+            let mut amounts = state.amounts.clone();
+            amounts[k] = (amounts[k] / step).round() * step;
+            state = problem.state(&amounts)?;
+            let later: Vec<usize> = (0..amounts.len())
+                .filter(|j| *j != k && (*j > k || setup.adjust[*j].step.is_none()))
+                .collect();
+            for (left, by) in by_steps.iter_mut().zip(&state.by[k]) {
+                *left += 0.5 * step * by.abs();
+            }
+            state = problem.settle(state, &later)?;
+        }
+        let steps = (0..setup.adjust.len()).map(|last| {
+            let mut amounts = state.amounts.clone();
+            amounts[last + 1..].fill(0.0);
+            problem.state(&amounts)
+        });
+        let steps = steps.collect::<Result<_, _>>()?;
+        Ok(SetUp {
+            by_steps,
+            drawn,
+            steps,
+            statics: problem.statics,
+            wanted: problem.wanted,
+        })
+    }
+
+    /// With everything adjusted.
+    pub fn last(&self) -> &State {
+        self.steps.last().unwrap_or(&self.drawn)
+    }
+
+    /// What is left of each wish: by how much its value misses what is wanted.
+    pub fn misses(&self) -> Vec<Option<f64>> {
+        let values = self.last().values.iter().zip(&self.wanted);
+        values
+            .map(|(value, wanted)| Some(value - (*wanted)?))
+            .collect()
+    }
+
+    /// Whether every wish is met, but for whole steps of shims.
+    pub fn is_met(&self) -> bool {
+        let misses = self.misses();
+        let mut misses = misses.iter().zip(&self.by_steps);
+        misses.all(|(miss, by_steps)| miss.is_none_or(|miss| miss.abs() <= MET + by_steps))
+    }
+}
+
+/// What is solved.
+struct Problem<'a> {
+    assembler: &'a Assembler,
+    directions: Vec<[(BuildParameter, f64); 1]>,
+    plan: Plan,
+    rest: Rest,
+    statics: Vec<Static>,
+    wanted: Vec<Option<f64>>,
+    /// Of a miss of each as it is printed.
+    weights: Vec<f64>,
+}
+
+impl<'a> Problem<'a> {
+    fn of(study: &Study, setup: &Setup, assembler: &'a Assembler) -> Self {
+        let mechanism = &study.suspension.mechanism;
+        let usual = [
+            Characteristic::Camber,
+            Characteristic::Toe,
+            Characteristic::Caster,
+            Characteristic::BumpSteer,
+        ];
+        let mut characteristics: Vec<_> = usual
+            .into_iter()
+            .filter(|c| mechanism.steering_axis.is_some() || !c.info().reads_steering_axis())
+            .collect();
+        for want in &setup.want {
+            if !characteristics.contains(&want.characteristic) {
+                characteristics.push(want.characteristic);
+            }
+        }
+        let mut at_rest = study.clone();
+        at_rest.suspension = assembler.suspension().clone();
+        at_rest.outputs.characteristics = characteristics.clone();
+        at_rest.outputs.points.clear();
+        at_rest.outputs.knuckle = false;
+        at_rest.outputs.order = Order::Position;
+        at_rest.outputs.certify = false;
+        at_rest.outputs.loads.clear();
+        at_rest.formulation = crate::study::Formulation::KnucklePose;
+        at_rest.accuracy = None;
+        at_rest.motion.drive = Drive::Travel;
+        at_rest.motion.values = vec![0.0];
+        at_rest.motion.rack = vec![0.0];
+        at_rest.motion.time = None;
+        let on_spring = setup.adjust.iter().any(|a| lifts(a, study));
+        let mut statics: Vec<_> = characteristics
+            .iter()
+            .map(|c| Static::Characteristic(*c))
+            .collect();
+        let mut wanted: Vec<_> = characteristics
+            .iter()
+            .map(|c| {
+                let want = setup.want.iter().find(|want| want.characteristic == *c)?;
+                Some(want.value * c.info().unit.printed_factor())
+            })
+            .collect();
+        let millimetre = 1e-3 * study.suspension.length_unit.per_metre();
+        let mut weights: Vec<_> = characteristics
+            .iter()
+            .map(|c| match c.info().unit {
+                Unit::Angle => 10.0,
+                Unit::AnglePerLength => 10.0 / (0.01 / millimetre),
+                Unit::Length => 1.0 / millimetre,
+                Unit::Percent | Unit::Ratio => 1.0,
+            })
+            .collect();
+        statics.push(Static::RideHeight);
+        wanted.push(setup.ride_height.filter(|_| on_spring));
+        weights.push(1.0 / millimetre);
+        Problem {
+            assembler,
+            directions: setup.adjust.iter().map(|a| [a.change]).collect(),
+            plan: Plan::of(&at_rest),
+            rest: match on_spring {
+                true => Rest::Spring(0.0),
+                false => Rest::Height(setup.ride_height.unwrap_or(0.0)),
+            },
+            statics,
+            wanted,
+            weights,
+        }
+    }
+
+    fn state(&self, amounts: &[f64]) -> Result<State, NoSetUp> {
+        let mechanism = &self.assembler.suspension().mechanism;
+        let mut parts = self.assembler.drawn().clone();
+        for (direction, amount) in self.directions.iter().zip(amounts) {
+            for (parameter, share) in direction {
+                parts.change(mechanism, *parameter, share * amount);
+            }
+        }
+        let built = self.assembler.build(&parts, self.rest)?;
+        let directions: Vec<&Direction> = self.directions.iter().map(|d| &d[..]).collect();
+        let found = built_curves(self.assembler, &built, &self.plan, &directions)?;
+        let values = found.curves.stations[0].values.iter();
+        let values = values.map(|v| v.unwrap_or(f64::NAN));
+        let columns = found.curves.columns.len();
+        Ok(State {
+            amounts: amounts.to_vec(),
+            values: values.chain([built.height]).collect(),
+            by: (0..directions.len())
+                .map(|d| {
+                    let by = (0..columns).map(|column| found.derivative(d, 0, column));
+                    by.chain([found.height[d]]).collect()
+                })
+                .collect(),
+            built,
+        })
+    }
+
+    /// The state in which the wishes are met as well as they can be by some of the adjustments.
+    fn settle(&self, mut state: State, free: &[usize]) -> Result<State, NoSetUp> {
+        let wishes: Vec<usize> = (0..self.statics.len())
+            .filter(|i| self.wanted[*i].is_some())
+            .collect();
+        if wishes.is_empty() || free.is_empty() {
+            return Ok(state);
+        }
+        let missed = |state: &State| {
+            DVector::from_iterator(
+                wishes.len(),
+                wishes.iter().map(|i| {
+                    let wanted = self.wanted[*i].unwrap_or(f64::NAN);
+                    (state.values[*i] - wanted) * self.weights[*i]
+                }),
+            )
+        };
+        for _ in 0..MOST_STEPS {
+            let misses = missed(&state);
+            if misses.iter().any(|m| m.is_nan()) {
+                return Err(NoSetUp::Unsettled);
+            }
+            let by = DMatrix::from_fn(wishes.len(), free.len(), |i, k| {
+                state.by[free[k]][wishes[i]] * self.weights[wishes[i]]
+            });
+            let decomposed = by.svd(true, true);
+            let flat = FLAT * decomposed.singular_values.max();
+            let Ok(step) = decomposed.solve(&misses, flat) else {
+                return Err(NoSetUp::Unsettled);
+            };
+            let size = self.assembler.suspension().size();
+            if step.norm() <= 1e-14 * size {
+                return Ok(state);
+            }
+            let mut share = 1.0;
+            let next = loop {
+                let mut amounts = state.amounts.clone();
+                for (k, adjustment) in free.iter().enumerate() {
+                    amounts[*adjustment] -= share * step[k];
+                }
+                // Where the parts do not go together, or the wishes are missed by more, half the step.
+                if let Ok(next) = self.state(&amounts)
+                    && missed(&next).norm() <= misses.norm()
+                {
+                    break Some(next);
+                }
+                share *= 0.5;
+                if share < 1e-3 {
+                    break None;
+                }
+            };
+            match next {
+                Some(next) => state = next,
+                // Rounding: no step makes it better.
+                None if step.norm() <= 1e-7 * size => return Ok(state),
+                None => return Err(NoSetUp::Unsettled),
+            }
+        }
+        Err(NoSetUp::Unsettled)
+    }
+}
+
+/// Whether an adjustment is made to lift the car: it is of the way from the spring to the arm. The height then is where
+/// the spring has its drawn length.
+fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
+    let mechanism = &study.suspension.mechanism;
+    let Some(spring) = mechanism.spring else {
+        return false;
+    };
+    match adjustment.change.0 {
+        BuildParameter::Length(Member::Rod(rocker)) => Some(rocker) == mechanism.spring_rocker(),
+        BuildParameter::Length(Member::Link(_)) => false,
+        BuildParameter::Coordinate(point, _) => {
+            let is_strut = matches!(mechanism.closed_form, Some(crate::model::ClosedForm::Strut));
+            !is_strut && (point == spring.upper || point == spring.lower)
+        }
+    }
+}

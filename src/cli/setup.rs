@@ -1,0 +1,87 @@
+//! `hardpoint setup`
+
+use super::RunArguments;
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault};
+use crate::build::{Assembler, NoSetUp, SetUp};
+use crate::curves::curves;
+use crate::plan::Plan;
+use crate::report::{SetUpSummary, curves_csv};
+use crate::study::{Drive, Study};
+
+pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read(path, &arguments.study.set)?;
+    let Some(setup) = &study.setup else {
+        return Err(Stop::wrong_input(format!(
+            "{}: there is no [setup] section, which says what may be adjusted and what is wanted",
+            path.display()
+        )));
+    };
+    if arguments.report || arguments.plots.is_some() {
+        return Err(Stop::wrong_input(
+            "--report and --plots are of `hardpoint solve`, `sweep`, `optimise` and `tolerance`: a set-up \
+             is tables and curves.csv",
+        ));
+    }
+    let fault = |fault| design_fault(&study, path, &fault);
+    let assembler = Assembler::new(&study.suspension).map_err(fault)?;
+    let found = match SetUp::solve(&study, setup, &assembler) {
+        Ok(found) => found,
+        Err(NoSetUp::Fault(reason)) => return Err(fault(reason)),
+        Err(NoSetUp::Reject(reject)) => {
+            return Err(Stop::not_met(format!("{}: {reject}", path.display())));
+        }
+        Err(NoSetUp::Unsettled) => {
+            return Err(Stop::not_met(format!(
+                "{}: what is wanted cannot be met: the adjustments do not reach so far",
+                path.display()
+            )));
+        }
+    };
+    let output = Output::open(arguments, &study, "setup")?;
+    let length = study.suspension.length_unit;
+    let summary = SetUpSummary::of(&study, setup, &found);
+
+    // Curves about the new ride height, in every output of the study.
+    let mut adjusted = study.clone();
+    adjusted.suspension = found.last().built.suspension.clone();
+    adjusted.formulation = crate::study::Formulation::KnucklePose;
+    let by_theta = adjusted.motion.drive == Drive::PaperTheta;
+    let mut complete = true;
+    let mut files = vec!["setup.csv", "summary.json"];
+    if by_theta {
+        output.without("curves.csv")?;
+    } else {
+        let plan = Plan::of(&adjusted);
+        let curves = curves(&adjusted.suspension, &plan).map_err(fault)?;
+        complete = curves.are_complete();
+        output.main_csv("curves.csv", &curves_csv(&curves, &plan, length))?;
+        files.insert(0, "curves.csv");
+    }
+    output.file("setup.csv", summary.steps_table().csv(None).as_bytes())?;
+    output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
+    files.insert(files.len() - 1, "effects.csv");
+    output.json("summary.json", &summary)?;
+
+    let topology = study.suspension.mechanism.topology.name;
+    output.say(&format!(
+        "{}: {topology}\n\nwhat each adjustment does\n\n",
+        study.name
+    ))?;
+    output.table("effects", &summary.effects_table())?;
+    output.say("\nset up, in this order\n\n")?;
+    output.table("steps", &summary.steps_table())?;
+    for (column, miss) in summary.missed() {
+        let left = format!("{column} is missed by {}", crate::report::brief(miss));
+        match summary.met {
+            true => output.say(&format!("\n{left}: shims come in steps\n"))?,
+            false => output.say_failure(&format!("\nnot met: {left}\n"))?,
+        }
+    }
+    output.print_files(&files)?;
+    Ok(match complete && summary.met {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}

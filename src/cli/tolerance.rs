@@ -1,0 +1,155 @@
+//! `hardpoint tolerance`
+
+use super::RunArguments;
+use super::exit::{Exit, Stop};
+use super::output::{Output, design_fault, pool};
+use super::progress;
+use super::report::Wanted;
+use crate::build::NoSetUp;
+use crate::curves::{Curves, curves};
+use crate::mechanism::DesignFault;
+use crate::plan::Plan;
+use crate::report::{Record, ToleranceSummary, curves_csv};
+use crate::study::{Order, Study, Tolerance};
+use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+
+/// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
+const FANS: [(&str, &str, usize); 4] = [
+    ("1 %", "curves_p1.csv", 1),
+    ("5 %", "curves_p5.csv", 2),
+    ("95 %", "curves_p95.csv", 4),
+    ("99 %", "curves_p99.csv", 5),
+];
+
+pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read(path, &arguments.study.set)?;
+    let Some(tolerance) = &study.tolerance else {
+        return Err(Stop::wrong_input(format!(
+            "{}: there is no [tolerance] section, which says how parts scatter",
+            path.display()
+        )));
+    };
+    let fault = |fault: DesignFault| design_fault(&study, path, &fault);
+    let not_aligned = |reason: NoSetUp| match reason {
+        NoSetUp::Fault(reason) => fault(reason),
+        NoSetUp::Reject(reject) => Stop::wrong_input(format!("{}: {reject}", path.display())),
+        NoSetUp::Unsettled => Stop::wrong_input(format!(
+            "{}: aligned = true, but what [setup] adjusts does not move toe and camber one by one",
+            path.display()
+        )),
+    };
+    let pool = pool(
+        arguments.threads,
+        tolerance.builds.div_ceil(crate::sweep::BLOCK as u64),
+    )?;
+    let problem = Problem::of(&study, tolerance).map_err(not_aligned)?;
+    let drawn = problem.drawn().map_err(fault)?;
+    let output = Output::open(arguments, &study, "tolerance")?;
+    let wanted = Wanted::open(arguments)?;
+    let expansion = pool
+        .install(|| Expansion::of(&problem))
+        .map_err(not_aligned)?;
+    let builds = pool
+        .install(|| with_progress(&problem, tolerance, &drawn))
+        .map_err(fault)?;
+    let yields = rank(&problem, &expansion, &builds, &drawn);
+    let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
+
+    let length = study.suspension.length_unit;
+    let unit = length.symbol();
+    let contributors: Vec<String> = tolerance.scatter.iter().map(|c| c.name.clone()).collect();
+    output.main_csv("tolerance.csv", &summary.csv(unit))?;
+    output.file(
+        "contributors.csv",
+        &summary.contributors_csv(&contributors, unit),
+    )?;
+    output.json("summary.json", &summary)?;
+    let mut files = vec!["tolerance.csv", "contributors.csv", "summary.json"];
+    if output.directory().is_some() {
+        let fan = Fan::of(&study, &problem, &builds).map_err(fault)?;
+        let mut designs = vec![("drawn", "curves.csv", &study.suspension, &fan.drawn)];
+        for ((name, file, _), curves) in FANS.iter().zip(&fan.percentiles) {
+            designs.push((name, file, &study.suspension, curves));
+        }
+        for (_, file, _, curves) in &designs {
+            output.file(file, &curves_csv(curves, &fan.plan, length))?;
+            files.push(file);
+        }
+        let record = Record::of("tolerance", &study, &fan.plan, &designs).map_err(fault)?;
+        output.record("report.json", &record)?;
+        files.push("report.json");
+    }
+    files.extend(wanted.show(output.directory())?);
+
+    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
+    output.table("values", &summary.values_table())?;
+    if summary.bands.is_empty() {
+        output.say("\nfirst-order shares of the variance in the drawn position\n\n")?;
+        output.table("shares", &summary.shares_table(&contributors))?;
+    } else {
+        output.say("\n")?;
+        output.table("bands", &summary.bands_table())?;
+        output.say("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.table("ranking", &summary.ranking_table())?;
+    }
+    for line in summary.failures() {
+        output.say(&format!("\n{line}\n"))?;
+    }
+    output.print_files(&files)?;
+    Ok(Exit::Done)
+}
+
+fn with_progress(
+    problem: &Problem,
+    tolerance: &Tolerance,
+    drawn: &[f64],
+) -> Result<MonteCarlo, DesignFault> {
+    let line = progress::line(tolerance.builds, "builds");
+    let found = monte_carlo(problem, drawn, |done| line.set_position(done));
+    line.finish_and_clear();
+    found
+}
+
+/// Curves of the drawing and of percentiles, each percentile at every station by itself.
+struct Fan {
+    plan: Plan,
+    drawn: Curves,
+    percentiles: Vec<Curves>,
+}
+
+impl Fan {
+    fn of(study: &Study, problem: &Problem, builds: &MonteCarlo) -> Result<Self, DesignFault> {
+        let mut plain = study.clone();
+        plain.formulation = crate::study::Formulation::KnucklePose;
+        plain.outputs.points.clear();
+        plain.outputs.knuckle = false;
+        plain.outputs.order = Order::Position;
+        plain.outputs.sensitivities.clear();
+        plain.outputs.certify = false;
+        plain.outputs.loads.clear();
+        let plan = Plan::of(&plain);
+        let drawn = curves(&study.suspension, &plan)?;
+        let cells: Vec<usize> = problem
+            .stations
+            .of_motion()
+            .map(|(rack, value)| problem.stations.number(rack, value))
+            .collect();
+        let percentiles = FANS.map(|(_, _, percentile)| {
+            let mut curves = drawn.clone();
+            for (station, number) in curves.stations.iter_mut().zip(&cells) {
+                for (output, value) in station.values.iter_mut().enumerate() {
+                    let spread = &builds.spreads[problem.cell(output, *number)];
+                    let found = spread.percentiles[percentile] * drawn.columns[output].factor();
+                    *value = found.is_finite().then_some(found);
+                }
+            }
+            curves
+        });
+        Ok(Fan {
+            plan,
+            percentiles: percentiles.to_vec(),
+            drawn,
+        })
+    }
+}

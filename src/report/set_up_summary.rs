@@ -1,0 +1,158 @@
+//! What a set-up comes to: what a length unit or a turn of each adjustment does, and the steps to what is wanted.
+
+use super::table::{Cell, Table};
+use crate::build::{SetUp, Static};
+use crate::study::{Setup, Study};
+use serde::Serialize;
+
+/// A set-up in numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SetUpSummary {
+    /// Name of the study.
+    pub study: String,
+    /// Whether every wish is met, but for whole steps of shims.
+    pub met: bool,
+    /// Static values.
+    pub statics: Vec<StaticRecord>,
+    /// Adjustments in the order a mechanic does them.
+    pub adjustments: Vec<AdjustmentRecord>,
+    unit: String,
+}
+
+/// A static value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StaticRecord {
+    /// Name with unit.
+    pub column: String,
+    /// With the parts as drawn.
+    pub drawn: Option<f64>,
+    /// With the parts adjusted.
+    pub set: Option<f64>,
+    /// What is wanted.
+    pub wanted: Option<f64>,
+    /// By how much it is missed.
+    pub miss: Option<f64>,
+}
+
+/// An adjustment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AdjustmentRecord {
+    /// Name.
+    pub adjustment: String,
+    /// How much, in length units.
+    pub amount: f64,
+    /// In turns.
+    pub turns: Option<f64>,
+    /// In shims.
+    pub shims: Option<f64>,
+    /// What a length unit of it does to each static value, about the parts as drawn.
+    pub by_length: Vec<Option<f64>>,
+    /// What a turn of it does.
+    pub by_turn: Option<Vec<Option<f64>>>,
+    /// The static values once this has been done.
+    pub after: Vec<Option<f64>>,
+}
+
+impl SetUpSummary {
+    /// Of a set-up.
+    pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
+        let length = study.suspension.length_unit;
+        let finite = |v: f64| v.is_finite().then_some(v + 0.0);
+        let columns = found.statics.iter().map(|s| match s {
+            Static::Characteristic(c) => c.column(length),
+            Static::RideHeight => format!("ride_height_{}", length.symbol()),
+        });
+        let misses = found.misses();
+        let statics = columns.enumerate().map(|(i, column)| StaticRecord {
+            column,
+            drawn: finite(found.drawn.values[i]),
+            set: finite(found.last().values[i]),
+            wanted: found.wanted[i],
+            miss: misses[i],
+        });
+        let adjustments = setup.adjust.iter().zip(&found.steps).enumerate();
+        let adjustments = adjustments.map(|(k, (adjustment, after))| {
+            let amount = found.last().amounts[k] + 0.0;
+            let by = &found.drawn.by[k];
+            AdjustmentRecord {
+                adjustment: adjustment.name.clone(),
+                amount,
+                turns: adjustment.per_turn.map(|per| amount / per),
+                shims: adjustment.step.map(|step| (amount / step).round()),
+                by_length: by.iter().map(|v| finite(*v)).collect(),
+                by_turn: adjustment
+                    .per_turn
+                    .map(|per| by.iter().map(|v| finite(v * per)).collect()),
+                after: after.values.iter().map(|v| finite(*v)).collect(),
+            }
+        });
+        SetUpSummary {
+            study: study.name.clone(),
+            met: found.is_met(),
+            statics: statics.collect(),
+            adjustments: adjustments.collect(),
+            unit: length.symbol().to_owned(),
+        }
+    }
+
+    /// What a length unit, or a turn, of each adjustment does.
+    pub fn effects_table(&self) -> Table {
+        let columns = ["adjustment", "per"].map(str::to_owned);
+        let statics = self.statics.iter().map(|s| s.column.clone());
+        let mut table = Table::with_columns(columns.into_iter().chain(statics));
+        for adjustment in &self.adjustments {
+            let mut push = |per: &str, by: &[Option<f64>]| {
+                let head = [Cell::from(adjustment.adjustment.as_str()), Cell::from(per)];
+                let cells = by.iter().map(|v| figure(*v));
+                table.push_row(head.into_iter().chain(cells));
+            };
+            push(&self.unit, &adjustment.by_length);
+            if let Some(by) = &adjustment.by_turn {
+                push("turn", by);
+            }
+        }
+        table
+    }
+
+    /// What to do, step by step, and the static values after each.
+    pub fn steps_table(&self) -> Table {
+        let amount = format!("amount {}", self.unit);
+        let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];
+        let statics = self.statics.iter().map(|s| s.column.clone());
+        let mut table = Table::with_columns(columns.into_iter().chain(statics));
+        let row = |name: &str, amounts: [Option<f64>; 3], values: Vec<Option<f64>>| {
+            let head = [Cell::from(name)];
+            let numbers = amounts.into_iter().chain(values).map(figure);
+            head.into_iter().chain(numbers).collect::<Vec<_>>()
+        };
+        let drawn = self.statics.iter().map(|s| s.drawn).collect();
+        table.push_row(row("as drawn", [None; 3], drawn));
+        for a in &self.adjustments {
+            let amounts = [Some(a.amount), a.turns, a.shims];
+            table.push_row(row(&a.adjustment, amounts, a.after.clone()));
+        }
+        let wanted: Vec<_> = self.statics.iter().map(|s| s.wanted).collect();
+        if wanted.iter().any(Option::is_some) {
+            table.push_row(row("wanted", [None; 3], wanted));
+        }
+        table
+    }
+
+    /// Wishes that are missed by more than rounding, each with by how much.
+    pub fn missed(&self) -> impl Iterator<Item = (&str, f64)> {
+        let missed = self
+            .statics
+            .iter()
+            .filter_map(|s| Some((&*s.column, s.miss?)));
+        missed.filter(|(_, miss)| miss.abs() > 1e-6)
+    }
+}
+
+/// A number with a few digits to a reader; what is rounding is 0.
+fn figure(value: Option<f64>) -> Cell {
+    match value {
+        None => Cell::from(""),
+        Some(value) if value.abs() < 1e-9 => Cell::shown(value, "0"),
+        Some(value) => Cell::shown(value, super::brief(value)),
+    }
+}

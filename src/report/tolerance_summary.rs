@@ -1,0 +1,481 @@
+//! What scatter comes to, in tables and files.
+
+use super::table::{Cell, Table};
+use super::{brief, shortest};
+use crate::model::Axis;
+use crate::study::Band;
+use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem, Yields};
+use serde::{Deserialize, Serialize};
+
+/// The results of `hardpoint tolerance`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToleranceSummary {
+    /// Name of the study.
+    pub study: String,
+    /// Number of builds.
+    pub builds: u64,
+    /// Seed they were drawn from.
+    pub seed: u32,
+    /// Whether toe and camber were set again after assembly.
+    pub aligned: bool,
+    /// Builds that could not be put together.
+    pub rejected: u64,
+    /// Why, and the first of each kind.
+    pub rejects: Vec<RejectRecord>,
+    /// Builds without a pose somewhere in the motion.
+    pub incomplete: u64,
+    /// Every value that was looked at.
+    pub values: Vec<ValueRecord>,
+    /// The bands.
+    pub bands: Vec<BandRecord>,
+    /// The share of builds in all bands; none without bands.
+    pub yield_of_all: Option<f64>,
+    /// The same by the first-order answer.
+    pub yield_of_all_linear: Option<f64>,
+    /// Contributors, the one first whose halving gains most.
+    pub ranking: Vec<RankingRecord>,
+}
+
+/// A kind of reject.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RejectRecord {
+    /// A word for it.
+    pub reason: String,
+    /// How many.
+    pub builds: u64,
+    /// Number of the first.
+    pub first: u64,
+    /// What of it.
+    pub what: String,
+}
+
+/// How a value scatters; as it is printed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ValueRecord {
+    /// Name with unit.
+    pub output: String,
+    /// Travel.
+    pub travel: f64,
+    /// Rack displacement, in the study's axes.
+    pub rack: f64,
+    /// Builds that have it.
+    pub builds: u64,
+    /// As drawn.
+    pub drawn: Option<f64>,
+    /// Of the builds.
+    pub mean: Option<f64>,
+    /// Standard error of the mean.
+    pub mean_error: Option<f64>,
+    /// Standard deviation of the builds.
+    pub sigma: Option<f64>,
+    /// Its standard error.
+    pub sigma_error: Option<f64>,
+    /// First-order standard deviation.
+    pub sigma_linear: Option<f64>,
+    /// Second-order term as a part of the first-order variance.
+    pub second_order: Option<f64>,
+    /// Whether the linear answer holds; none where that is not known.
+    pub linear_holds: Option<bool>,
+    /// See [`PERCENTILES`].
+    pub percentiles: [Option<f64>; PERCENTILES.len()],
+    /// The least and the greatest.
+    pub range: [Option<f64>; 2],
+    /// First-order share of each contributor in the variance, in the order of the study.
+    pub shares: Vec<Option<f64>>,
+    /// Whether this is the drawn position.
+    at_rest: bool,
+    /// Of the values.
+    unit: String,
+}
+
+/// A band.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandRecord {
+    /// In words.
+    pub band: String,
+    /// The share of builds in it.
+    pub kept: f64,
+    /// The same by the first-order answer.
+    pub kept_linear: f64,
+}
+
+/// What a contributor is worth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RankingRecord {
+    /// Its name.
+    pub contributor: String,
+    /// Its largest share of the variance of a banded value.
+    pub share: f64,
+    /// Predicted yield with half its tolerance.
+    pub yield_halved: f64,
+    /// Predicted yield with twice its tolerance.
+    pub yield_doubled: f64,
+    /// Whether doubling it costs next to nothing.
+    pub may_be_looser: bool,
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value + 0.0)
+}
+
+impl ToleranceSummary {
+    /// Of what was found.
+    pub fn of(
+        problem: &Problem,
+        drawn: &[f64],
+        expansion: &Expansion,
+        builds: &MonteCarlo,
+        yields: Option<&Yields>,
+    ) -> Self {
+        let tolerance = problem.tolerance;
+        let contributor = |number: usize| tolerance.scatter[number].name.clone();
+        ToleranceSummary {
+            study: problem.study.name.clone(),
+            builds: builds.builds,
+            seed: tolerance.seed,
+            aligned: tolerance.aligned,
+            rejected: builds.rejected(),
+            rejects: builds
+                .rejects
+                .iter()
+                .map(|(word, (count, first, why))| RejectRecord {
+                    reason: (*word).to_owned(),
+                    builds: *count,
+                    first: *first,
+                    what: why.to_string(),
+                })
+                .collect(),
+            incomplete: builds.incomplete,
+            values: values(problem, drawn, expansion, builds),
+            bands: yields.map_or_else(Vec::new, |yields| {
+                let bands = tolerance.bands.iter().zip(&yields.bands);
+                bands
+                    .map(|(band, of)| BandRecord {
+                        band: in_words(problem, band),
+                        kept: of.monte_carlo,
+                        kept_linear: of.linear,
+                    })
+                    .collect()
+            }),
+            yield_of_all: yields.map(|y| y.all.monte_carlo),
+            yield_of_all_linear: yields.map(|y| y.all.linear),
+            ranking: yields.map_or_else(Vec::new, |yields| {
+                let ranking = yields.ranking.iter();
+                ranking
+                    .map(|r| RankingRecord {
+                        contributor: contributor(r.contributor),
+                        share: r.share,
+                        yield_halved: r.halved,
+                        yield_doubled: r.doubled,
+                        may_be_looser: r.may_be_looser,
+                    })
+                    .collect()
+            }),
+        }
+    }
+
+    /// One line on the run.
+    pub fn headline(&self) -> String {
+        let aligned = if self.aligned {
+            ", aligned"
+        } else {
+            ", as assembled"
+        };
+        let mut line = format!("{} builds{aligned}", self.builds);
+        if let Some(kept) = self.yield_of_all {
+            line += &format!(", {} in all bands", percent(kept));
+        }
+        line
+    }
+
+    /// What was rejected, and what has no pose somewhere, in words.
+    pub fn failures(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self
+            .rejects
+            .iter()
+            .map(|r| {
+                format!(
+                    "{} builds rejected, build {} the first: {}",
+                    r.builds, r.first, r.what
+                )
+            })
+            .collect();
+        if self.incomplete > 0 {
+            lines.push(format!(
+                "{} builds have no pose somewhere in the motion; there they have no values",
+                self.incomplete
+            ));
+        }
+        lines
+    }
+
+    /// Every value in the drawn position, and where it scatters most.
+    pub fn values_table(&self) -> Table {
+        let mut table = Table::new([
+            "output",
+            "travel",
+            "drawn",
+            "mean",
+            "sigma",
+            "linear",
+            "p5",
+            "p95",
+            "linear holds",
+        ]);
+        let mut outputs: Vec<&str> = Vec::new();
+        for value in &self.values {
+            if !outputs.contains(&&*value.output) {
+                outputs.push(&value.output);
+            }
+        }
+        for output in outputs {
+            let of_output = || self.values.iter().filter(|v| v.output == output);
+            let rest = of_output().find(|v| v.at_rest);
+            let wide = of_output()
+                .max_by(|a, b| a.sigma.unwrap_or(0.0).total_cmp(&b.sigma.unwrap_or(0.0)));
+            let mut shown: Vec<&ValueRecord> = rest.into_iter().collect();
+            shown.extend(wide.filter(|wide| !wide.at_rest));
+            for value in shown {
+                let holds = match value.linear_holds {
+                    Some(true) => "yes",
+                    Some(false) => "no: curved",
+                    None if value.second_order.is_none()
+                        && value.shares.iter().all(Option::is_none) =>
+                    {
+                        "does not scatter"
+                    }
+                    None => "not known",
+                };
+                let numbers = [
+                    value.drawn,
+                    value.mean,
+                    value.sigma,
+                    value.sigma_linear,
+                    value.percentiles[2],
+                    value.percentiles[4],
+                ];
+                let head = [Cell::from(output), Cell::from(value.travel)];
+                let figure = |v: Option<f64>| match v {
+                    Some(v) => Cell::figure(v, &value.unit),
+                    None => Cell::from(""),
+                };
+                let cells = head.into_iter().chain(numbers.map(figure));
+                table.push_row(cells.chain([Cell::from(holds)]));
+            }
+        }
+        table
+    }
+
+    /// The bands and who keeps to them.
+    pub fn bands_table(&self) -> Table {
+        let mut table = Table::new(["band", "yield", "linear"]);
+        let mut push = |band: &str, kept: f64, linear: f64| {
+            table.push_row([
+                Cell::from(band),
+                Cell::shown(kept, percent(kept)),
+                Cell::shown(linear, percent(linear)),
+            ]);
+        };
+        for band in &self.bands {
+            push(&band.band, band.kept, band.kept_linear);
+        }
+        if let (Some(kept), Some(linear)) = (self.yield_of_all, self.yield_of_all_linear) {
+            push("all", kept, linear);
+        }
+        table
+    }
+
+    /// What to hold tighter and what may be looser.
+    pub fn ranking_table(&self) -> Table {
+        let mut table = Table::new([
+            "contributor",
+            "share",
+            "yield halved",
+            "yield doubled",
+            "may be looser",
+        ]);
+        for r in &self.ranking {
+            let yields = [r.share, r.yield_halved, r.yield_doubled];
+            let head = [Cell::from(r.contributor.as_str())];
+            let numbers = yields.map(|v| Cell::shown(v, percent(v)));
+            table.push_row(
+                head.into_iter()
+                    .chain(numbers)
+                    .chain([r.may_be_looser.into()]),
+            );
+        }
+        table
+    }
+
+    /// First-order shares in the drawn position, where there are no bands to rank by.
+    pub fn shares_table(&self, contributors: &[String]) -> Table {
+        let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
+        let outputs = rest.iter().map(|v| v.output.clone());
+        let mut table = Table::with_columns(["contributor".to_owned()].into_iter().chain(outputs));
+        for (number, name) in contributors.iter().enumerate() {
+            let shares = rest.iter().map(|v| match v.shares[number] {
+                None => Cell::from(""),
+                Some(share) => Cell::shown(share, percent(share)),
+            });
+            table.push_row([Cell::from(name.as_str())].into_iter().chain(shares));
+        }
+        table
+    }
+
+    /// `tolerance.csv`: a row for each value.
+    pub fn csv(&self, length: &str) -> Vec<u8> {
+        let mut header: Vec<String> = [
+            "output".to_owned(),
+            format!("travel_{length}"),
+            format!("rack_{length}"),
+        ]
+        .to_vec();
+        header.extend(
+            [
+                "builds",
+                "drawn",
+                "mean",
+                "mean_error",
+                "sigma",
+                "sigma_error",
+                "sigma_linear",
+                "second_order",
+                "linear_holds",
+                "min",
+            ]
+            .map(str::to_owned),
+        );
+        header.extend(PERCENTILES.map(|p| format!("p{p}")));
+        header.push("max".to_owned());
+        let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
+        let rows = self.values.iter().map(|v| {
+            let mut row = vec![
+                v.output.clone(),
+                shortest(v.travel),
+                shortest(v.rack),
+                v.builds.to_string(),
+            ];
+            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(cell));
+            row.extend([v.sigma_linear, v.second_order].map(cell));
+            row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
+            row.push(cell(v.range[0]));
+            row.extend(v.percentiles.map(cell));
+            row.push(cell(v.range[1]));
+            row
+        });
+        csv_of(std::iter::once(header).chain(rows))
+    }
+
+    /// `contributors.csv`: the share of each contributor in the variance of each value.
+    pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
+        let header = [
+            "output",
+            &format!("travel_{length}"),
+            &format!("rack_{length}"),
+            "contributor",
+            "share",
+        ];
+        let rows = self.values.iter().flat_map(|v| {
+            contributors.iter().zip(&v.shares).map(|(name, share)| {
+                let share = share.map_or_else(String::new, shortest);
+                vec![
+                    v.output.clone(),
+                    shortest(v.travel),
+                    shortest(v.rack),
+                    name.clone(),
+                    share,
+                ]
+            })
+        });
+        csv_of(std::iter::once(header.map(str::to_owned).to_vec()).chain(rows))
+    }
+}
+
+fn csv_of(rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(row).expect("rows of one length");
+    }
+    writer.into_inner().expect("memory takes everything")
+}
+
+/// A share with three digits, and never rounded up to all.
+fn percent(share: f64) -> String {
+    match share {
+        s if s >= 1.0 => "100 %".to_owned(),
+        s if s < 1.0 && s > 0.9999 => "99.99 %".to_owned(),
+        s if s.abs() < 5e-5 => "0 %".to_owned(),
+        s => format!("{} %", brief((s * 1e4).round() / 1e2)),
+    }
+}
+
+fn in_words(problem: &Problem, band: &Band) -> String {
+    let unit = band.characteristic.info().unit;
+    let column = band
+        .characteristic
+        .column(problem.study.suspension.length_unit);
+    let [low, high] = band.between.map(|v| {
+        let printed = v * unit.printed_factor();
+        // A limit is shown as it was written, not with what degrees lose on the way to radians.
+        (printed * 1e9).round() / 1e9
+    });
+    let wanted = match (low.is_finite(), high.is_finite()) {
+        (true, true) => format!("{} to {}", shortest(low), shortest(high)),
+        (true, false) => format!("at least {}", shortest(low)),
+        _ => format!("at most {}", shortest(high)),
+    };
+    match band.at {
+        Some(at) => format!("{column} at {}: {wanted}", shortest(at)),
+        None => format!("{column}: {wanted}"),
+    }
+}
+
+fn values(
+    problem: &Problem,
+    drawn: &[f64],
+    expansion: &Expansion,
+    builds: &MonteCarlo,
+) -> Vec<ValueRecord> {
+    let stations = &problem.stations;
+    let sign = problem.study.suspension.frame.sign(Axis::Y);
+    let mut values = Vec::new();
+    for (output, c) in problem.characteristics.iter().enumerate() {
+        let factor = c.info().unit.printed_factor();
+        let unit = c.info().unit.suffix(problem.study.suspension.length_unit);
+        let scaled = |v: f64| finite(v * factor);
+        for station in 0..stations.count() {
+            let cell = problem.cell(output, station);
+            let spread = &builds.spreads[cell];
+            let deviation = expansion.variance[cell].sqrt();
+            // What is aligned away is rounding, and rounding has no shares.
+            let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
+            let variance = if scatters {
+                deviation * deviation
+            } else {
+                f64::NAN
+            };
+            let shares = (0..problem.tolerance.scatter.len())
+                .map(|number| finite(expansion.part(problem, cell, number) / variance));
+            values.push(ValueRecord {
+                output: c.column(problem.study.suspension.length_unit),
+                travel: stations.values()[stations.value_of(station)] + 0.0,
+                rack: stations.racks[station / stations.values().len()] * sign + 0.0,
+                builds: spread.count,
+                drawn: scaled(drawn[cell]),
+                mean: scaled(spread.mean),
+                mean_error: scaled(spread.sigma / (spread.count as f64).sqrt()),
+                sigma: scaled(spread.sigma),
+                sigma_error: scaled(spread.sigma_error),
+                sigma_linear: scaled(deviation),
+                second_order: finite(expansion.bend(cell)).filter(|_| scatters),
+                linear_holds: expansion.holds(cell).filter(|_| scatters),
+                percentiles: spread.percentiles.map(scaled),
+                range: spread.range.map(scaled),
+                shares: shares.collect(),
+                at_rest: station == stations.design(),
+                unit: unit.clone(),
+            });
+        }
+    }
+    values
+}

@@ -1,0 +1,73 @@
+//! Members and dimensions by the names a study gives them.
+
+use super::error::Problems;
+use super::names::choose;
+use super::outputs::hardpoint;
+use super::value::{MemberName, Text};
+use crate::build::{BuildParameter, Member};
+use crate::model::{Axis, Suspension};
+use toml::Spanned;
+
+/// A dimension and how much it changes, in the kernel's frame, per unit in the study's.
+pub type Change = (BuildParameter, f64);
+
+/// The member of this name, or between two points, with its name.
+pub fn member(
+    written: &Spanned<MemberName>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<(String, Member)> {
+    let mechanism = &suspension.mechanism;
+    let members = Member::all(mechanism);
+    match written.get_ref() {
+        MemberName::Name(name) => {
+            let options: Vec<_> = members.iter().map(|(n, m)| (n.as_str(), *m)).collect();
+            let text = Text::new(written.span(), name.clone());
+            let member = choose(&text, "member", &options, problems)?;
+            Some((name.clone(), member))
+        }
+        MemberName::Ends(ends) => {
+            let points: Option<Vec<_>> = ends
+                .iter()
+                .map(|end| hardpoint(end, suspension, problems))
+                .collect();
+            let points = points?;
+            let [a, b] = points.as_slice() else {
+                let message = format!("expected the two ends of a member, found {}", points.len());
+                problems.add(written.span(), message);
+                return None;
+            };
+            let found = members.into_iter().find(|(_, member)| {
+                let ends = member.ends(mechanism);
+                ends == Some((*a, *b)) || ends == Some((*b, *a))
+            });
+            if found.is_none() {
+                let message = format!(
+                    "no member runs from {} to {}",
+                    mechanism.name(*a),
+                    mechanism.name(*b)
+                );
+                problems.add(written.span(), message);
+            }
+            found
+        }
+    }
+}
+
+/// The coordinate of a point along an axis of the study.
+pub fn coordinate(
+    point: &Text,
+    axis: &Text,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Change> {
+    let id = hardpoint(point, suspension, problems);
+    let axis = self::axis(axis, problems)?;
+    let parameter = BuildParameter::Coordinate(id?, axis);
+    Some((parameter, suspension.frame.sign(axis)))
+}
+
+/// An axis of the study.
+pub fn axis(text: &Text, problems: &mut Problems) -> Option<Axis> {
+    choose(text, "axis", &Axis::ALL.map(|a| (a.name(), a)), problems)
+}

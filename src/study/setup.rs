@@ -1,0 +1,113 @@
+//! `[setup]`: what may be adjusted and what is wanted.
+
+use super::error::Problems;
+use super::file;
+use super::members::{coordinate, member};
+use super::outputs::characteristic;
+use super::resolve::Context;
+use super::suspension::above_zero;
+use super::{Adjustment, Setup, Want};
+use crate::build::BuildParameter;
+use toml::Spanned;
+
+/// The set-up, if nothing is wrong with it.
+pub fn setup(section: &file::Setup, context: &Context, problems: &mut Problems) -> Option<Setup> {
+    let written = section.adjust.get_ref();
+    if written.is_empty() {
+        let message = "expected at least one adjustment, found an empty list";
+        problems.add(section.adjust.span(), message);
+    }
+    let adjust: Vec<_> = written
+        .iter()
+        .map(|a| adjustment(a, context, problems))
+        .collect();
+    for (i, adjustment) in adjust.iter().enumerate() {
+        let Some(adjustment) = adjustment else {
+            continue;
+        };
+        let same = |other: &Option<Adjustment>| {
+            other
+                .as_ref()
+                .is_some_and(|o| o.change.0 == adjustment.change.0)
+        };
+        if let Some(first) = adjust[..i].iter().position(same) {
+            let message = format!("{} is already adjusted", adjustment.name);
+            let error = problems.add(written[i].span(), message);
+            error.related(written[first].span(), "here");
+        }
+    }
+    let mut want = Vec::new();
+    for (name, number) in section.want.iter().flatten() {
+        let found = characteristic(name, context.suspension, problems)?;
+        want.push(Want {
+            characteristic: found,
+            value: found.info().unit.from_printed(number.value),
+        });
+    }
+    // As the catalogue has them, whatever their order in the file.
+    want.sort_by_key(|want| want.characteristic);
+    Some(Setup {
+        adjust: adjust
+            .into_iter()
+            .collect::<Option<_>>()
+            .filter(|a: &Vec<_>| !a.is_empty())?,
+        want,
+        ride_height: section.ride_height.as_ref().map(|n| n.value),
+    })
+}
+
+fn adjustment(
+    written: &Spanned<file::Adjustment>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Adjustment> {
+    let place = written.span();
+    let written = written.get_ref();
+    let positive = |number: &Option<super::value::Number>, problems: &mut Problems| match number {
+        None => Some(None),
+        Some(number) => above_zero(number, problems).map(Some),
+    };
+    let per_turn = positive(&written.per_turn, problems);
+    let step = positive(&written.step, problems);
+    let (name, change) = match (&written.length, &written.shim) {
+        (Some(length), None) => {
+            if let Some(axis) = &written.axis {
+                problems.add(
+                    axis.span(),
+                    "a length has no axis: it changes along the member",
+                );
+            }
+            let (name, member) = member(length, context.suspension, problems)?;
+            (name, (BuildParameter::Length(member), 1.0))
+        }
+        (None, Some(shim)) => {
+            let Some(axis) = &written.axis else {
+                let message =
+                    "expected axis: the way the shim moves the point, \"x\", \"y\" or \"z\"";
+                problems.add(place, message);
+                return None;
+            };
+            let change = coordinate(shim, axis, context.suspension, problems)?;
+            (format!("{} {}", shim.get_ref(), axis.get_ref()), change)
+        }
+        (Some(length), Some(_)) => {
+            problems.add(length.span(), "expected length or shim, found both");
+            return None;
+        }
+        (None, None) => {
+            let message = "expected length = \"tie_rod\", or shim = \"upper_ball_joint\" with axis";
+            problems.add(place, message);
+            return None;
+        }
+    };
+    if let (Some(per_turn), Some(_)) = (&written.per_turn, &written.step) {
+        let message = "expected per_turn, of a thread, or step, of shims, found both";
+        problems.add(per_turn.span.clone(), message);
+    }
+    Some(Adjustment {
+        name,
+        change,
+        per_turn: per_turn?,
+        step: step?,
+    })
+}

@@ -1,0 +1,341 @@
+//! `[tolerance]`: how parts scatter, and the bands that builds are to keep to.
+
+use super::error::Problems;
+use super::file;
+use super::members::{axis, member};
+use super::outputs::{characteristic, hardpoint};
+use super::resolve::Context;
+use super::suspension::above_zero;
+use super::value::{Number, Text};
+use super::{Band, Contributor, Drive, Law, Setup, Source, Tolerance};
+use crate::build::BuildParameter;
+use crate::model::{Axis, PointId};
+use crate::number::Vector3;
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// The most builds: hours of work for the fastest machine.
+const MOST_BUILDS: i64 = 10_000_000_000;
+
+/// The tolerances, if nothing is wrong with them.
+pub fn tolerance(
+    section: &Spanned<file::Tolerance>,
+    setup: Option<&Setup>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Tolerance> {
+    let place = section.span();
+    let section = section.get_ref();
+    let builds = whole(&section.builds, 10_000, 2..=MOST_BUILDS, problems);
+    let seed = whole(&section.seed, 1, 0..=i64::from(u32::MAX), problems);
+    let aligned = section.aligned.as_ref().is_some_and(|a| *a.get_ref());
+    if let (true, None, Some(written)) = (aligned, setup, &section.aligned) {
+        let message = "aligned = true needs [setup] with adjust: what toe and camber are set by";
+        problems.add(written.span(), message);
+    }
+    if let Some(motion) = context.motion
+        && motion.drive != Drive::Travel
+    {
+        let message =
+            "[tolerance] needs a motion by travel: an angle is another pose in every build";
+        problems.add(place, message);
+    }
+    let written = section.scatter.get_ref();
+    if written.is_empty() {
+        let message = "expected at least one scatter, found an empty list";
+        problems.add(section.scatter.span(), message);
+        return None;
+    }
+    let scatter: Vec<_> = written
+        .iter()
+        .map(|s| contributors(s, context, problems))
+        .collect();
+    let bands = section.bands.iter().flatten();
+    let bands: Vec<_> = bands.map(|b| band(b, context, problems)).collect();
+    let scatter: Option<Vec<_>> = scatter.into_iter().collect();
+    Some(Tolerance {
+        builds: u64::try_from(builds?).ok()?,
+        seed: u32::try_from(seed?).ok()?,
+        aligned,
+        scatter: scatter?.into_iter().flatten().collect(),
+        bands: bands.into_iter().collect::<Option<_>>()?,
+    })
+}
+
+fn whole(
+    written: &Option<Spanned<i64>>,
+    default: i64,
+    within: std::ops::RangeInclusive<i64>,
+    problems: &mut Problems,
+) -> Option<i64> {
+    let Some(written) = written else {
+        return Some(default);
+    };
+    let value = *written.get_ref();
+    if within.contains(&value) {
+        return Some(value);
+    }
+    let (low, high) = (within.start(), within.end());
+    let message = format!("expected a whole number from {low} to {high}, found {value}");
+    problems.add(written.span(), message);
+    None
+}
+
+/// What scatters by an entry of `scatter`: each hardpoint named is a contributor of its own, a jig is one.
+fn contributors(
+    written: &Spanned<file::Scatter>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Vec<Contributor>> {
+    let place = written.span();
+    let written = written.get_ref();
+    let suspension = context.suspension;
+    let kinds = [
+        written.hardpoint.is_some(),
+        written.hardpoints.is_some(),
+        written.length.is_some(),
+        written.jig.is_some(),
+    ];
+    if kinds.iter().filter(|given| **given).count() != 1 {
+        let message = "expected one of hardpoint, hardpoints, length and jig: what scatters";
+        problems.add(place, message);
+        return None;
+    }
+    if let Some(points) = &written.jig {
+        return jig(points, written, place.clone(), context, problems).map(|jig| vec![jig]);
+    }
+    for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
+        if let Some(number) = given {
+            problems.add(number.span.clone(), format!("{key} belongs to a jig"));
+        }
+    }
+    let law = law(written, place.clone(), problems);
+    if let Some(length) = &written.length {
+        if let Some(axis) = &written.axis {
+            problems.add(
+                axis.span(),
+                "a length has no axis: it changes along the member",
+            );
+        }
+        let (name, member) = member(length, suspension, problems)?;
+        let change = (BuildParameter::Length(member), 1.0);
+        let name = format!("{name} length");
+        return Some(vec![Contributor {
+            sources: vec![Source {
+                name: name.clone(),
+                changes: vec![change],
+                law: law?,
+            }],
+            name,
+        }]);
+    }
+    let names = written.hardpoints.iter().flat_map(|list| list.get_ref());
+    let names: Vec<&Text> = written.hardpoint.iter().chain(names).collect();
+    if names.is_empty() {
+        problems.add(
+            place,
+            "expected at least one hardpoint, found an empty list",
+        );
+        return None;
+    }
+    let along = match &written.axis {
+        None => Some(Axis::ALL.to_vec()),
+        Some(text) => axis(text, problems).map(|axis| vec![axis]),
+    };
+    let points: Vec<_> = names
+        .iter()
+        .map(|name| Some((*name, hardpoint(name, suspension, problems)?)))
+        .collect();
+    let (law, along) = (law?, along?);
+    points
+        .into_iter()
+        .map(|point| {
+            let (name, id) = point?;
+            let source = |axis: &Axis| Source {
+                name: format!("{} {}", name.get_ref(), axis.name()),
+                changes: vec![(
+                    BuildParameter::Coordinate(id, *axis),
+                    suspension.frame.sign(*axis),
+                )],
+                law,
+            };
+            Some(Contributor {
+                name: match along.as_slice() {
+                    [only] => format!("{} {}", name.get_ref(), only.name()),
+                    _ => name.get_ref().clone(),
+                },
+                sources: along.iter().map(source).collect(),
+            })
+        })
+        .collect()
+}
+
+/// The law of a scatter: normal by `sigma`, uniform by `limits`.
+fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> Option<Law> {
+    match (&written.sigma, &written.limits) {
+        (Some(sigma), None) => Some(Law::Normal {
+            sigma: above_zero(sigma, problems)?,
+        }),
+        (None, Some(limits)) => match limits.get_ref().as_slice() {
+            [low, high] if low.value < high.value => Some(Law::Uniform {
+                low: low.value,
+                high: high.value,
+            }),
+            _ => {
+                let message = "expected limits = [lowest, highest], the first below the second";
+                problems.add(limits.span(), message);
+                None
+            }
+        },
+        (Some(_), Some(limits)) => {
+            let message =
+                "expected sigma, of a normal scatter, or limits, of a uniform one, found both";
+            problems.add(limits.span(), message);
+            None
+        }
+        (None, None) => {
+            let message = "expected sigma = 0.2, of a normal scatter, or limits = [-0.5, 0.5], of a uniform one";
+            problems.add(place, message);
+            None
+        }
+    }
+}
+
+/// Points that are shifted and turned together, about their centroid.
+fn jig(
+    names: &Spanned<Vec<Text>>,
+    written: &file::Scatter,
+    place: Span<usize>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Contributor> {
+    let suspension = context.suspension;
+    for (span, key) in [
+        (written.sigma.as_ref().map(|n| n.span.clone()), "sigma"),
+        (written.limits.as_ref().map(Spanned::span), "limits"),
+        (written.axis.as_ref().map(Spanned::span), "axis"),
+    ] {
+        if let Some(span) = span {
+            problems.add(span, format!("a jig has shift and turn, not {key}"));
+        }
+    }
+    let points: Option<Vec<PointId>> = names
+        .get_ref()
+        .iter()
+        .map(|name| hardpoint(name, suspension, problems))
+        .collect();
+    let points = points?;
+    if points.len() < 2 {
+        problems.add(
+            names.span(),
+            "expected two hardpoints or more: what the jig holds",
+        );
+        return None;
+    }
+    let sigma = |number: &Option<Number>, problems: &mut Problems| match number {
+        None => Some(0.0),
+        Some(number) => above_zero(number, problems),
+    };
+    let (shift, turn) = (
+        sigma(&written.shift, problems)?,
+        sigma(&written.turn, problems)?,
+    );
+    if shift == 0.0 && turn == 0.0 {
+        problems.add(
+            place,
+            "expected shift, turn (degrees) or both: how the jig scatters",
+        );
+        return None;
+    }
+    let places = points.iter().map(|id| suspension.design[id.0]);
+    let sum = places.clone().fold(Vector3::default(), |a, b| a + b);
+    let centre = sum * (1.0 / points.len() as f64);
+    let name = names.get_ref().iter().map(|n| n.get_ref().as_str());
+    let name = format!("jig {}", name.collect::<Vec<_>>().join("+"));
+    let mut sources = Vec::new();
+    let changes = |moves: &dyn Fn(Vector3<f64>) -> Vector3<f64>| {
+        let mut changes = Vec::new();
+        for (id, place) in points.iter().zip(places.clone()) {
+            for (axis, by) in Axis::ALL.into_iter().zip(moves(place - centre).to_array()) {
+                if by != 0.0 {
+                    changes.push((BuildParameter::Coordinate(*id, axis), by));
+                }
+            }
+        }
+        changes
+    };
+    for axis in Axis::ALL {
+        let mut unit = [0.0; 3];
+        unit[axis as usize] = 1.0;
+        let unit = Vector3::from(unit);
+        if shift > 0.0 {
+            sources.push(Source {
+                name: format!("{name} shift {}", axis.name()),
+                changes: changes(&|_| unit * suspension.frame.sign(axis)),
+                law: Law::Normal { sigma: shift },
+            });
+        }
+        if turn > 0.0 {
+            sources.push(Source {
+                name: format!("{name} turn {}", axis.name()),
+                changes: changes(&|lever| unit.cross(lever) * suspension.frame.turn_sign(axis)),
+                law: Law::Normal {
+                    sigma: turn.to_radians(),
+                },
+            });
+        }
+    }
+    Some(Contributor { name, sources })
+}
+
+fn band(written: &Spanned<file::Band>, context: &Context, problems: &mut Problems) -> Option<Band> {
+    let place = written.span();
+    let written = written.get_ref();
+    let found = characteristic(&written.characteristic, context.suspension, problems);
+    let at = match (&written.at, context.motion) {
+        (None, _) => Some(None),
+        (Some(at), Some(motion)) => {
+            let lowest = motion.values.iter().copied().fold(f64::INFINITY, f64::min);
+            let highest = motion
+                .values
+                .iter()
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max);
+            if at.value < lowest || at.value > highest {
+                let message = format!(
+                    "{} is outside of the motion, which runs from {lowest} to {highest}",
+                    at.value
+                );
+                problems.add(at.span.clone(), message);
+                None
+            } else {
+                Some(Some(at.value))
+            }
+        }
+        (Some(_), None) => None,
+    };
+    let ends = match (&written.between, &written.at_least, &written.at_most) {
+        (Some(between), None, None) => match between.get_ref().as_slice() {
+            [low, high] if low.value < high.value => Some([low.value, high.value]),
+            _ => {
+                let message = "expected between = [lowest, highest], the first below the second";
+                problems.add(between.span(), message);
+                None
+            }
+        },
+        (None, Some(low), None) => Some([low.value, f64::INFINITY]),
+        (None, None, Some(high)) => Some([f64::NEG_INFINITY, high.value]),
+        _ => {
+            let message = "expected one of between = [lowest, highest], at_least and at_most";
+            problems.add(place, message);
+            None
+        }
+    };
+    let found = found?;
+    let unit = found.info().unit;
+    Some(Band {
+        characteristic: found,
+        at: at?,
+        between: ends?.map(|end| unit.from_printed(end)),
+    })
+}

@@ -1,0 +1,189 @@
+//! Toe and camber set again after assembly.
+//!
+//! Adjustments a hold wanted values w of the resting position. With M the pseudo-inverse of dw/da of the drawing,
+//!
+//! ```text
+//! a <- a - M (w(parts + a) - wanted)
+//! ```
+//!
+//! contracts as fast as parts differ from the drawing; over derivative numbers it mends order by order.
+
+use crate::build::{Assembler, BuildParameter, Built, NoSetUp, Parts, Reject, Rest};
+use crate::characteristics::{Characteristic, Constants, Inputs, Slots};
+use crate::mechanism::{Configuration, Pose};
+use crate::model::Suspension;
+use crate::number::{Matrix3, Real, Vector3};
+use crate::study::{Setup, Study};
+use nalgebra::DMatrix;
+
+/// The most corrections of a build.
+const MOST_ROUNDS: usize = 30;
+/// Corrections below this, in parts of the size, are rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// What is held by what.
+#[derive(Clone, Debug)]
+pub(super) struct Alignment {
+    adjust: Vec<(BuildParameter, f64)>,
+    wanted: Vec<(Characteristic, f64)>,
+    /// M, a row for each adjustment.
+    inverse: DMatrix<f64>,
+    constants: Constants,
+    slots: Slots,
+    size: f64,
+}
+
+impl Alignment {
+    /// Toe and camber of the drawing by the adjustments of the set-up; toe alone where there is one. Wishes of the set-up
+    /// that are neither are not held.
+    pub(super) fn of(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<Self, NoSetUp> {
+        let suspension = assembler.suspension();
+        let held: &[Characteristic] = match setup.adjust.len() {
+            1 => &[Characteristic::Toe],
+            _ => &[Characteristic::Toe, Characteristic::Camber],
+        };
+        let slots = held
+            .iter()
+            .fold(Slots::default(), |slots, c| slots.with(c.info().reads));
+        let constants = Constants::of(&study.suspension);
+        let mut alignment = Alignment {
+            adjust: setup.adjust.iter().map(|a| a.change).collect(),
+            wanted: Vec::new(),
+            inverse: DMatrix::zeros(0, 0),
+            constants,
+            slots,
+            size: suspension.size(),
+        };
+        let design = &suspension.design;
+        alignment.wanted = held
+            .iter()
+            .map(|c| (*c, alignment.value(suspension, design, *c)))
+            .collect();
+        let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+        let mut by = DMatrix::zeros(held.len(), alignment.adjust.len());
+        for (k, change) in alignment.adjust.iter().enumerate() {
+            let design = assembler.design_series(&built, &[*change]);
+            for (i, c) in held.iter().enumerate() {
+                by[(i, k)] = alignment.value(suspension, &design, *c)[1];
+            }
+        }
+        let least = 1e-9 * by.amax();
+        let inverse = by.clone().pseudo_inverse(least);
+        alignment.inverse = inverse.map_err(|_| NoSetUp::Unsettled)?;
+        // A wish that no adjustment moves cannot be held.
+        let held_all =
+            (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
+        match held_all < 1e-6 {
+            true => Ok(alignment),
+            false => Err(NoSetUp::Unsettled),
+        }
+    }
+
+    /// A characteristic of a built design at rest.
+    fn value<T: Real>(
+        &self,
+        suspension: &Suspension,
+        design: &[Vector3<T>],
+        c: Characteristic,
+    ) -> T {
+        let mechanism = &suspension.mechanism;
+        let origin = design[mechanism.origin.0];
+        let at = Configuration {
+            mechanism,
+            design,
+            pose: Pose {
+                origin,
+                rotation: Matrix3::identity(origin.x),
+            },
+            rack: origin.x.zero(),
+            steering: None,
+        };
+        c.evaluate(&Inputs::standing(&at, self.constants, self.slots))
+    }
+
+    /// Adds to the changes of the parts what the adjustments have to be.
+    fn adjust<T: Real>(
+        &self,
+        suspension: &Suspension,
+        parts: &mut Parts<T>,
+        design: &[Vector3<T>],
+    ) -> Vec<T> {
+        let misses: Vec<T> = self
+            .wanted
+            .iter()
+            .map(|(c, wanted)| {
+                let value = self.value(suspension, design, *c);
+                value - value.lit(*wanted)
+            })
+            .collect();
+        let mut corrections = Vec::with_capacity(self.adjust.len());
+        for (k, (parameter, share)) in self.adjust.iter().enumerate() {
+            let mut by = misses[0].zero();
+            for (i, miss) in misses.iter().enumerate() {
+                by = by - miss.scaled(self.inverse[(k, i)]);
+            }
+            parts.change(&suspension.mechanism, *parameter, by.scaled(*share));
+            corrections.push(by);
+        }
+        corrections
+    }
+
+    /// Aligns a build and writes its design.
+    pub(super) fn assemble(
+        &self,
+        assembler: &Assembler,
+        parts: &mut Parts<f64>,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Reject> {
+        for _ in 0..MOST_ROUNDS {
+            assembler.assemble(parts, 0.0, into)?;
+            let corrections = self.adjust(assembler.suspension(), parts, into);
+            let largest = corrections
+                .iter()
+                .fold(0.0, |most: f64, c| most.max(c.abs()));
+            if largest <= ROUNDING * self.size {
+                return Ok(());
+            }
+            if !(largest <= self.size) {
+                break;
+            }
+        }
+        Err(Reject::Unaligned)
+    }
+
+    /// The built design along a direction of the drawing, aligned throughout, to as many orders as the number has.
+    pub(super) fn design<T: Real>(
+        &self,
+        assembler: &Assembler,
+        built: &Built,
+        parts: &mut Parts<T>,
+        orders: usize,
+    ) -> Vec<Vector3<T>> {
+        let mut design = assembler.design_of(built, parts, orders);
+        for _ in 0..orders {
+            self.adjust(assembler.suspension(), parts, &design);
+            design = assembler.design_of(built, parts, orders);
+        }
+        design
+    }
+
+    /// What the adjustments have to be by each unit of a direction: the direction with them.
+    pub(super) fn aligned_direction(
+        &self,
+        assembler: &Assembler,
+        built: &Built,
+        direction: &[(BuildParameter, f64)],
+    ) -> Vec<(BuildParameter, f64)> {
+        let design = assembler.design_series(built, direction);
+        let mut aligned = direction.to_vec();
+        for (k, (parameter, share)) in self.adjust.iter().enumerate() {
+            let mut by = 0.0;
+            for (i, (c, _)) in self.wanted.iter().enumerate() {
+                let miss = self.value(assembler.suspension(), &design, *c)[1];
+                by -= self.inverse[(k, i)] * miss;
+            }
+            aligned.push((*parameter, by * share));
+        }
+        aligned
+    }
+}

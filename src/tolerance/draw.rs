@@ -1,0 +1,180 @@
+//! Random numbers of builds: functions of seed, number of the build and number of the source alone.
+
+use crate::study::{Law, Tolerance};
+use crate::sweep::uniform;
+
+impl Law {
+    /// Mean of the law.
+    pub fn mean(self) -> f64 {
+        match self {
+            Law::Normal { .. } => 0.0,
+            Law::Uniform { low, high } => 0.5 * (low + high),
+        }
+    }
+
+    /// Its variance.
+    pub fn variance(self) -> f64 {
+        match self {
+            Law::Normal { sigma } => sigma * sigma,
+            Law::Uniform { low, high } => (high - low) * (high - low) / 12.0,
+        }
+    }
+
+    /// Its fourth central moment over the square of its variance.
+    pub fn kurtosis(self) -> f64 {
+        match self {
+            Law::Normal { .. } => 3.0,
+            Law::Uniform { .. } => 1.8,
+        }
+    }
+
+    /// The number below which a draw lies with probability `fraction`.
+    pub fn quantile(self, fraction: f64) -> f64 {
+        match self {
+            Law::Normal { sigma } => sigma * normal_quantile(fraction),
+            Law::Uniform { low, high } => low + (high - low) * fraction,
+        }
+    }
+}
+
+impl Tolerance {
+    /// Number of independent sources.
+    pub fn sources(&self) -> usize {
+        self.scatter.iter().map(|c| c.sources.len()).sum()
+    }
+
+    /// The numbers of a build, source by source.
+    pub fn draw(&self, build: u64, into: &mut [f64]) {
+        let sources = self.scatter.iter().flat_map(|c| &c.sources);
+        for (k, (number, source)) in into.iter_mut().zip(sources).enumerate() {
+            // The middle of one of 2^53 intervals, so that neither end is met.
+            let fraction = uniform(build, k, self.seed) + 0.5_f64.powi(54);
+            *number = source.law.quantile(fraction);
+        }
+    }
+}
+
+/// The standard normal quantile of a fraction in (0, 1), to about 1e-15 relative (M. J. Wichura, Algorithm AS 241: The
+/// percentage points of the normal distribution, Applied Statistics 37, 1988, routine PPND16).
+pub fn normal_quantile(fraction: f64) -> f64 {
+    let q = fraction - 0.5;
+    if q.abs() <= 0.425 {
+        return q * ratio(0.180625 - q * q, &CENTRE);
+    }
+    let tail = fraction.min(1.0 - fraction);
+    let r = (-tail.ln()).sqrt();
+    let value = match r <= 5.0 {
+        true => ratio(r - 1.6, &FLANK),
+        false => ratio(r - 5.0, &TAIL),
+    };
+    value.copysign(q)
+}
+
+/// A quotient of two polynomials, lowest power first.
+fn ratio(x: f64, [above, below]: &[[f64; 8]; 2]) -> f64 {
+    let horner = |c: &[f64; 8]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
+    horner(above) / horner(below)
+}
+
+const CENTRE: [[f64; 8]; 2] = [
+    [
+        3.387_132_872_796_366_5,
+        1.331_416_678_917_843_8e2,
+        1.971_590_950_306_551_3e3,
+        1.373_169_376_550_946e4,
+        4.592_195_393_154_987e4,
+        6.726_577_092_700_87e4,
+        3.343_057_558_358_813e4,
+        2.509_080_928_730_122_7e3,
+    ],
+    [
+        1.0,
+        4.231_333_070_160_091e1,
+        6.871_870_074_920_579e2,
+        5.394_196_021_424_751e3,
+        2.121_379_430_158_66e4,
+        3.930_789_580_009_271e4,
+        2.872_908_573_572_194_3e4,
+        5.226_495_278_852_854e3,
+    ],
+];
+
+const FLANK: [[f64; 8]; 2] = [
+    [
+        1.423_437_110_749_683_5,
+        4.630_337_846_156_546,
+        5.769_497_221_460_691,
+        3.647_848_324_763_204_5,
+        1.270_458_252_452_368_4,
+        2.417_807_251_774_506e-1,
+        2.272_384_498_926_918_4e-2,
+        7.745_450_142_783_414e-4,
+    ],
+    [
+        1.0,
+        2.053_191_626_637_759,
+        1.676_384_830_183_803_8,
+        6.897_673_349_851e-1,
+        1.481_039_764_274_800_8e-1,
+        1.519_866_656_361_645_7e-2,
+        5.475_938_084_995_345e-4,
+        1.050_750_071_644_416_9e-9,
+    ],
+];
+
+const TAIL: [[f64; 8]; 2] = [
+    [
+        6.657_904_643_501_103,
+        5.463_784_911_164_114,
+        1.784_826_539_917_291_3,
+        2.965_605_718_285_048_7e-1,
+        2.653_218_952_657_612_4e-2,
+        1.242_660_947_388_078_4e-3,
+        2.711_555_568_743_487_6e-5,
+        2.010_334_399_292_288_1e-7,
+    ],
+    [
+        1.0,
+        5.998_322_065_558_88e-1,
+        1.369_298_809_227_358e-1,
+        1.487_536_129_085_061_5e-2,
+        7.868_691_311_456_133e-4,
+        1.846_318_317_510_054_8e-5,
+        1.421_511_758_316_446e-7,
+        2.044_263_103_389_939_8e-15,
+    ],
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The integral of the normal density between two quantiles is the difference of their fractions.
+    #[test]
+    fn quantiles_are_those_of_the_normal_law() {
+        let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
+        let fractions = [
+            1e-12, 1e-9, 1e-5, 0.01, 0.074, 0.076, 0.3, 0.5, 0.8, 0.924, 0.926, 0.999,
+        ];
+        for pair in fractions.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(normal_quantile);
+            let n = 20_000;
+            let h = (b - a) / f64::from(n);
+            let inner: f64 = (0..n)
+                .map(|i| {
+                    let x = a + h * f64::from(i);
+                    // Gauss and Legendre's rule of three points.
+                    let node = 0.5 * (0.6_f64).sqrt() * h;
+                    let middle = x + 0.5 * h;
+                    h * (8.0 * density(middle)
+                        + 5.0 * (density(middle - node) + density(middle + node)))
+                        / 18.0
+                })
+                .sum();
+            let expected = pair[1] - pair[0];
+            assert!((inner - expected).abs() < 2e-13 * expected, "{pair:?}");
+        }
+        assert_eq!(normal_quantile(0.5), 0.0);
+        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,314 @@
+//! The first- and second-order answer, exact.
+//!
+//! g comes from the adjoint of the built design ([`crate::build::built_curves`]), for values and gains alike. H comes from
+//! power series: along d_j + d_k a built design, its poses and what is read off them are series in one number,
+//! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
+//! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
+
+use super::Problem;
+use crate::build::{BuildParameter, NoSetUp, Rest, built_curves};
+use crate::characteristics::{Constants, Slots, WheelReading};
+use crate::derive::MotionPoint;
+use crate::linear::lu::Lu6;
+use crate::mechanism::{Closure, Configuration, Driver};
+use crate::model::SteeringAxis;
+use crate::number::{Jet, Vector3};
+use crate::plan::Plan;
+use crate::solve::{Solver, StationOrder};
+use crate::study::{Drive, Formulation, Order};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+
+/// The linear answer holds where its second-order term is below this part of its variance.
+pub const HOLDS: f64 = 0.02;
+
+/// The most sources whose products are looked at.
+const MOST_SOURCES: usize = 120;
+
+/// Mean and variance by the derivatives at the drawing.
+#[derive(Clone, Debug)]
+pub struct Expansion {
+    /// By cell and source: g.
+    pub gradient: Vec<f64>,
+    /// By cell: the first-order variance.
+    pub variance: Vec<f64>,
+    /// By cell: mean by first order, less the drawn value: of laws that are not about 0.
+    pub shift: Vec<f64>,
+    /// By cell: what second order adds to the mean, and to the variance. NaN where it is not known.
+    pub second: Vec<[f64; 2]>,
+    sources: usize,
+}
+
+impl Expansion {
+    /// Of a study's tolerances.
+    pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
+        let assembler = &problem.assembler;
+        let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+        let sources: Vec<_> = problem
+            .tolerance
+            .scatter
+            .iter()
+            .flat_map(|c| &c.sources)
+            .collect();
+        let directions: Vec<Vec<(BuildParameter, f64)>> = sources
+            .iter()
+            .map(|source| match &problem.alignment {
+                None => source.changes.clone(),
+                Some(alignment) => alignment.aligned_direction(assembler, &built, &source.changes),
+            })
+            .collect();
+        let plan = plan(problem);
+        let borrowed: Vec<&[_]> = directions.iter().map(|d| &d[..]).collect();
+        let found = built_curves(assembler, &built, &plan, &borrowed)?;
+        let (count, cells) = (sources.len(), problem.cells());
+        let mut gradient = vec![f64::NAN; cells * count];
+        for output in 0..problem.characteristics.len() {
+            let factor = found.curves.columns[output].factor();
+            for station in 0..problem.stations.count() {
+                let cell = problem.cell(output, station);
+                for source in 0..count {
+                    gradient[cell * count + source] =
+                        found.derivative(source, station, output) / factor;
+                }
+            }
+        }
+        let sum = |cell: usize, of: &dyn Fn(f64, &crate::study::Law) -> f64| -> f64 {
+            let row = &gradient[cell * count..(cell + 1) * count];
+            row.iter()
+                .zip(&sources)
+                .map(|(g, source)| of(*g, &source.law))
+                .sum()
+        };
+        let variance = (0..cells).map(|cell| sum(cell, &|g, law| g * g * law.variance()));
+        let shift = (0..cells).map(|cell| sum(cell, &|g, law| g * law.mean()));
+        let (variance, shift) = (variance.collect(), shift.collect());
+        Ok(Expansion {
+            second: second(problem, &built),
+            gradient,
+            variance,
+            shift,
+            sources: count,
+        })
+    }
+
+    /// How fast a value changes with each source.
+    pub fn gradient(&self, cell: usize) -> &[f64] {
+        &self.gradient[cell * self.sources..(cell + 1) * self.sources]
+    }
+
+    /// The second-order term as a part of the first-order variance; NaN where it is not known.
+    pub fn bend(&self, cell: usize) -> f64 {
+        let [mean, variance] = self.second[cell];
+        (mean * mean).max(variance) / self.variance[cell]
+    }
+
+    /// Whether the linear answer holds; `None` where that is not known.
+    pub fn holds(&self, cell: usize) -> Option<bool> {
+        let bend = self.bend(cell);
+        (!bend.is_nan()).then_some(bend < HOLDS)
+    }
+
+    /// The first-order variance a contributor is responsible for, by its number among those of the study.
+    pub fn part(&self, problem: &Problem, cell: usize, contributor: usize) -> f64 {
+        let mut gradient = self.gradient(cell).iter();
+        let mut part = 0.0;
+        for (number, c) in problem.tolerance.scatter.iter().enumerate() {
+            for (source, g) in c.sources.iter().zip(gradient.by_ref()) {
+                if number == contributor {
+                    part += g * g * source.law.variance();
+                }
+            }
+        }
+        part
+    }
+}
+
+/// The plan of everything that is looked at, where it is looked at.
+fn plan(problem: &Problem) -> Plan {
+    let mut study = problem.study.clone();
+    study.suspension = problem.assembler.suspension().clone();
+    study.formulation = Formulation::KnucklePose;
+    study.accuracy = None;
+    study.outputs.characteristics = problem.characteristics.clone();
+    study.outputs.points.clear();
+    study.outputs.knuckle = false;
+    study.outputs.order = Order::Position;
+    study.outputs.certify = false;
+    study.outputs.loads.clear();
+    study.motion.drive = Drive::Travel;
+    study.motion.time = None;
+    let mut plan = Plan::of(&study);
+    plan.station_order = StationOrder::through(problem.stations.values());
+    // The stations have the rack in the kernel's axes.
+    plan.racks = problem
+        .stations
+        .racks
+        .iter()
+        .map(|r| r * plan.rack_sign)
+        .collect();
+    plan
+}
+
+/// By cell, what second order adds to the mean and to the variance.
+fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
+    let unknown = vec![[f64::NAN; 2]; problem.cells()];
+    let count = problem.tolerance.sources();
+    let mechanism = &problem.assembler.suspension().mechanism;
+    let readable: Vec<bool> = problem
+        .characteristics
+        .iter()
+        .map(|c| {
+            let by_screw = mechanism.steering_axis == Some(SteeringAxis::Instantaneous)
+                && c.info().reads_steering_axis();
+            !c.info().reads_rates() && !by_screw
+        })
+        .collect();
+    if count > MOST_SOURCES || !readable.contains(&true) {
+        return unknown;
+    }
+    let Some(poses) = Poses::of(problem, &readable) else {
+        return unknown;
+    };
+    let laws: Vec<_> = problem
+        .tolerance
+        .scatter
+        .iter()
+        .flat_map(|c| c.sources.iter().map(|s| s.law))
+        .collect();
+    let pairs: Vec<(usize, usize)> = (0..count)
+        .flat_map(|j| (j..count).map(move |k| (j, k)))
+        .collect();
+    // y'' along d_j + d_k, scaled by the standard deviations.
+    let bends: Vec<Vec<f64>> = pairs
+        .par_iter()
+        .map(|(j, k)| poses.bends(problem, built, &[*j, *k], &laws))
+        .collect();
+    let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;
+    let mut second = unknown;
+    for (cell, entry) in second.iter_mut().enumerate() {
+        if !readable[cell / problem.stations.count()] {
+            continue;
+        }
+        let own = |j: usize| bends[place(j, j)][cell];
+        let (mut mean, mut variance) = (0.0, 0.0);
+        for j in 0..count {
+            let hjj = own(j);
+            mean += 0.5 * hjj;
+            variance += 0.25 * hjj * hjj * (laws[j].kurtosis() - 1.0);
+            for k in j + 1..count {
+                let hjk = 0.5 * (bends[place(j, k)][cell] - hjj - own(k));
+                variance += hjk * hjk;
+            }
+        }
+        *entry = [mean, variance];
+    }
+    second
+}
+
+/// The poses of the drawn design, each with the factors of its Jacobian.
+struct Poses<'p> {
+    readable: &'p [bool],
+    slots: Slots,
+    constants: Constants,
+    /// By station.
+    poses: Vec<Option<(crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>)>>,
+}
+
+impl<'p> Poses<'p> {
+    fn of(problem: &Problem, readable: &'p [bool]) -> Option<Self> {
+        let suspension = problem.assembler.suspension();
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design).ok()?;
+        let stations = &problem.stations;
+        let mut poses = vec![None; stations.count()];
+        for (r, rack) in stations.racks.iter().enumerate() {
+            let walked = solver.for_each_pose(
+                stations.drive,
+                &stations.station_order,
+                *rack,
+                |solver, value, pose| {
+                    let point = MotionPoint {
+                        drive: stations.drive,
+                        value: stations.values()[value],
+                        rack: *rack,
+                    };
+                    poses[stations.number(r, value)] = pose.ok().and_then(|pose| {
+                        let factors = solver.factorise(pose, &point)?;
+                        Some((*pose, point, factors))
+                    });
+                    ControlFlow::Continue(())
+                },
+            );
+            walked.ok()?;
+        }
+        let characteristics = problem.characteristics.iter().zip(readable);
+        let slots = characteristics
+            .filter(|(_, readable)| **readable)
+            .fold(Slots::default(), |slots, (c, _)| slots.with(c.info().reads));
+        Some(Poses {
+            readable,
+            slots,
+            constants: Constants::of(suspension),
+            poses,
+        })
+    }
+
+    /// By cell, the second derivative along the sum of two sources' directions, or along one that is given twice, each in
+    /// its standard deviation.
+    fn bends(
+        &self,
+        problem: &Problem,
+        built: &crate::build::Built,
+        pair: &[usize; 2],
+        laws: &[crate::study::Law],
+    ) -> Vec<f64> {
+        let assembler = &problem.assembler;
+        let mechanism = &assembler.suspension().mechanism;
+        let sources: Vec<_> = problem
+            .tolerance
+            .scatter
+            .iter()
+            .flat_map(|c| &c.sources)
+            .collect();
+        let along = match pair[0] == pair[1] {
+            true => &pair[..1],
+            false => &pair[..],
+        };
+        let mut parts = assembler.drawn().map(Jet::<f64, 3>::constant);
+        for source in along {
+            let sigma = laws[*source].variance().sqrt();
+            for (parameter, share) in &sources[*source].changes {
+                parts.change(mechanism, *parameter, Jet([0.0, share * sigma, 0.0]));
+            }
+        }
+        let design: Vec<Vector3<Jet<f64, 3>>> = match &problem.alignment {
+            None => assembler.design_of(built, &parts, 2),
+            Some(alignment) => alignment.design(assembler, built, &mut parts, 2),
+        };
+        let closure = Closure::new(mechanism, &design);
+        let mut bends = vec![f64::NAN; problem.cells()];
+        for (station, place) in self.poses.iter().enumerate() {
+            let Some((pose, point, factors)) = place else {
+                continue;
+            };
+            let driver = Driver::Travel(Jet::constant(point.value));
+            let rack = Jet::constant(point.rack);
+            let pose = crate::derive::pose_series(
+                mechanism, &design, &closure, factors, pose, driver, rack,
+            );
+            let at = Configuration {
+                mechanism,
+                design: &design,
+                pose,
+                rack,
+                steering: None,
+            };
+            let reading = WheelReading::reading(&at, self.constants, self.slots);
+            for (output, c) in problem.characteristics.iter().enumerate() {
+                if self.readable[output] {
+                    bends[problem.cell(output, station)] = reading.characteristic(*c).derivative(2);
+                }
+            }
+        }
+        bends
+    }
+}

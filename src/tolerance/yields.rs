@@ -1,0 +1,189 @@
+//! Yield, and which tolerances it is worth spending money on.
+//!
+//! What a tighter tolerance is worth is found with the first-order answer over a fixed sample of draws: each contributor's
+//! part of each banded value is kept apart, so that halving or doubling it costs an addition. Predicted yields are
+//! the Monte Carlo's, moved by what the linear ones move.
+
+use super::{Expansion, MonteCarlo, Problem};
+
+/// Draws of the sample.
+const SAMPLE: u64 = 20_000;
+/// A tolerance may be looser where doubling it costs less than this of the yield.
+const LITTLE: f64 = 0.001;
+/// Where hardly a build keeps to the bands, or the contributor is more than this of a variance, nothing is called loose.
+const SMALL: f64 = 0.05;
+
+/// The yield of a band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandYield {
+    /// Of the builds.
+    pub monte_carlo: f64,
+    /// By the first-order answer, over a sample of draws.
+    pub linear: f64,
+}
+
+/// Yields, and what each contributor is worth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Yields {
+    /// Of each band.
+    pub bands: Vec<BandYield>,
+    /// Of all bands together.
+    pub all: BandYield,
+    /// Contributors, the one first whose halving gains most.
+    pub ranking: Vec<Ranking>,
+}
+
+/// What a contributor is worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranking {
+    /// Its number among those of the study.
+    pub contributor: usize,
+    /// Its largest share of the variance of a banded value.
+    pub share: f64,
+    /// The yield if its tolerance were half.
+    pub halved: f64,
+    /// The yield if it were double.
+    pub doubled: f64,
+    /// Whether it may be looser: doubling it costs next to nothing.
+    pub may_be_looser: bool,
+}
+
+/// The yield of all bands if the tolerance of several contributors is multiplied by factors.
+struct Sample {
+    /// `[draw][row][contributor]`: the contributor's part of the row's value.
+    parts: Vec<f64>,
+    /// Drawn values by row.
+    drawn: Vec<f64>,
+    /// Band of each row and its ends.
+    rows: Vec<(usize, [f64; 2])>,
+    contributors: usize,
+    bands: usize,
+}
+
+impl Sample {
+    fn of(problem: &Problem, expansion: &Expansion, drawn: &[f64]) -> Self {
+        let tolerance = problem.tolerance;
+        let mut rows = Vec::new();
+        let mut cells = Vec::new();
+        for (number, band) in tolerance.bands.iter().enumerate() {
+            let output = problem.output(band.characteristic);
+            for station in problem.stations_of(band) {
+                cells.push(problem.cell(output, station));
+                rows.push((number, band.between));
+            }
+        }
+        let contributors = tolerance.scatter.len();
+        let draws = tolerance.builds.min(SAMPLE);
+        let mut parts = vec![0.0; draws as usize * rows.len() * contributors];
+        let mut z = vec![0.0; tolerance.sources()];
+        let mut place = 0;
+        for draw in 0..draws {
+            tolerance.draw(draw, &mut z);
+            for cell in &cells {
+                let mut terms = expansion.gradient(*cell).iter().zip(&z);
+                for contributor in &tolerance.scatter {
+                    let own = terms.by_ref().take(contributor.sources.len());
+                    parts[place] = own.map(|(g, z)| g * z).sum();
+                    place += 1;
+                }
+            }
+        }
+        Sample {
+            parts,
+            drawn: cells.iter().map(|cell| drawn[*cell]).collect(),
+            rows,
+            contributors,
+            bands: tolerance.bands.len(),
+        }
+    }
+
+    /// The share of draws in each band and in all of them, with the tolerance of one contributor multiplied.
+    fn yields(&self, changed: Option<(usize, f64)>) -> (Vec<f64>, f64) {
+        let mut in_bands = vec![0_u64; self.bands];
+        let (mut in_all, mut draws) = (0_u64, 0_u64);
+        let mut is_in = vec![true; self.bands];
+        for draw in self.parts.chunks(self.rows.len() * self.contributors) {
+            is_in.fill(true);
+            let rows = draw
+                .chunks(self.contributors)
+                .zip(&self.rows)
+                .zip(&self.drawn);
+            for ((parts, (band, [low, high])), drawn) in rows {
+                let mut value = drawn + parts.iter().sum::<f64>();
+                if let Some((contributor, factor)) = changed {
+                    value += (factor - 1.0) * parts[contributor];
+                }
+                is_in[*band] &= value >= *low && value <= *high;
+            }
+            for (count, is_in) in in_bands.iter_mut().zip(&is_in) {
+                *count += u64::from(*is_in);
+            }
+            in_all += u64::from(is_in.iter().all(|is_in| *is_in));
+            draws += 1;
+        }
+        let share = |count: u64| count as f64 / draws as f64;
+        (in_bands.into_iter().map(share).collect(), share(in_all))
+    }
+}
+
+/// Yields and ranking; `None` where a study has no bands.
+pub fn rank(
+    problem: &Problem,
+    expansion: &Expansion,
+    builds: &MonteCarlo,
+    drawn: &[f64],
+) -> Option<Yields> {
+    if problem.tolerance.bands.is_empty() {
+        return None;
+    }
+    let sample = Sample::of(problem, expansion, drawn);
+    let (linear, all) = sample.yields(None);
+    let total = builds.yield_of_all();
+    let predicted = |contributor: usize, factor: f64| {
+        let moved = sample.yields(Some((contributor, factor))).1 - all;
+        (total + moved).clamp(0.0, 1.0)
+    };
+    let mut ranking: Vec<Ranking> = (0..problem.tolerance.scatter.len())
+        .map(|contributor| {
+            let cells = problem.tolerance.bands.iter().flat_map(|band| {
+                let output = problem.output(band.characteristic);
+                let stations = problem.stations_of(band).into_iter();
+                stations.map(move |station| problem.cell(output, station))
+            });
+            let share =
+                |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
+            let doubled = predicted(contributor, 2.0);
+            let share = cells
+                .map(share)
+                .filter(|s| s.is_finite())
+                .fold(0.0, f64::max);
+            Ranking {
+                contributor,
+                share,
+                halved: predicted(contributor, 0.5),
+                doubled,
+                may_be_looser: total > SMALL && share < SMALL && total - doubled < LITTLE,
+            }
+        })
+        .collect();
+    // What gains as much is told apart by what it costs to let go, then by its share.
+    ranking.sort_by(|a, b| {
+        let gain = b.halved.total_cmp(&a.halved);
+        gain.then(a.doubled.total_cmp(&b.doubled))
+            .then(b.share.total_cmp(&a.share))
+    });
+    let bands = builds.in_bands.iter().zip(linear);
+    Some(Yields {
+        bands: bands
+            .map(|(kept, linear)| BandYield {
+                monte_carlo: *kept as f64 / builds.builds as f64,
+                linear,
+            })
+            .collect(),
+        all: BandYield {
+            monte_carlo: total,
+            linear: all,
+        },
+        ranking,
+    })
+}

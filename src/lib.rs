@@ -67,6 +67,7 @@ pub mod characteristics;
 pub mod cli;
 pub mod curves;
 pub mod derive;
+mod function;
 mod linear;
 pub mod mechanism;
 pub mod model;
@@ -80,5 +81,7 @@ pub mod study;
 pub mod sweep;
 pub mod tolerance;
 
+pub use function::{DesignFunction, DesignStatus, Evaluation, FunctionError};
 pub use mechanism::{BuildError, SuspensionBuilder};
 pub use model::{FrameConvention, LengthUnit, Side, Suspension, Topology, Vehicle};
+pub use nalgebra;

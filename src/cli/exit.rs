@@ -3,7 +3,6 @@
 use crate::results::WriteError;
 use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
-use std::process::ExitCode;
 
 /// The documented exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,12 +13,6 @@ pub(super) enum Exit {
     Incomplete = 1,
     /// The input or the call is wrong; nothing was written.
     WrongInput = 2,
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        ExitCode::from(exit as u8)
-    }
 }
 
 /// What stops a command before its end.

@@ -241,19 +241,26 @@ impl From<TableFormat> for crate::report::Format {
 
 /// Runs the command line and says how it ended.
 pub fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// As [`run`] with these arguments, the first of them the program's name; the exit code.
+pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    let exit = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => carried_out(arguments),
         Err(error) => {
             // Help and version are errors to clap, too.
             terminal::print_usage(&error);
-            return if error.use_stderr() {
-                Exit::WrongInput
-            } else {
-                Exit::Done
+            match error.use_stderr() {
+                true => Exit::WrongInput,
+                false => Exit::Done,
             }
-            .into();
         }
     };
+    exit as u8
+}
+
+fn carried_out(arguments: Arguments) -> Exit {
     if arguments.quiet {
         terminal::be_quiet();
     }
@@ -272,15 +279,15 @@ pub fn run() -> ExitCode {
         Command::Report(arguments) => report::run(&arguments),
     };
     match ended {
-        Ok(exit) => exit.into(),
-        Err(Stop::ClosedPipe) => Exit::Done.into(),
+        Ok(exit) => exit,
+        Err(Stop::ClosedPipe) => Exit::Done,
         Err(Stop::WrongStudy(errors)) => {
             terminal::eprint_study_errors(&errors);
-            Exit::WrongInput.into()
+            Exit::WrongInput
         }
         Err(Stop::Failed { message, exit }) => {
             terminal::eprint(&format!("{}\n", message.trim_end()));
-            exit.into()
+            exit
         }
     }
 }

@@ -34,6 +34,12 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory)
     }
 
+    /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
+    pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
+        let text = overrides::apply(name, &self.text, overrides)?;
+        Study::from_text(name, &text, Path::new(""))
+    }
+
     /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
     /// names are.
     pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Study, StudyErrors> {

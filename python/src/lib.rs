@@ -1,0 +1,37 @@
+//! The Python module: thin, over the library's front door. No second logic lives here.
+//!
+//! Arrays are float64 in C order, units those of the column names, axes the study's. NaN is "no value". What is
+//! wrong with a study is a `StudyError`; everything else that cannot be done is a `HardpointError`. The global
+//! interpreter lock is released while numbers are computed, and Ctrl-C is heard between pieces.
+
+mod errors;
+mod function;
+mod study;
+mod sweep;
+mod threads;
+mod tuning;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let python = module.py();
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("StudyError", python.get_type::<errors::StudyError>())?;
+    module.add(
+        "HardpointError",
+        python.get_type::<errors::HardpointError>(),
+    )?;
+    module.add_class::<study::Study>()?;
+    module.add_class::<function::Function>()?;
+    module.add_class::<tuning::Residuals>()?;
+    module.add_function(wrap_pyfunction!(study::topologies, module)?)?;
+    module.add_function(wrap_pyfunction!(study::template, module)?)?;
+    module.add_function(wrap_pyfunction!(study::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(study::limits, module)?)?;
+    module.add_function(wrap_pyfunction!(study::check, module)?)?;
+    module.add_function(wrap_pyfunction!(study::command, module)?)?;
+    module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,271 @@
+//! Studies, and what is asked of one design.
+
+use crate::errors::{failure, study_error};
+use hardpoint::Topology;
+use hardpoint::analyse::{Range, RangeEnd};
+use hardpoint::curves::curves;
+use hardpoint::model::Axis;
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::solve::Solver;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+
+/// A study: frozen, pickled as its text.
+#[pyclass(frozen, module = "hardpoint._hardpoint")]
+pub(crate) struct Study {
+    pub(crate) study: hardpoint::study::Study,
+}
+
+fn read(name: &str, text: &str, directory: &Path) -> PyResult<Study> {
+    let study = hardpoint::study::Study::from_text(name, text, directory);
+    study
+        .map(|study| Study { study })
+        .map_err(|e| study_error(&e))
+}
+
+#[pymethods]
+impl Study {
+    /// From a file.
+    #[staticmethod]
+    #[pyo3(signature = (path, overrides=Vec::new()))]
+    fn load(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        let study = hardpoint::study::Study::read(&path, &overrides);
+        study
+            .map(|study| Study { study })
+            .map_err(|e| study_error(&e))
+    }
+
+    /// From its text; `directory` is where the files it names are.
+    #[staticmethod]
+    #[pyo3(signature = (text, name="study.toml", directory=None))]
+    fn loads(text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
+        read(name, text, &directory.unwrap_or_default())
+    }
+
+    /// The text, target curves from files written out.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.study.text
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.study.name
+    }
+
+    #[getter]
+    fn topology(&self) -> &str {
+        self.study.suspension.mechanism.topology.name
+    }
+
+    #[getter]
+    fn length_unit(&self) -> &str {
+        self.study.suspension.length_unit.symbol()
+    }
+
+    /// Names of the points.
+    #[getter]
+    fn points(&self) -> Vec<String> {
+        let points = self.study.suspension.mechanism.points.iter();
+        points.map(|p| p.name.clone()).collect()
+    }
+
+    /// Their design positions, (points, 3), in the study's axes.
+    #[getter]
+    fn design<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let suspension = &self.study.suspension;
+        let points = suspension.design.iter();
+        // No negative zeros from axes that point the other way.
+        let rows: Vec<f64> = points
+            .flat_map(|p| suspension.frame.vector(*p).to_array().map(|c| c + 0.0))
+            .collect();
+        rows.into_pyarray(py).reshape([suspension.design.len(), 3])
+    }
+
+    /// The study with other design positions.
+    fn with_design(&self, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let suspension = &self.study.suspension;
+        let expected = [suspension.design.len(), 3];
+        let array = design.as_array();
+        if array.shape() != expected {
+            return Err(failure(format!(
+                "design has shape {:?}; expected ({}, 3), a row for each of points",
+                array.shape(),
+                expected[0]
+            )));
+        }
+        if let Some(bad) = array.iter().find(|c| !c.is_finite()) {
+            return Err(failure(format!(
+                "design has {bad}; expected finite coordinates"
+            )));
+        }
+        let rows = array.rows().into_iter();
+        let moved: Vec<Vector3<f64>> = rows
+            .map(|p| suspension.frame.vector(Vector3::new(p[0], p[1], p[2])))
+            .collect();
+        read(
+            &self.file_name(),
+            &self.study.with_design(&moved),
+            Path::new(""),
+        )
+    }
+
+    /// The study with fields overridden, each as in `motion.rack=5.0`.
+    fn with_overrides(&self, overrides: Vec<String>) -> PyResult<Self> {
+        let file = self.file_name();
+        let study = self.study.with_overrides(&file, &overrides);
+        study
+            .map(|study| Study { study })
+            .map_err(|e| study_error(&e))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<hardpoint.Study {:?}: {}>",
+            self.study.name,
+            self.topology()
+        )
+    }
+
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, String))> {
+        let loads = py.get_type::<Study>().getattr("loads")?.unbind();
+        Ok((loads, (self.study.text.clone(), self.file_name())))
+    }
+}
+
+impl Study {
+    fn file_name(&self) -> String {
+        format!("{}.toml", self.study.name)
+    }
+
+    /// A fault of the study's own design.
+    pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
+        failure(fault.describe(&self.study.suspension.mechanism))
+    }
+}
+
+/// Names of the topologies.
+#[pyfunction]
+pub(crate) fn topologies() -> Vec<&'static str> {
+    Topology::ALL.iter().map(|t| t.name).collect()
+}
+
+/// A commented study that runs as it is.
+#[pyfunction]
+pub(crate) fn template(topology: &str) -> PyResult<&'static str> {
+    let known = Topology::named(topology);
+    let known = known.ok_or_else(|| failure(format!("there is no topology {topology:?}")))?;
+    Ok(known.template)
+}
+
+/// The curves: columns, stations, statuses and, where the study asks for them, sensitivities.
+#[pyfunction]
+pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
+    let own = &study.study;
+    let plan = Plan::of(own);
+    let found = py.detach(|| curves(&own.suspension, &plan));
+    let found = found.map_err(|fault| study.fault(&fault))?;
+    let stations = &found.stations;
+    let column = |values: &mut dyn Iterator<Item = Option<f64>>| -> Bound<'py, PyArray1<f64>> {
+        let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
+        values.into_pyarray(py)
+    };
+    let columns = PyDict::new(py);
+    let info = PyDict::new(py);
+    for (k, c) in found.columns.iter().enumerate() {
+        columns.set_item(&c.name, column(&mut stations.iter().map(|s| s.values[k])))?;
+        info.set_item(&c.name, (&c.output, &c.unit, c.positive))?;
+    }
+    let result = PyDict::new(py);
+    result.set_item("columns", columns)?;
+    result.set_item("info", info)?;
+    let drive = |s: &hardpoint::curves::Station| match own.motion.drive {
+        hardpoint::study::Drive::Travel => s.travel,
+        _ => s.angle,
+    };
+    result.set_item("drive", column(&mut stations.iter().map(drive)))?;
+    result.set_item("travel", column(&mut stations.iter().map(|s| s.travel)))?;
+    result.set_item("rack", column(&mut stations.iter().map(|s| Some(s.rack))))?;
+    result.set_item("time", column(&mut stations.iter().map(|s| s.time)))?;
+    let words: Vec<&str> = stations.iter().map(|s| s.status.word()).collect();
+    result.set_item("status", words)?;
+    if plan.sensitivities.is_empty() {
+        result.set_item("sensitivities", py.None())?;
+    } else {
+        let points = &plan.sensitivities;
+        let shape = [stations.len(), found.columns.len(), points.len(), 3];
+        let array = PyArray4::<f64>::zeros(py, shape, false);
+        {
+            let mut write = array.readwrite();
+            let mut view = write.as_array_mut();
+            view.fill(f64::NAN);
+            for s in &found.sensitivities {
+                if let Some(p) = points.iter().position(|p| *p == s.point) {
+                    view[[s.station, s.column, p, s.axis as usize]] = s.value;
+                }
+            }
+        }
+        let names = points.iter().map(|p| own.suspension.mechanism.name(*p));
+        result.set_item("sensitivities", array)?;
+        result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
+    }
+    Ok(result)
+}
+
+/// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
+#[pyfunction]
+pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
+    let suspension = &study.study.suspension;
+    let found = py.detach(|| {
+        Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
+    });
+    let found = found.map_err(|fault| study.fault(&fault))?;
+    let end = |end: &RangeEnd, factor: f64, sign: f64| {
+        let cause = match end {
+            RangeEnd::Fold(limit) => limit.cause.to_string(),
+            RangeEnd::FullTurn => "turns right round".to_owned(),
+            RangeEnd::Unresolved(_) => "the path could not be followed any further".to_owned(),
+        };
+        let value = match end {
+            RangeEnd::FullTurn => sign * std::f64::consts::PI,
+            end => end.value(),
+        };
+        (value * factor, cause)
+    };
+    let range = |range: &Range, factor: f64| {
+        let ends = [
+            end(&range.lower, factor, -1.0),
+            end(&range.upper, factor, 1.0),
+        ];
+        match factor < 0.0 {
+            true => [ends[1].clone(), ends[0].clone()],
+            false => ends,
+        }
+    };
+    let result = PyDict::new(py);
+    result.set_item("travel", range(&found.travel, 1.0))?;
+    let rack_sign = suspension.frame.sign(Axis::Y);
+    let rack = found.rack.as_ref().map(|r| range(r, rack_sign));
+    result.set_item("rack", rack)?;
+    let degrees = 1.0_f64.to_degrees();
+    let angle = found.arm_angle.as_ref().map(|r| range(r, degrees));
+    result.set_item("arm_angle_deg", angle)?;
+    Ok(result)
+}
+
+/// Solves the design position and says what is doubtful about it, in words.
+#[pyfunction]
+pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<Vec<String>> {
+    let suspension = &study.study.suspension;
+    let doubts = py.detach(|| hardpoint::report::doubts(suspension));
+    doubts.map_err(|fault| study.fault(&fault))
+}
+
+/// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code.
+#[pyfunction]
+pub(crate) fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {
+    py.detach(|| hardpoint::cli::run_with(["hardpoint".to_owned()].into_iter().chain(arguments)))
+}

@@ -1,0 +1,150 @@
+//! Tuning.
+
+use crate::errors::failure;
+use crate::study::Study;
+use crate::threads::on_threads;
+use hardpoint::optimise::{
+    Control, Evaluation, LeastSquares, Objective, TargetLayout, tune,
+};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Tunes a study towards its targets.
+#[pyfunction]
+#[pyo3(signature = (study, threads=None))]
+pub(crate) fn optimise<'py>(
+    py: Python<'py>,
+    study: &Study,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let own = &study.study;
+    let Some(optimise) = &own.optimise else {
+        return Err(failure(
+            "the study has no [optimise], which says what may move and what is wanted",
+        ));
+    };
+    let tuning = py.detach(|| {
+        on_threads(threads, || {
+            tune(&own.suspension, &own.motion, optimise, Control::default())
+        })
+    })?;
+    py.check_signals()?;
+    let tuning = tuning.map_err(|fault| study.fault(&fault))?;
+    let result = PyDict::new(py);
+    result.set_item("before", tuning.before.as_ref().map(|b| b.misfit).ok())?;
+    let names: Vec<&str> = optimise.variables.iter().map(|v| v.name.as_str()).collect();
+    result.set_item("variables", names)?;
+    match &tuning.best {
+        None => {
+            result.set_item("x", py.None())?;
+            result.set_item("misfit", f64::NAN)?;
+            result.set_item("text", py.None())?;
+        }
+        Some(best) => {
+            result.set_item("x", best.offsets.clone().into_pyarray(py))?;
+            result.set_item("misfit", best.after.misfit)?;
+            let targets = best.after.targets.iter();
+            let targets: Vec<(f64, f64, f64)> =
+                targets.map(|t| (t.rms, t.worst, t.worst_at)).collect();
+            result.set_item("targets", targets)?;
+            result.set_item("text", own.with_design(&best.design))?;
+        }
+    }
+    Ok(result)
+}
+
+/// The targets of a study as least squares.
+#[pyclass(frozen, module = "hardpoint._hardpoint")]
+pub(crate) struct Residuals {
+    study: hardpoint::study::Study,
+    layout: TargetLayout,
+}
+
+#[pymethods]
+impl Residuals {
+    #[new]
+    fn new(study: &Study) -> PyResult<Self> {
+        let own = &study.study;
+        let Some(optimise) = &own.optimise else {
+            return Err(failure(
+                "the study has no [optimise], which says what may move and what is wanted",
+            ));
+        };
+        let layout = TargetLayout::of(optimise, &own.motion, &own.suspension.frame);
+        Ok(Residuals {
+            study: own.clone(),
+            layout,
+        })
+    }
+
+    #[getter]
+    fn variables(&self) -> Vec<String> {
+        let variables = self.study.optimise.iter().flat_map(|o| &o.variables);
+        variables.map(|v| v.name.clone()).collect()
+    }
+
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let variables = self.study.optimise.iter().flat_map(|o| &o.variables);
+        let flat: Vec<f64> = variables.flat_map(|v| v.range).collect();
+        let count = flat.len() / 2;
+        flat.into_pyarray(py).reshape([count, 2])
+    }
+
+    fn value_and_jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let variables = self
+            .study
+            .optimise
+            .as_ref()
+            .map_or(&[][..], |o| &o.variables);
+        let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
+        if x.len() != variables.len() {
+            return Err(failure(format!(
+                "x has shape ({},); expected ({},), a value for each of names",
+                x.len(),
+                variables.len()
+            )));
+        }
+        if let Some(bad) = x.iter().find(|v| !v.is_finite()) {
+            return Err(failure(format!("x has {bad}; expected finite offsets")));
+        }
+        let evaluation = py.detach(|| match self.layout.rate_order() {
+            0 => self.evaluated::<1>(x, variables),
+            _ => self.evaluated::<2>(x, variables),
+        })?;
+        let (rows, columns) = evaluation.jacobian.shape();
+        // nalgebra lies column by column.
+        let jacobian: Vec<f64> = (0..rows)
+            .flat_map(|r| (0..columns).map(move |c| (r, c)))
+            .map(|at| evaluation.jacobian[at])
+            .collect();
+        let values: Vec<f64> = evaluation.residuals.iter().copied().collect();
+        Ok((
+            values.into_pyarray(py),
+            jacobian.into_pyarray(py).reshape([rows, columns])?,
+        ))
+    }
+}
+
+impl Residuals {
+    fn evaluated<const N: usize>(
+        &self,
+        x: &[f64],
+        variables: &[hardpoint::study::Variable],
+    ) -> PyResult<Evaluation> {
+        let suspension = &self.study.suspension;
+        let objective = Objective::<N>::new(suspension, variables, &self.layout);
+        let mut objective = objective.map_err(|e| failure(e.describe(&suspension.mechanism)))?;
+        let mut evaluation = Evaluation::new(objective.residuals(), objective.variables());
+        let x = hardpoint::nalgebra::DVector::from_column_slice(x);
+        match objective.evaluate(&x, &mut evaluation) {
+            Ok(()) => Ok(evaluation),
+            Err(infeasible) => Err(failure(infeasible.to_string())),
+        }
+    }
+}

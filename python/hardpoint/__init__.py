@@ -372,4 +372,4 @@ def _main() -> None:
     """The program `hardpoint`, installed with the module."""
     import sys
 
-    sys.exit(run(sys.argv[1:]))
+    sys.exit(_hardpoint.command(sys.argv[1:], is_program=True))

@@ -33,5 +33,6 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::command, module)?)?;
     module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_parts, module)?)?;
     Ok(())
 }

@@ -264,8 +264,14 @@ pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<Vec<String>> {
     doubts.map_err(|fault| study.fault(&fault))
 }
 
-/// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code.
+/// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code. As the program
+/// itself it handles signals, else they are left to Python.
 #[pyfunction]
-pub(crate) fn command(py: Python<'_>, arguments: Vec<String>) -> u8 {
-    py.detach(|| hardpoint::cli::run_with(["hardpoint".to_owned()].into_iter().chain(arguments)))
+#[pyo3(signature = (arguments, is_program=false))]
+pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) -> u8 {
+    let arguments = ["hardpoint".to_owned()].into_iter().chain(arguments);
+    py.detach(|| match is_program {
+        true => hardpoint::cli::run_with(arguments),
+        false => hardpoint::cli::run_embedded(arguments),
+    })
 }

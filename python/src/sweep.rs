@@ -35,7 +35,7 @@ pub(crate) fn sweep<'py>(
             "the study has no [sweep], which says which designs there are",
         ));
     };
-    let plan = SweepPlan::of(own, sweep, None).map_err(|e| not_begun(study, e))?;
+    let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
     let record = &plan.record;
     let names: Vec<String> = record
         .variables
@@ -48,9 +48,9 @@ pub(crate) fn sweep<'py>(
     let mut failed: Vec<i64> = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
     let blocks = record.blocks();
-    let mut first = blocks.start;
-    while first < blocks.end {
-        let end = blocks.end.min(first + PIECE);
+    let mut first = 0;
+    while first < blocks {
+        let end = blocks.min(first + PIECE);
         let done = py.detach(|| {
             on_threads(threads, || {
                 in_order(
@@ -94,4 +94,17 @@ pub(crate) fn sweep<'py>(
     result.set_item("failed", failed.into_pyarray(py))?;
     result.set_item("reasons", reasons)?;
     Ok(result)
+}
+
+/// The number of parts of a study's sweep, each 131,072 designs or a little fewer.
+#[pyfunction]
+pub(crate) fn sweep_parts(study: &Study) -> PyResult<u64> {
+    let own = &study.study;
+    let Some(sweep) = &own.sweep else {
+        return Err(failure(
+            "the study has no [sweep], which says which designs there are",
+        ));
+    };
+    let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
+    Ok(plan.record.parts())
 }

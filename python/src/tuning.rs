@@ -3,9 +3,7 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
-use hardpoint::optimise::{
-    Control, Evaluation, LeastSquares, Objective, TargetLayout, tune,
-};
+use hardpoint::optimise::{Control, Evaluation, LeastSquares, Objective, TargetLayout, tune};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

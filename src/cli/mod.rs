@@ -244,6 +244,15 @@ pub fn run() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }
 
+/// As [`run`] with these arguments, the first of them the program's name, inside a process that handles its own
+/// signals; the exit code.
+pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
+    arguments: impl IntoIterator<Item = A>,
+) -> u8 {
+    progress::leave_signals_alone();
+    run_with(arguments)
+}
+
 /// As [`run`] with these arguments, the first of them the program's name; the exit code.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     let exit = match Arguments::try_parse_from(arguments) {
@@ -261,9 +270,7 @@ pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterato
 }
 
 fn carried_out(arguments: Arguments) -> Exit {
-    if arguments.quiet {
-        terminal::be_quiet();
-    }
+    terminal::be_quiet(arguments.quiet);
     let ended = match arguments.command {
         Command::New { topology } => new::run(&topology),
         Command::Check(arguments) => check::run(&arguments),

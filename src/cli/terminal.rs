@@ -13,9 +13,9 @@ const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Nothing but errors and asked-for data from now on.
-pub(super) fn be_quiet() {
-    QUIET.store(true, Ordering::Relaxed);
+/// Whether nothing but errors and asked-for data is said from now on.
+pub(super) fn be_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
 }
 
 pub(super) fn is_quiet() -> bool {

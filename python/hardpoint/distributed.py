@@ -1,0 +1,86 @@
+"""Sweeps on many workers: any executor with `submit()` does, of Dask (`client.get_executor()`), of dask-jobqueue, of
+`concurrent.futures` or of an adapter of three lines.
+
+The directory is the result. It consists of parts of 131,072 designs, each written under another name and renamed when
+it is whole, with its statistics; nothing goes through the driver. Whoever does a part, its bytes are the same. A killed
+worker, node or driver loses the part under way: run the same call again, and what is whole is passed over.
+
+>>> from dask.distributed import Client                                   # doctest: +SKIP
+>>> import hardpoint as hp
+>>> from hardpoint import distributed
+>>> study = hp.load("study.toml", {"sweep.samples": 100_000_000})         # doctest: +SKIP
+>>> distributed.sweep(study, "run", Client().get_executor)                # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
+from pathlib import Path
+
+from . import HardpointError, Study, _hardpoint
+
+__all__ = ["parts", "sweep", "sweep_part"]
+
+_log = logging.getLogger(__name__)
+
+
+def parts(study: Study) -> int:
+    """The number of parts of the study's sweep: a constant of the sweep, never of the cluster."""
+    return _hardpoint.sweep_parts(study._study)
+
+
+def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:
+    """Does a part (from 0) of so many into the directory `out`, on the calling thread; its number. One that is whole is
+    passed over, one that another process is at is waited for."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{name}.toml"
+        path.write_text(text, encoding="utf-8")
+        arguments = ["--quiet", "sweep", str(path), "--out", out, "--shard", f"{part + 1}/{of}", "--threads", "1"]
+        code = _hardpoint.command(arguments)
+    if code != 0:
+        raise HardpointError(f"part {part} of {of} ended with exit code {code}; standard error of its worker says why")
+    return part
+
+
+def sweep(
+    study: Study,
+    out: str | os.PathLike[str],
+    executor: Executor | Callable[[], Executor],
+    tries: int = 4,
+) -> Path:
+    """Does the study's sweep into the directory `out`, which every worker must see under this path; the directory.
+
+    `executor` is one, or makes one: a process pool that lost a worker is of no more use, so give a function there. What
+    fails is tried again, `tries` times in all. A study that names files (`designs = "x.csv"`) needs them by absolute paths.
+    """
+    count = parts(study)
+    directory = Path(out).absolute()
+    left = set(range(count))
+    for attempt in range(tries):
+        engine = executor() if callable(executor) else executor
+        futures = []
+        try:
+            for part in sorted(left):
+                futures.append(engine.submit(sweep_part, study.text, study.name, str(directory), part, count))
+        except Exception as error:  # noqa: BLE001: an engine that has lost its workers already
+            _log.warning("the engine takes no more parts: %s", error)
+        for future in as_completed(futures):
+            try:
+                left.discard(future.result())
+            except HardpointError:
+                # It would end so everywhere: said at the last try, since a full disk may be another's.
+                if attempt + 1 == tries:
+                    raise
+            except Exception as error:  # noqa: BLE001: whatever the engine makes of a lost worker
+                _log.warning("a part is tried again: %s", error)
+        if callable(executor) and hasattr(engine, "shutdown"):
+            engine.shutdown()
+        if not left:
+            return directory
+    raise HardpointError(f"{len(left)} of {count} parts are not done after {tries} tries: {sorted(left)[:10]}")
+
+

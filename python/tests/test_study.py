@@ -1,0 +1,111 @@
+"""Studies, curves, limits: what is asked of one design."""
+
+import csv
+import os
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hardpoint as hp
+from conftest import STUDIES
+
+
+def test_curves_are_those_of_the_program_to_the_bit(tmp_path):
+    for path in sorted(STUDIES.glob("*_solve.toml")):
+        study = hp.load(path)
+        out = tmp_path / path.stem
+        code = hp.run(["--quiet", "solve", path, "--out", out])
+        curves = hp.solve(study)
+        with open(out / "curves.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert code in (0, 1)
+        assert len(rows) == len(curves.status)
+        for name in curves:
+            written = [float(row[name]) if row[name] else np.nan for row in rows]
+            np.testing.assert_array_equal(curves[name], written, err_msg=f"{path.stem} {name}")
+        assert [row["status"] for row in rows] == curves.status
+
+
+def test_a_template_of_each_topology_is_a_study():
+    for topology in hp.topologies():
+        study = hp.loads(hp.template(topology))
+        assert study.topology == topology
+        assert study.design.shape == (len(study.points), 3)
+        assert isinstance(hp.check(study), list)
+
+
+def test_a_study_is_replaced_pickled_compared(front):
+    design = front.design
+    design[0, 2] += 1.5
+    moved = front.replace(design=design)
+    np.testing.assert_array_equal(moved.design, design)
+    assert moved != front and front == hp.loads(front.text, name="macpherson_front.toml")
+    assert pickle.loads(pickle.dumps(moved)) == moved
+    assert {front: 1}[pickle.loads(pickle.dumps(front))] == 1
+    shorter = front.replace(set={"motion.travel": [-10.0, 0.0, 10.0]})
+    np.testing.assert_array_equal(hp.solve(shorter).drive, [-10.0, 0.0, 10.0])
+
+
+def test_sensitivities_are_derivatives_of_the_curves(front):
+    study = front.replace(set={"outputs.sensitivities": ["tie_rod_outer"], "motion.travel": [0.0, 20.0]})
+    curves = hp.solve(study)
+    assert curves.sensitivities.shape == (2, len(curves), 1, 3)
+    k, h = list(curves).index("toe_deg"), 1e-4
+    point = study.points.index("tie_rod_outer")
+    for axis in range(3):
+        ends = []
+        for sign in (1.0, -1.0):
+            design = study.design
+            design[point, axis] += sign * h
+            ends.append(hp.solve(study.replace(design=design))["toe_deg"])
+        difference = (ends[0] - ends[1]) / (2 * h)
+        np.testing.assert_allclose(curves.sensitivities[:, k, 0, axis], difference, atol=1e-9)
+
+
+def test_a_wrong_study_says_where():
+    with pytest.raises(hp.StudyError) as wrong:
+        hp.loads('[suspension]\ntopology = "macphersn"\n')
+    assert wrong.value.line is not None
+    assert "study.toml" in str(wrong.value)
+    with pytest.raises(hp.StudyError, match="cannot be read"):
+        hp.load("nowhere.toml")
+    with pytest.raises(hp.HardpointError, match="no topology"):
+        hp.template("macphersn")
+
+
+def test_what_cannot_be_reached_has_no_value(front):
+    curves = hp.solve(front.replace(set={"motion.travel": [0.0, 5000.0]}))
+    assert curves.status == ["ok", "unreachable"]
+    assert np.isnan(curves["camber_deg"][1]) and not np.isnan(curves["camber_deg"][0])
+
+
+@pytest.mark.parametrize("design", [np.zeros((3, 3)), np.full((9, 3), np.nan), np.zeros((9, 3))])
+def test_a_hostile_design_is_an_exception(front, design):
+    with pytest.raises(hp.HardpointError):
+        front.replace(design=design)
+
+
+def test_limits(front):
+    ends = hp.limits(front)
+    (low, cause), (high, _) = ends["travel"]
+    assert low < 0.0 < high and isinstance(cause, str)
+    assert hp.limits(hp.loads(hp.template("semi_trailing_arm")))["rack"] is None
+
+
+def test_every_command_has_its_function():
+    """A command of the program has a function here, or is one of those that `run` is for."""
+    own = {"new": hp.template, "check": hp.check, "solve": hp.solve, "sweep": hp.sweep, "optimise": hp.optimise, "limits": hp.limits}
+    text = subprocess.run(
+        [sys.executable, "-c", "import hardpoint; hardpoint._main()", "--help"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "COLUMNS": "200"},
+    ).stdout
+    listed = text.split("Commands:\n")[1].split("\n\n")[0].splitlines()
+    commands = {line.split()[0] for line in listed if line.startswith("  ") and not line.startswith("   ")}
+    assert set(own) <= commands, commands
+    for command in commands - set(own) - {"help"}:
+        assert hp.run(["--quiet", command, "--help"]) == 0, command

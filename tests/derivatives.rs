@@ -22,7 +22,11 @@ const CONSTANTS: Constants = Constants {
     wheel_radius: 0.3,
     wheelbase: 2.6,
     cg_height: 0.5,
-    brake_share_front: 0.65,
+    is_front: true,
+    brake_share: 0.65,
+    drive_share: 0.4,
+    brake_torque_by_carrier: 1.0,
+    drive_torque_by_carrier: 0.0,
 };
 
 /// In metres, or radians.

@@ -59,7 +59,12 @@ fn quantities(study: &Study) -> Vec<Quantity> {
             Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
             Need::SteeringAxis => mechanism.steering_axis.is_some(),
             Need::StrutUpper => mechanism.strut_upper().is_some(),
-            Need::WheelRadius | Need::Wheelbase | Need::CgHeight | Need::BrakeShareFront => true,
+            Need::WheelRadius
+            | Need::Wheelbase
+            | Need::CgHeight
+            | Need::FrontBraking
+            | Need::RearDrive
+            | Need::RearBrakingOrFrontDrive => true,
         })
     };
     let all = Characteristic::ALL.iter().filter(possible);

@@ -32,6 +32,8 @@ radius = 300.0
 wheelbase = 2650.0
 cg_height = 540.0
 brake_share_front = 0.68
+position = "front"
+brakes = "outboard"
 
 [motion]
 travel = { from = -80.0, to = 80.0, steps = 41 }
@@ -357,6 +359,11 @@ fn outputs_that_cannot_be_computed() {
     assert_all(&[
         ("radius = 300.0", "", "anti_dive", "outputs.characteristics", &["anti_dive needs radius in [wheel], which this study does not give"]),
         ("cg_height = 540.0", "", "anti_dive", "outputs.characteristics", &["cg_height in [vehicle]"]),
+        ("position = \"front\"", "", "anti_dive", "outputs.characteristics", &["anti_dive needs position in [vehicle], \"front\" or \"rear\", which"]),
+        ("brakes = \"outboard\"", "", "anti_dive", "outputs.characteristics", &["brakes in [vehicle], \"outboard\" or \"inboard\""]),
+        ("position = \"front\"", "position = \"rear\"", "anti_dive", "outputs.characteristics", &["anti_dive is of the front axle in braking, and position is \"rear\"", "anti_lift"]),
+        ("brake_share_front = 0.68", "brake_share_front = 0.0", "anti_dive", "outputs.characteristics", &["not braked"]),
+        ("position = \"front\"", "position = \"middle\"", "middle", "vehicle.position", &["\"front\" or \"rear\""]),
         ("[\"camber\", \"anti_dive\"]", "[\"camber\", \"camber\"]", "camber", "outputs.characteristics", &["\"camber\" is listed twice"]),
         ("order = \"velocity\"", "", "knuckle", "outputs.knuckle", &["order is \"position\""]),
     ]);

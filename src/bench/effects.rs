@@ -57,6 +57,7 @@ const CHANGES: [Change; 12] = [
                 track: Some(1500.0),
                 cg_height: Some(500.0),
                 brake_share_front: Some(0.6),
+                ..Vehicle::default()
             };
             study.suspension.wheel_radius.get_or_insert(300.0);
         },

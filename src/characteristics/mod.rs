@@ -39,8 +39,12 @@ pub enum Need {
     Wheelbase,
     /// `[vehicle] cg_height`.
     CgHeight,
-    /// `[vehicle] brake_share_front`.
-    BrakeShareFront,
+    /// A braked front axle: `position`, `brakes` and `brake_share_front` in `[vehicle]`.
+    FrontBraking,
+    /// A driven rear axle: `position`, `drive_torque` and `drive_share_front`.
+    RearDrive,
+    /// A braked rear axle, or a driven front one.
+    RearBrakingOrFrontDrive,
     /// A spring or strut in the topology.
     Spring,
     /// A rocker with its pushrod or pullrod.

@@ -26,7 +26,8 @@ impl Formula for ScrubRadius {
     const INFO: Info = Info {
         name: "scrub_radius",
         unit: Unit::Length,
-        positive: "steering axis meets the ground inboard of the contact point",
+        positive: "steering axis meets the ground inboard of the contact point (signed, as Adams and Lotus have it; ISO 8855 has the distance \
+                   |G - C|)",
         formula: "-(G - C).O",
         source: "steering-axis offset at ground of ISO 8855 (whose \"scrub radius\" is the distance |G - C|)",
         reads: GROUND,
@@ -85,7 +86,7 @@ impl Formula for SpindleTrail {
     const INFO: Info = Info {
         name: "spindle_trail",
         unit: Unit::Length,
-        positive: "steering axis ahead of the wheel centre",
+        positive: "steering axis ahead of the wheel centre (Lotus' hub trail has the other sign)",
         formula: "x of the steering axis at height W_z - W_x",
         source: "castor offset at wheel centre of ISO 8855",
         reads: AT_CENTRE,

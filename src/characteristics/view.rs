@@ -3,7 +3,7 @@
 use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
 use crate::derive::{Linearised, Seeds};
 use crate::mechanism::Configuration;
-use crate::model::{Axis, Mechanism, PointId, RockerId, Suspension};
+use crate::model::{Axis, AxlePosition, Mechanism, PointId, RockerId, Suspension, TorquePath};
 use crate::number::{Jet, Real, Vector3};
 
 /// Something that has a value in every pose. In the kernel's frame.
@@ -382,11 +382,25 @@ impl Constants {
     /// The figures of a suspension.
     pub fn of(suspension: &Suspension) -> Self {
         let vehicle = suspension.vehicle;
+        let is_front = vehicle.position == Some(AxlePosition::Front);
+        let share = |of_front: Option<f64>| match (of_front, is_front) {
+            (None, _) => 0.0,
+            (Some(share), true) => share,
+            (Some(share), false) => 1.0 - share,
+        };
+        let by_carrier = |path: Option<TorquePath>| match path {
+            Some(TorquePath::Carrier) => 1.0,
+            _ => 0.0,
+        };
         Constants {
             wheel_radius: suspension.wheel_radius.unwrap_or(0.0),
             wheelbase: vehicle.wheelbase.unwrap_or(0.0),
             cg_height: vehicle.cg_height.unwrap_or(0.0),
-            brake_share_front: vehicle.brake_share_front.unwrap_or(0.0),
+            is_front,
+            brake_share: share(vehicle.brake_share_front),
+            drive_share: share(vehicle.drive_share_front),
+            brake_torque_by_carrier: by_carrier(vehicle.brakes),
+            drive_torque_by_carrier: by_carrier(vehicle.drive_torque),
         }
     }
 }

@@ -35,8 +35,16 @@ pub struct Constants {
     pub wheelbase: f64,
     /// Height of the centre of gravity.
     pub cg_height: f64,
-    /// Share of the braking force at the front axle.
-    pub brake_share_front: f64,
+    /// Whether the axle is the front one.
+    pub is_front: bool,
+    /// This axle's share of the braking force.
+    pub brake_share: f64,
+    /// This axle's share of the drive force.
+    pub drive_share: f64,
+    /// 1 where the carrier takes the torque of the brakes, 0 where a shaft does.
+    pub brake_torque_by_carrier: f64,
+    /// The same of the torque of the drive.
+    pub drive_torque_by_carrier: f64,
 }
 
 /// Everything a formula may read.
@@ -298,6 +306,18 @@ impl<T: Real> Inputs<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);
         self.rate.centre + self.turn.cross(lever)
     }
+
+    /// Velocity of the point of the tyre that is at the contact point now, where the carrier takes this part of the
+    /// torque about the spin axis and a shaft the rest: W' + (w - (1 - part) (w.a) a) x (C - W).
+    #[inline(always)]
+    pub(super) fn tyre_velocity(&self, by_carrier: f64) -> Vector3<T> {
+        let (axis, lever) = (
+            self.now.spin_axis,
+            self.now.contact_lever(self.constants.wheel_radius),
+        );
+        let spin = self.turn.dot(axis).scaled(1.0 - by_carrier);
+        self.rate.centre + (self.turn - axis * spin).cross(lever)
+    }
 }
 
 #[cfg(test)]
@@ -326,7 +346,11 @@ pub(super) mod tests {
                 wheel_radius: 300.0,
                 wheelbase: 2600.0,
                 cg_height: 500.0,
-                brake_share_front: 0.65,
+                is_front: true,
+                brake_share: 0.65,
+                drive_share: 0.4,
+                brake_torque_by_carrier: 1.0,
+                drive_torque_by_carrier: 0.0,
             },
         }
     }

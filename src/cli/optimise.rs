@@ -9,7 +9,10 @@ use crate::curves::curves;
 use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::report::{Record, TuningSummary, curves_csv, doubts, history_csv, remarks};
+use crate::report::{
+    Record, TuningSummary, curves_csv, doubts, history_csv, remarks, sensitivities_csv,
+    variable_doubts,
+};
 use crate::study::{Optimise, Study};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -66,7 +69,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.without("curves.csv")?;
         output.without("optimised.toml")?;
     }
-    output.without("sensitivities.csv")?;
+    match &after {
+        Some(after) if !plan.sensitivities.is_empty() => {
+            let csv = sensitivities_csv(after, &plan, &study.suspension.mechanism, length);
+            output.file("sensitivities.csv", &csv)?;
+            files.push("sensitivities.csv");
+        }
+        _ => output.without("sensitivities.csv")?,
+    }
     if output.directory().is_some() {
         let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
         output.record("report.json", &record)?;
@@ -86,7 +96,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.table("variables", &summary.variables_table())?;
     }
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
-    let doubts = doubts.into_iter().flatten();
+    let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
     for remark in doubts.chain(after.iter().flat_map(|after| remarks(&study, after))) {
         output.say(&format!("\n{remark}\n"))?;
     }

@@ -324,6 +324,9 @@ pub(super) fn finish(
         output.say(&format!("\n{remark}\n"))?;
     }
     output.table_for_programs("effects", || summary.effects_table());
+    for note in summary.notes() {
+        output.say(&format!("\n{note}\n"))?;
+    }
     let best = summary.best_table();
     if !best.is_empty() {
         output.say("\nBest by misfit, in tolerances:\n\n")?;

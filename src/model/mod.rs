@@ -270,6 +270,32 @@ pub struct Vehicle {
     pub cg_height: Option<f64>,
     /// Share of the braking force at the front axle, 0 to 1.
     pub brake_share_front: Option<f64>,
+    /// Share of the drive force at the front axle, 0 to 1.
+    pub drive_share_front: Option<f64>,
+    /// Which axle the suspension is of.
+    pub position: Option<AxlePosition>,
+    /// What takes the torque of the brakes.
+    pub brakes: Option<TorquePath>,
+    /// What takes the torque of the drive.
+    pub drive_torque: Option<TorquePath>,
+}
+
+/// Which axle of the car.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxlePosition {
+    /// The front axle.
+    Front,
+    /// The rear axle.
+    Rear,
+}
+
+/// What takes the torque of brakes or drive about the wheel's spin axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TorquePath {
+    /// The wheel carrier: outboard brakes, hub motors.
+    Carrier,
+    /// A shaft from the body: inboard brakes, drive shafts.
+    Shafts,
 }
 
 /// A suspension: the mechanism with its dimensions.

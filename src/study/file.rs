@@ -96,6 +96,14 @@ pub struct Vehicle {
     pub cg_height: Option<Number>,
     /// Share of the braking force at the front axle.
     pub brake_share_front: Option<Number>,
+    /// Share of the drive force at the front axle.
+    pub drive_share_front: Option<Number>,
+    /// `front` or `rear`: which axle this is.
+    pub position: Option<Text>,
+    /// `outboard` or `inboard`.
+    pub brakes: Option<Text>,
+    /// `shafts` or `carrier`.
+    pub drive_torque: Option<Text>,
 }
 
 /// `[motion]`

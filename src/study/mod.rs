@@ -7,6 +7,7 @@
 //! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
 //! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
 
+mod axle_forces;
 mod curve_file;
 mod designs_file;
 mod edit;

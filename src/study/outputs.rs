@@ -1,5 +1,6 @@
 //! `[outputs]`: what is asked for.
 
+use super::axle_forces;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
@@ -166,10 +167,8 @@ pub fn characteristic(
             .cg_height
             .is_none()
             .then_some("cg_height in [vehicle]"),
-        Need::BrakeShareFront => {
-            let absent = vehicle.brake_share_front.is_none();
-            absent.then_some("brake_share_front in [vehicle]")
-        }
+        // See below.
+        Need::FrontBraking | Need::RearDrive | Need::RearBrakingOrFrontDrive => None,
         Need::Spring => suspension
             .mechanism
             .spring
@@ -190,14 +189,29 @@ pub fn characteristic(
             absent.then_some("strut_upper in [suspension.hardpoints]")
         }
     };
-    let missing: Vec<&str> = characteristic
-        .info()
-        .needs
-        .iter()
-        .filter_map(missing)
+    let needs = characteristic.info().needs;
+    let forces = needs.iter().find(|need| {
+        use Need::{FrontBraking, RearBrakingOrFrontDrive, RearDrive};
+        matches!(need, FrontBraking | RearDrive | RearBrakingOrFrontDrive)
+    });
+    let missing = needs.iter().filter_map(missing);
+    let missing: Vec<&str> = missing
+        .chain(
+            forces
+                .into_iter()
+                .flat_map(|need| axle_forces::missing(need, vehicle)),
+        )
         .collect();
     if missing.is_empty() {
-        return Some(characteristic);
+        let refusal = forces.and_then(|need| axle_forces::refusal(need, vehicle));
+        let Some((reason, instead)) = refusal else {
+            return Some(characteristic);
+        };
+        let error = problems.add(text.span(), format!("{} {reason}", text.get_ref()));
+        if let Some(instead) = instead {
+            error.help(instead);
+        }
+        return None;
     }
     let needs = missing.join(", ");
     let message = format!(

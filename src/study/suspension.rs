@@ -7,8 +7,8 @@ use super::names::{choose, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
-    Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis, Suspension,
-    Topology, Vehicle,
+    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis,
+    Suspension, Topology, TorquePath, Vehicle,
 };
 use crate::number::Vector3;
 
@@ -307,7 +307,7 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
     let wheelbase = positive(&section.wheelbase, problems);
     let track = positive(&section.track, problems);
     let cg_height = positive(&section.cg_height, problems);
-    let share = match &section.brake_share_front {
+    let mut share = |share: &Option<Number>| match share {
         Some(share) if !(0.0..=1.0).contains(&share.value) => {
             let message = format!("expected a share from 0 to 1, found {}", share.value);
             problems.add(share.span.clone(), message);
@@ -315,12 +315,48 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
         }
         share => Some(share.as_ref().map(|s| s.value)),
     };
+    let brake_share = share(&section.brake_share_front);
+    let drive_share = share(&section.drive_share_front);
+    let positions = [("front", AxlePosition::Front), ("rear", AxlePosition::Rear)];
+    let brakes = [
+        ("outboard", TorquePath::Carrier),
+        ("inboard", TorquePath::Shafts),
+    ];
+    let drives = [
+        ("shafts", TorquePath::Shafts),
+        ("carrier", TorquePath::Carrier),
+    ];
+    let position = optional(&section.position, "position", &positions, problems);
+    let brakes = optional(&section.brakes, "place of the brakes", &brakes, problems);
+    let drive_torque = optional(
+        &section.drive_torque,
+        "path of the torque",
+        &drives,
+        problems,
+    );
     Some(Vehicle {
         wheelbase: wheelbase?,
         track: track?,
         cg_height: cg_height?,
-        brake_share_front: share?,
+        brake_share_front: brake_share?,
+        drive_share_front: drive_share?,
+        position: position?,
+        brakes: brakes?,
+        drive_torque: drive_torque?,
     })
+}
+
+/// The option of this name, if one is given; `None` if it is unknown.
+fn optional<T: Clone>(
+    text: &Option<Text>,
+    what: &str,
+    options: &[(&str, T)],
+    problems: &mut Problems,
+) -> Option<Option<T>> {
+    match text {
+        Some(text) => choose(text, what, options, problems).map(Some),
+        None => Some(None),
+    }
 }
 
 /// The number, if it is given; `None` if it is wrong.

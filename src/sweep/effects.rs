@@ -18,6 +18,10 @@
 //! each of the two less what chance alone would make of it; the second is the correlation ratio by levels of
 //! equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935), and what is lost within a
 //! level is about 1/levels^2 of it. The nearer the plane is to the truth, the less is left to chance.
+//! Where designs fail, or lack an output, the variables of those that are left are no longer independent. Then the
+//! plane's part of an output can no longer be told by variable, and the share is the second term of all of y alone:
+//! still the part of the variance that goes when this variable is known, but shares may sum up to more than one.
+//!
 //! From Saltelli's samples it is the mean of
 //! (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
 //! as half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999): that
@@ -103,6 +107,11 @@ impl Effects {
                 "grid" if tally.solved == tally.designs => {
                     let (between, _) = between_levels(tally, variable, k, width, None);
                     effect.share = Some((between / squares).clamp(0.0, 1.0));
+                }
+                _ if moments.count < tally.designs => {
+                    let by_levels = between_levels(tally, variable, k, width, None);
+                    let share = share(by_levels, squares, 0.0, n);
+                    effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
                 }
                 _ => {
                     if let Some((plane, (slopes, explained))) = &fitted {

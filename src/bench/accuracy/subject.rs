@@ -170,7 +170,11 @@ impl<'s> Subject<'s> {
             Need::Rocker => mechanism.spring_rocker().is_some(),
             Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
             Need::StrutUpper => mechanism.strut_upper().is_some(),
-            Need::Wheelbase | Need::CgHeight | Need::BrakeShareFront => false,
+            Need::Wheelbase
+            | Need::CgHeight
+            | Need::FrontBraking
+            | Need::RearDrive
+            | Need::RearBrakingOrFrontDrive => false,
         };
         let all = Characteristic::ALL.iter().copied();
         all.filter(|c| !c.info().reads_rates() && c.info().needs.iter().all(has))

@@ -1,6 +1,7 @@
 //! What a sweep came to.
 
 use super::rows_csv;
+use crate::characteristics::Characteristic;
 use crate::report::figure::{brief, figures, resolution};
 use crate::report::table::{Cell, Column, Table};
 use crate::sweep::{Candidate, Effects, SweepRecord, SweepStatistics};
@@ -28,6 +29,9 @@ pub struct SweepSummary {
     pub(in crate::report) outputs: Vec<OutputSummary>,
     /// By rising misfit.
     pub(in crate::report) best: Vec<DesignSummary>,
+    /// What has to be said of the outputs, a line each.
+    #[serde(default)]
+    pub(in crate::report) notes: Vec<String>,
     /// By number, where there are several targets; the rows are in `pareto.csv`.
     pub(in crate::report) pareto: Option<Vec<u64>>,
 }
@@ -126,6 +130,7 @@ impl SweepSummary {
                 .map(|k| output(record, tally, effects.as_ref().map(|e| &e[k]), k))
                 .collect(),
             best: best.collect(),
+            notes: notes(record, tally),
             pareto: several.then(|| tally.front.sorted().iter().map(|c| c.design).collect()),
         }
     }
@@ -150,9 +155,16 @@ impl SweepSummary {
         self.done == self.designs
     }
 
-    /// Whether every design was done and solved at every station.
+    /// What has to be said of the outputs, a line each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Whether every design was done and solved at every station, and every output has a value.
     pub fn is_complete(&self) -> bool {
-        self.done == self.designs && self.solved == self.done
+        let is_empty = |output: &OutputSummary| output.count == 0;
+        let lacks = self.solved > 0 && self.outputs.iter().any(is_empty);
+        self.done == self.designs && self.solved == self.done && !lacks
     }
 
     /// Why designs failed; empty if none did.
@@ -238,6 +250,35 @@ impl SweepSummary {
     pub fn on_front(&self) -> Option<usize> {
         self.pareto.as_ref().map(Vec::len)
     }
+}
+
+/// Outputs that designs lack although they were solved, by reason; and what shares mean where designs fail.
+fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (output, range) in record.outputs.iter().zip(&tally.ranges) {
+        let lacking = tally.solved - range.map_or(0, |r| r.count).min(tally.solved);
+        if lacking == 0 {
+            continue;
+        }
+        let named = |c: &&Characteristic| output.column.starts_with(c.info().name);
+        let longest = Characteristic::ALL.iter().filter(named);
+        let reason = longest
+            .max_by_key(|c| c.info().name.len())
+            .map_or("it is not a finite number there", |c| c.undefined_where());
+        let column = &output.column;
+        notes.push(match lacking == tally.solved {
+            true => format!("warning: no design that was solved has {column}: {reason}"),
+            false => format!("{lacking} designs that were solved lack {column}: {reason}"),
+        });
+    }
+    let (count, designs) = (tally.moments.count, tally.designs);
+    if count > 0 && count < designs && record.method != "file" {
+        notes.push(format!(
+            "Percentages are of the {count} of {designs} designs that have every output. In these the variables are not \
+             independent of each other, so that percentages may sum up to more than 100."
+        ));
+    }
+    notes
 }
 
 /// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in

@@ -1,0 +1,79 @@
+//! Braking and drive in `[vehicle]`: what the anti-features need of it, and which of them an axle has.
+
+use crate::characteristics::Need;
+use crate::model::{AxlePosition, Vehicle};
+
+/// What braking or drive needs, and whether it is the braking or the drive that is meant; `None` for another need,
+/// and where that takes a position which the study does not give.
+fn of_drive(need: &Need, vehicle: &Vehicle) -> Option<bool> {
+    match need {
+        Need::FrontBraking => Some(false),
+        Need::RearDrive => Some(true),
+        Need::RearBrakingOrFrontDrive => Some(vehicle.position? == AxlePosition::Front),
+        _ => None,
+    }
+}
+
+/// The keys that a study lacks for this need.
+pub fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
+    let mut keys = Vec::new();
+    if vehicle.position.is_none() {
+        keys.push("position in [vehicle], \"front\" or \"rear\"");
+    }
+    let (path, share) = match of_drive(need, vehicle) {
+        None => return keys,
+        Some(true) => (
+            vehicle.drive_torque.is_none().then_some(
+                "drive_torque in [vehicle], \"shafts\" or \"carrier\" (hub motors, live axles)",
+            ),
+            (vehicle.drive_share_front.is_none()).then_some("drive_share_front in [vehicle]"),
+        ),
+        Some(false) => (
+            (vehicle.brakes.is_none())
+                .then_some("brakes in [vehicle], \"outboard\" or \"inboard\""),
+            (vehicle.brake_share_front.is_none()).then_some("brake_share_front in [vehicle]"),
+        ),
+    };
+    keys.extend(path.into_iter().chain(share));
+    keys
+}
+
+/// Why the axle of a study, which gives what is needed, has no such feature; and what it has instead.
+pub fn refusal(need: &Need, vehicle: &Vehicle) -> Option<(&'static str, Option<&'static str>)> {
+    let front = vehicle.position == Some(AxlePosition::Front);
+    let none_in_front = |share: Option<f64>| share == Some(0.0);
+    let none_at_rear = |share: Option<f64>| share == Some(1.0);
+    match need {
+        Need::FrontBraking if !front => Some((
+            "is of the front axle in braking, and position is \"rear\"",
+            Some("a rear axle in braking has anti_lift"),
+        )),
+        Need::RearDrive if front && none_in_front(vehicle.drive_share_front) => Some((
+            "is of a driven rear axle, and this is an undriven front axle (drive_share_front = 0)",
+            None,
+        )),
+        Need::RearDrive if front => Some((
+            "is of the rear axle under drive, and position is \"front\"",
+            Some("a driven front axle has anti_lift"),
+        )),
+        _ => match (of_drive(need, vehicle)?, front) {
+            (true, true) if none_in_front(vehicle.drive_share_front) => Some((
+                "of a front axle is of its drive, and it is not driven: drive_share_front is 0",
+                Some("in braking a front axle has anti_dive"),
+            )),
+            (true, false) if none_at_rear(vehicle.drive_share_front) => Some((
+                "is of a driven rear axle, and this one is not driven: drive_share_front is 1",
+                None,
+            )),
+            (false, true) if none_in_front(vehicle.brake_share_front) => Some((
+                "is of a braked front axle, and this one is not braked: brake_share_front is 0",
+                None,
+            )),
+            (false, false) if none_at_rear(vehicle.brake_share_front) => Some((
+                "is of a braked rear axle, and this one is not braked: brake_share_front is 1",
+                None,
+            )),
+            _ => None,
+        },
+    }
+}

@@ -23,6 +23,9 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
+/// Undecided places that are said one by one.
+const MOST_UNDECIDED: usize = 3;
+
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
@@ -111,7 +114,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         all.found.len()
     ))?;
     out.finish()?;
-    for place in &all.undecided {
+    for place in all.undecided.iter().take(MOST_UNDECIDED) {
         let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
         let unknown = match place {
             Undecided::ArmAngle(low, high) => format!(
@@ -137,6 +140,9 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             ),
         };
         eprint(&format!("undecided: whether there {unknown}\n"));
+    }
+    if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
+        eprint(&format!("undecided: {} more places\n", more + 1));
     }
     Ok(match all.undecided.is_empty() {
         true => Exit::Done,

@@ -26,7 +26,7 @@ use std::f64::consts::PI;
 /// Pieces this narrow (rad) are not halved any further.
 const NARROWEST: f64 = 1e-10;
 /// Pieces looked at before giving up, for each of the four.
-const MOST_PIECES: usize = 200_000;
+const MOST_PIECES: usize = 40_000;
 /// The width (rad) from which on Newton's method is tried where the closed form leaves a piece open, and
 /// how much narrower the piece must be for the next try.
 const FIRST_TRY: f64 = 0.02;

@@ -19,9 +19,10 @@ use crate::mechanism::{Configuration, Pose};
 use crate::model::{Arm, Constraint, Drive, Mechanism};
 use crate::number::Interval;
 use crate::number::Vector3;
-use crate::solve::Solver;
 use crate::solve::closed_form::Circle;
 use crate::solve::closed_form::Roles;
+use crate::solve::{Solver, StationOrder};
+use std::ops::ControlFlow;
 
 /// One way to assemble a design.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,11 +101,44 @@ pub enum Undecided {
     Rotations(f64),
 }
 
+/// Starts of Newton's method where something is left undecided.
+const TRIES: usize = 400;
 /// An assembly that cannot be proved and is as near as this (in sizes) to another is taken for the same
 /// double one, whose place rounding leaves open to the square root of its relative size.
 const DOUBLE: f64 = 1e-5;
 /// Undecided places kept apart in the answer.
 const MOST_UNDECIDED: usize = 64;
+
+impl Undecided {
+    /// The pose next to which it is.
+    fn pose(&self) -> Option<Pose<f64>> {
+        match self {
+            Undecided::Pose(pose) => Some(*pose),
+            _ => None,
+        }
+    }
+}
+
+/// Ranges of the arm's angle that overlap become one.
+fn merge(undecided: &mut Vec<Undecided>) {
+    let mut ranges: Vec<(f64, f64)> = Vec::new();
+    let mut others = Vec::new();
+    for place in undecided.drain(..) {
+        match place {
+            Undecided::ArmAngle(low, high) => ranges.push((low, high)),
+            other => others.push(other),
+        }
+    }
+    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (low, high) in ranges {
+        match undecided.last_mut() {
+            Some(Undecided::ArmAngle(_, end)) if low <= *end => *end = end.max(high),
+            _ => undecided.push(Undecided::ArmAngle(low, high)),
+        }
+    }
+    undecided.extend(others);
+    undecided.truncate(MOST_UNDECIDED);
+}
 
 impl Assembly {
     /// How far the knuckle is turned from the design position (radians, 0 to pi).
@@ -125,14 +159,19 @@ impl Solver<'_> {
     /// kernel's +y). `None` for a mechanism that there is no complete method for.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
+        // What is known is settled first: it must be found even where the search gives up.
+        search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
             (Some(roles), _) => search.by_arm(&roles),
             (None, [Constraint::Revolute { .. }]) => search.by_hinge(),
             _ => search.by_rods()?,
         }
+        if !search.all.undecided.is_empty() {
+            search.try_others();
+        }
         let mut all = search.all;
-        all.undecided.truncate(MOST_UNDECIDED);
+        merge(&mut all.undecided);
         let place = |a: &Assembly| a.arm_angle.unwrap_or_else(|| a.turn());
         all.found.sort_by(|a, b| place(a).total_cmp(&place(b)));
         Some(all)
@@ -175,6 +214,53 @@ impl<'a> Search<'a> {
                 traits: traits(solver.mechanism()),
                 ..Assemblies::default()
             },
+        }
+    }
+
+    /// Adds the assembly that is connected to the design position, if there is one.
+    fn take_connected(&mut self) {
+        let (mechanism, design) = (self.solver.mechanism(), self.solver.design());
+        let Ok(mut walker) = Solver::new(mechanism, design) else {
+            return;
+        };
+        let mut connected = None;
+        let stations = StationOrder::through(&[self.point.value]);
+        let walked =
+            walker.for_each_pose(Drive::Travel, &stations, self.point.rack, |_, _, pose| {
+                connected = pose.ok().copied();
+                ControlFlow::Continue(())
+            });
+        let near = connected.filter(|_| walked.is_ok());
+        if let Some(assembly) = near.and_then(|near| self.assembly(&near)) {
+            self.add(assembly);
+        }
+    }
+
+    /// Newton's method from turns all over the sphere: what is left undecided may well be found, though not that
+    /// it is all.
+    fn try_others(&mut self) {
+        let design = self.solver.design_pose();
+        let starts: Vec<Pose<f64>> = self
+            .all
+            .undecided
+            .iter()
+            .filter_map(Undecided::pose)
+            .collect();
+        let turns = (0..TRIES).map(|k| {
+            // Evenly over the sphere by the golden angle, and over the turns about each direction.
+            let k = k as f64 + 0.5;
+            let (height, around) = (1.0 - 2.0 * k / TRIES as f64, k * 2.399_963_229_728_653);
+            let level = (1.0 - height * height).sqrt();
+            let axis = Vector3::new(level * around.cos(), level * around.sin(), height);
+            let turn = (k * 0.618_033_988_749_895).fract() * std::f64::consts::PI;
+            design.moved(Vector3::default(), axis * (0.5 * turn).tan())
+        });
+        for start in starts.into_iter().chain(turns) {
+            // Of assemblies without number, as of a design that can be turned about, none is proved.
+            let found = self.assembly(&start);
+            if let Some(assembly) = found.filter(|a| a.certificate.is_some()) {
+                self.add(assembly);
+            }
         }
     }
 

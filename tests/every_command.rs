@@ -193,14 +193,10 @@ fn examine(number: u64, samples: &Path, bases: &[String], ran: &AtomicU64) -> Re
             empty_cells(&read("swept/designs.csv")?)?;
             json("swept/summary.json")?;
             run(&["report", "swept"])?;
-            let shards = ["1/2", "2/2"].map(|shard| {
-                let out = format!("shard-{}", &shard[..1]);
-                run(&["sweep", "study.toml", "--shard", shard, "--out", &out])
-            });
-            for shard in shards {
-                shard?;
+            for shard in ["1/2", "2/2"] {
+                run(&["sweep", "study.toml", "--shard", shard, "--out", "shards"])?;
             }
-            run(&["merge", "shard-1", "shard-2", "--out", "merged"])?;
+            run(&["merge", "shards", "--out", "merged"])?;
         }
     }
     if size

@@ -1,8 +1,10 @@
 //! Causes of limits, by measures of the parts that are written down here once more.
 //!
 //! - of random designs ([`random`]): what is named is singular by its own measure, and what is not named is not;
+//! - ([`agreement`]) what is said of a motion by `check`, `solve` and `limits`;
 //! - of designs that are led away from a toggle that was planted ([`planted`]): it is found again, and named.
 
+mod agreement;
 mod measures;
 mod planted;
 mod random;

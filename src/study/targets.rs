@@ -48,7 +48,7 @@ fn target(
     let place = written.span();
     let written = written.get_ref();
     let characteristic = characteristic(&written.characteristic, context.suspension, problems);
-    let tolerance = above_zero(&written.tolerance, problems);
+    let tolerance = not_tiny(&written.tolerance, problems);
     if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
         let message =
             format!("no value is known to {tolerance:?}; expected at least {LEAST_TOLERANCE:?}");
@@ -57,7 +57,7 @@ fn target(
     }
     let weight = match &written.weight {
         None => Some(1.0),
-        Some(weight) => above_zero(weight, problems),
+        Some(weight) => not_tiny(weight, problems),
     };
     let interpolation = interpolation(written, problems);
     let characteristic = characteristic?;
@@ -115,6 +115,18 @@ fn target(
         weight: weight?,
     };
     Some((target, from_file))
+}
+
+/// The number, which must be above zero by so much that quotients by it, and their squares, do not overflow.
+fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
+    const LEAST: f64 = 1e-12;
+    let value = above_zero(number, problems)?;
+    if value >= LEAST {
+        return Some(value);
+    }
+    let message = format!("expected a number of at least {LEAST:e}, found {value:e}");
+    problems.add(number.span.clone(), message);
+    None
 }
 
 fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpolation> {

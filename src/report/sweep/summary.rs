@@ -271,10 +271,21 @@ fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
             false => format!("{lacking} designs that were solved lack {column}: {reason}"),
         });
     }
+    // Of Saltelli's groups only the first two designs are drawn independently.
     let (count, designs) = (tally.moments.count, tally.designs);
-    if count > 0 && count < designs && record.method != "file" {
+    let drawn = record.group().map_or(designs, |group| {
+        designs / group * 2 + (designs % group).min(2)
+    });
+    if drawn < designs {
         notes.push(format!(
-            "Percentages are of the {count} of {designs} designs that have every output. In these the variables are not \
+            "Means, standard deviations and changes are of the {count} designs that were drawn independently of each \
+             other; the other {} serve the indices.",
+            designs - drawn
+        ));
+    }
+    if count > 0 && count < drawn && record.method != "file" {
+        notes.push(format!(
+            "Percentages are of the {count} of {drawn} designs that have every output. In these the variables are not \
              independent of each other, so that percentages may sum up to more than 100."
         ));
     }

@@ -26,8 +26,7 @@ impl Formula for ScrubRadius {
     const INFO: Info = Info {
         name: "scrub_radius",
         unit: Unit::Length,
-        positive: "steering axis meets the ground inboard of the contact point (signed, as Adams and Lotus have it; ISO 8855 has the distance \
-                   |G - C|)",
+        positive: "steering axis meets the ground inboard of the contact point (signed, as Adams and Lotus have it; ISO 8855 has the distance from G to C)",
         formula: "-(G - C).O",
         source: "steering-axis offset at ground of ISO 8855 (whose \"scrub radius\" is the distance |G - C|)",
         reads: GROUND,

@@ -39,6 +39,7 @@
 //! | [`tolerance`] | what manufacturing scatter does, and which tolerance is worth money |
 //! | [`report`] | files and tables |
 //! | [`results`] | directories of results: who may replace what, locks |
+//! | [`exchange`] | points and curves from and to spreadsheets and Adams/Car |
 //! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
 //! | [`cli`] | the command line |
 //! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
@@ -67,6 +68,7 @@ pub mod characteristics;
 pub mod cli;
 pub mod curves;
 pub mod derive;
+pub mod exchange;
 mod function;
 mod linear;
 pub mod mechanism;

@@ -228,7 +228,7 @@ fn unknown_names() {
     assert_all(&[
         ("topology = \"macpherson\"", "topology = \"mcpherson\"", "topology", "suspension.topology", &["unknown topology \"mcpherson\"", "did you mean \"macpherson\"?"]),
         ("side = \"left\"", "side = \"lef\"", "side", "suspension.side", &["unknown side \"lef\"; expected \"left\" or \"right\"", "did you mean \"left\"?"]),
-        ("length_unit = \"mm\"", "length_unit = \"inch\"", "length_unit", "suspension.length_unit", &["unknown length unit \"inch\"; expected \"mm\" or \"m\""]),
+        ("length_unit = \"mm\"", "length_unit = \"inch\"", "length_unit", "suspension.length_unit", &["unknown length unit \"inch\"; expected \"mm\", \"m\" or \"in\""]),
         ("frame = \"iso8855\"", "frame = \"iso\"", "frame", "suspension.frame", &["did you mean \"iso8855\"?"]),
         ("wheel_centre     =", "wheel_center     = [0.0, 1.0, 2.0]\nwheel_centre =", "wheel_center ", "suspension.hardpoints.wheel_center", &["macpherson has no hardpoint \"wheel_center\"", "\"wheel_centre\" is given already"]),
         ("strut_top        =", "strut_tpo =", "strut_tpo", "suspension.hardpoints.strut_tpo", &["did you mean \"strut_top\"?"]),

@@ -3,8 +3,13 @@
 mod assemblies;
 mod bench;
 mod check;
+mod compare;
+mod completions;
 mod exit;
+mod export;
+mod import;
 mod limits;
+mod man;
 mod merge;
 mod new;
 mod optimise;
@@ -12,6 +17,7 @@ mod output;
 mod printer;
 mod progress;
 mod report;
+mod schema;
 mod setup;
 mod solve;
 mod sweep;
@@ -41,10 +47,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Print a commented study that runs as it is
-    New {
-        /// Kind of suspension, such as macpherson
-        topology: String,
-    },
+    New(new::NewArguments),
     /// Read and validate a study, print what it will compute and why, solve the design position
     Check(StudyArguments),
     /// Curves over the motion
@@ -68,12 +71,27 @@ enum Command {
     Bench(BenchArguments),
     /// Make one HTML page of a finished run, or pictures of its curves
     Report(ReportArguments),
+    /// Print a study of points from a table (.csv, .xlsx) or an Adams/Car subsystem
+    Import(import::ImportArguments),
+    /// Points and curves for other tools: CSV, XLSX, Adams/Car
+    Export(export::ExportArguments),
+    /// Curves, points and figures of two or more designs side by side
+    Compare(compare::CompareArguments),
+    /// Print the JSON schema of studies, for editors
+    Schema,
+    /// Print what makes a shell complete commands and options
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, for man
+    Man,
 }
 
 /// What names a study.
 #[derive(Args)]
 struct StudyArguments {
-    /// The study file (TOML)
+    /// The study file (TOML), or - for standard input
     study: PathBuf,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
@@ -272,7 +290,7 @@ pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterato
 fn carried_out(arguments: Arguments) -> Exit {
     terminal::be_quiet(arguments.quiet);
     let ended = match arguments.command {
-        Command::New { topology } => new::run(&topology),
+        Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
@@ -284,6 +302,12 @@ fn carried_out(arguments: Arguments) -> Exit {
         Command::Assemblies(arguments) => assemblies::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Schema => schema::run(),
+        Command::Completions { shell } => completions::run(shell),
+        Command::Man => man::run(),
     };
     match ended {
         Ok(exit) => exit,

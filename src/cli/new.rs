@@ -2,9 +2,248 @@
 
 use super::exit::{Exit, Stop};
 use crate::model::Topology;
+use clap::{Args, ValueEnum};
+use std::fmt::Write as _;
 use std::io::Write;
 
-pub(super) fn run(name: &str) -> Result<Exit, Stop> {
+/// What study is wanted.
+#[derive(Args)]
+pub(super) struct NewArguments {
+    /// Kind of suspension, such as macpherson
+    topology: String,
+    /// What the study has besides, with commas between
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
+    with: Vec<Part>,
+}
+
+/// Parts a template may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Targets, and what may move towards them
+    Optimise,
+    /// A batch of designs
+    Sweep,
+    /// Pushrod and rocker
+    Pushrod,
+    /// Anti-roll bar and drop link
+    #[value(name = "anti_roll_bar")]
+    AntiRollBar,
+}
+
+/// Points of parts that fit a template, in its axes: name, coordinates, what it is.
+type Points = &'static [(&'static str, [f64; 3], &'static str)];
+
+/// What differs from template to template.
+struct Fitting {
+    topology: &'static str,
+    /// A hardpoint that steers the wheel in jounce.
+    steers: &'static str,
+    pushrod: Option<Points>,
+    anti_roll_bar: Points,
+}
+
+const FITTINGS: [Fitting; 4] = [
+    Fitting {
+        topology: "macpherson",
+        steers: "tie_rod_inner",
+        pushrod: None,
+        anti_roll_bar: &[
+            (
+                "drop_link_outer",
+                [40.0, 620.0, 230.0],
+                "drop link at the knuckle",
+            ),
+            (
+                "drop_link_inner",
+                [40.0, 610.0, 380.0],
+                "drop link at the lever of the bar",
+            ),
+            (
+                "anti_roll_bar_inner",
+                [-160.0, 50.0, 380.0],
+                "inboard point of the bar's axis",
+            ),
+            (
+                "anti_roll_bar_outer",
+                [-160.0, 600.0, 380.0],
+                "outboard point of the bar's axis",
+            ),
+        ],
+    },
+    Fitting {
+        topology: "double_wishbone",
+        steers: "tie_rod_inner",
+        pushrod: Some(&[
+            (
+                "pushrod_outer",
+                [0.0, 600.0, 205.0],
+                "pushrod at the lower arm",
+            ),
+            (
+                "pushrod_inner",
+                [0.0, 410.0, 470.0],
+                "pushrod at the rocker",
+            ),
+            (
+                "rocker_pivot_front",
+                [20.0, 330.0, 410.0],
+                "front point of the rocker's axis",
+            ),
+            (
+                "rocker_pivot_rear",
+                [-20.0, 330.0, 410.0],
+                "rear point of the rocker's axis",
+            ),
+            (
+                "spring_lower",
+                [0.0, 270.0, 490.0],
+                "spring and damper at the rocker",
+            ),
+            (
+                "spring_upper",
+                [0.0, 70.0, 340.0],
+                "spring and damper at the body",
+            ),
+        ]),
+        anti_roll_bar: &[
+            (
+                "drop_link_outer",
+                [40.0, 560.0, 210.0],
+                "drop link at the lower arm",
+            ),
+            (
+                "drop_link_inner",
+                [40.0, 550.0, 340.0],
+                "drop link at the lever of the bar",
+            ),
+            (
+                "anti_roll_bar_inner",
+                [-160.0, 50.0, 340.0],
+                "inboard point of the bar's axis",
+            ),
+            (
+                "anti_roll_bar_outer",
+                [-160.0, 540.0, 340.0],
+                "outboard point of the bar's axis",
+            ),
+        ],
+    },
+    Fitting {
+        topology: "five_link",
+        steers: "toe_link_inner",
+        pushrod: Some(&[
+            (
+                "pushrod_outer",
+                [-70.0, 640.0, 200.0],
+                "pushrod at the knuckle",
+            ),
+            (
+                "pushrod_inner",
+                [-70.0, 442.0, 604.0],
+                "pushrod at the rocker",
+            ),
+            (
+                "rocker_pivot_front",
+                [-50.0, 330.0, 520.0],
+                "front point of the rocker's axis",
+            ),
+            (
+                "rocker_pivot_rear",
+                [-90.0, 330.0, 520.0],
+                "rear point of the rocker's axis",
+            ),
+            (
+                "spring_lower",
+                [-70.0, 246.0, 632.0],
+                "spring and damper at the rocker",
+            ),
+            (
+                "spring_upper",
+                [-70.0, 46.0, 482.0],
+                "spring and damper at the body",
+            ),
+        ]),
+        anti_roll_bar: &[
+            (
+                "drop_link_outer",
+                [40.0, 660.0, 230.0],
+                "drop link at the knuckle",
+            ),
+            (
+                "drop_link_inner",
+                [40.0, 650.0, 380.0],
+                "drop link at the lever of the bar",
+            ),
+            (
+                "anti_roll_bar_inner",
+                [240.0, 50.0, 380.0],
+                "inboard point of the bar's axis",
+            ),
+            (
+                "anti_roll_bar_outer",
+                [240.0, 640.0, 380.0],
+                "outboard point of the bar's axis",
+            ),
+        ],
+    },
+    Fitting {
+        topology: "semi_trailing_arm",
+        steers: "arm_pivot_inner",
+        pushrod: Some(&[
+            ("pushrod_outer", [70.0, 580.0, 270.0], "pushrod at the arm"),
+            (
+                "pushrod_inner",
+                [70.0, 442.0, 604.0],
+                "pushrod at the rocker",
+            ),
+            (
+                "rocker_pivot_front",
+                [90.0, 330.0, 520.0],
+                "front point of the rocker's axis",
+            ),
+            (
+                "rocker_pivot_rear",
+                [50.0, 330.0, 520.0],
+                "rear point of the rocker's axis",
+            ),
+            (
+                "spring_lower",
+                [70.0, 246.0, 632.0],
+                "spring and damper at the rocker",
+            ),
+            (
+                "spring_upper",
+                [70.0, 46.0, 482.0],
+                "spring and damper at the body",
+            ),
+        ]),
+        anti_roll_bar: &[
+            (
+                "drop_link_outer",
+                [100.0, 560.0, 250.0],
+                "drop link at the arm",
+            ),
+            (
+                "drop_link_inner",
+                [100.0, 550.0, 380.0],
+                "drop link at the lever of the bar",
+            ),
+            (
+                "anti_roll_bar_inner",
+                [300.0, 50.0, 380.0],
+                "inboard point of the bar's axis",
+            ),
+            (
+                "anti_roll_bar_outer",
+                [300.0, 540.0, 380.0],
+                "outboard point of the bar's axis",
+            ),
+        ],
+    },
+];
+
+pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
+    let name = &arguments.topology;
     let Some(topology) = Topology::named(name) else {
         let known = Topology::ALL.iter();
         let known: Vec<String> = known
@@ -15,6 +254,126 @@ pub(super) fn run(name: &str) -> Result<Exit, Stop> {
             known.join("\n")
         )));
     };
-    std::io::stdout().write_all(topology.template.as_bytes())?;
+    let text = study(topology, &arguments.with).map_err(Stop::wrong_input)?;
+    std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)
+}
+
+/// The template of a topology with parts.
+fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
+    // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
+    let mut text = format!("#:schema ./hardpoint.schema.json\n{}", topology.template);
+    if parts.is_empty() {
+        return Ok(text);
+    }
+    let fitting = FITTINGS
+        .iter()
+        .find(|fitting| fitting.topology == topology.name);
+    let fitting =
+        fitting.ok_or_else(|| format!("{} has no parts to choose from yet", topology.name))?;
+    if parts.contains(&Part::Pushrod) {
+        let points = fitting
+            .pushrod
+            .ok_or_else(|| format!("{} has no pushrod: its strut is the spring", topology.name))?;
+        text = with_points(&text, points, "rocker_angle");
+    }
+    if parts.contains(&Part::AntiRollBar) {
+        text = with_points(&text, fitting.anti_roll_bar, "anti_roll_bar_angle");
+    }
+    let steers = fitting.steers;
+    if parts.contains(&Part::Sweep) {
+        let _ = write!(
+            text,
+            r#"
+[sweep]
+method = "sobol"                 # or "latin_hypercube", "random", "saltelli"; or "grid" with steps in each variable
+samples = 1024
+variables = [                    # offsets from the design
+  {{ hardpoint = "{steers}", axis = "z", range = [-10.0, 10.0] }},
+  {{ hardpoint = "{steers}", axis = "y", range = [-10.0, 10.0] }},
+]
+"#
+        );
+    }
+    if parts.contains(&Part::Optimise) {
+        let _ = write!(
+            text,
+            r#"
+[optimise]
+starts = 4                       # the design, then points spread over the ranges
+variables = [                    # offsets from the design
+  {{ hardpoint = "{steers}", axis = "z", range = [-20.0, 20.0] }},
+  {{ hardpoint = "{steers}", axis = "y", range = [-20.0, 20.0] }},
+]
+targets = [                      # a curve over the motion, or `at` one value of it
+  {{ characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 }},
+]
+"#
+        );
+    }
+    Ok(text)
+}
+
+/// The text with points behind its hardpoints, in place of those of the same name, and one more output.
+fn with_points(text: &str, points: Points, output: &str) -> String {
+    let is_replaced = |line: &str| {
+        let key = line.split('=').next().unwrap_or("").trim();
+        points.iter().any(|(name, ..)| *name == key)
+    };
+    let mut written = String::new();
+    let mut within = false;
+    for line in text.lines() {
+        if within && (line.trim().is_empty() || line.starts_with("# Pushrod")) {
+            for (name, [x, y, z], what) in points {
+                let _ = writeln!(
+                    written,
+                    "{name:20} = [{x:7.1}, {y:6.1}, {z:6.1}]   # {what}"
+                );
+            }
+            within = false;
+        }
+        within |= line.starts_with("[suspension.hardpoints]");
+        if is_replaced(line) || line.starts_with("# Pushrod") {
+            continue;
+        }
+        match line.strip_prefix("characteristics = [") {
+            Some(names) => {
+                let names = names.trim_end_matches(']');
+                let _ = writeln!(written, "characteristics = [{names}, \"{output}\"]");
+            }
+            None => written = written + line + "\n",
+        }
+    }
+    written
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curves::curves;
+    use crate::plan::Plan;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// Each part alone and all together, over the whole motion.
+    #[test]
+    fn every_template_runs_with_every_part() {
+        for topology in Topology::ALL {
+            let all: Vec<Part> = Part::value_variants()
+                .iter()
+                .copied()
+                .filter(|part| study(topology, &[*part]).is_ok())
+                .collect();
+            let alone = all.iter().map(|part| vec![*part]);
+            for parts in alone.chain([all.clone()]) {
+                let text = study(topology, &parts).unwrap();
+                let study = Study::from_text("new.toml", &text, Path::new(""));
+                let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
+                let solved = curves(&study.suspension, &Plan::of(&study)).unwrap();
+                assert!(solved.are_complete(), "{} {parts:?}", topology.name);
+                assert_eq!(study.optimise.is_some(), parts.contains(&Part::Optimise));
+                assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
+            }
+        }
+    }
 }

@@ -36,6 +36,16 @@ pub enum Side {
     Right,
 }
 
+impl Side {
+    /// Both.
+    pub const ALL: [Side; 2] = [Side::Left, Side::Right];
+
+    /// Its name in studies.
+    pub fn name(self) -> &'static str {
+        ["left", "right"][self as usize]
+    }
+}
+
 /// The axis convention of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameConvention {
@@ -47,6 +57,20 @@ pub enum FrameConvention {
     XRear,
 }
 
+impl FrameConvention {
+    /// Every convention there is.
+    pub const ALL: [FrameConvention; 3] = [
+        FrameConvention::Iso8855,
+        FrameConvention::SaeJ670,
+        FrameConvention::XRear,
+    ];
+
+    /// Its name in studies.
+    pub fn name(self) -> &'static str {
+        ["iso8855", "sae_j670", "x_rear"][self as usize]
+    }
+}
+
 /// The unit of every length in a study and in its results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthUnit {
@@ -54,14 +78,20 @@ pub enum LengthUnit {
     Millimetre,
     /// Metres.
     Metre,
+    /// Inches of 25.4 mm.
+    Inch,
 }
 
 impl LengthUnit {
+    /// Every unit there is.
+    pub const ALL: [LengthUnit; 3] = [LengthUnit::Millimetre, LengthUnit::Metre, LengthUnit::Inch];
+
     /// The unit's symbol.
     pub fn symbol(self) -> &'static str {
         match self {
             LengthUnit::Millimetre => "mm",
             LengthUnit::Metre => "m",
+            LengthUnit::Inch => "in",
         }
     }
 
@@ -70,6 +100,7 @@ impl LengthUnit {
         match self {
             LengthUnit::Millimetre => 1000.0,
             LengthUnit::Metre => 1.0,
+            LengthUnit::Inch => 1.0 / 0.0254,
         }
     }
 }
@@ -94,6 +125,14 @@ impl Frame {
         Frame { signs }
     }
 
+    /// The convention and the side it is the frame of: no two have the same signs.
+    pub fn meaning(&self) -> (FrameConvention, Side) {
+        let both = |convention| Side::ALL.map(|side| (convention, side));
+        let mut all = FrameConvention::ALL.into_iter().flat_map(both);
+        all.find(|(convention, side)| Frame::new(*convention, *side) == *self)
+            .expect("a frame is made of a convention and a side")
+    }
+
     /// The sign of one coordinate: kernel = sign x study, and the other way round.
     pub fn sign(&self, axis: Axis) -> f64 {
         self.signs[axis as usize]
@@ -115,6 +154,15 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn signs_tell_convention_and_side() {
+        for convention in FrameConvention::ALL {
+            for side in Side::ALL {
+                assert_eq!(Frame::new(convention, side).meaning(), (convention, side));
+            }
+        }
+    }
 
     /// omega x r maps like a vector when omega maps like a turn, in every convention.
     #[test]

@@ -4,6 +4,7 @@
 //! [`pictures`] are made of that alone.
 
 mod accuracy;
+mod comparison;
 mod completeness;
 mod curve_table;
 mod failures;
@@ -27,6 +28,7 @@ mod tolerance_summary;
 mod tuning_summary;
 
 pub use accuracy::remarks;
+pub use comparison::{Compared, ComparedOutput, Comparison};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
@@ -34,7 +36,7 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::FinishedRun;
 pub use influence::Influence;
-pub use page::{page, sweep_page};
+pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};

@@ -48,7 +48,7 @@ pub struct Suspension {
     pub topology: Text,
     /// `left` or `right`.
     pub side: Option<Text>,
-    /// `mm` or `m`.
+    /// `mm`, `m` or `in`.
     pub length_unit: Option<Text>,
     /// Name of the axis convention.
     pub frame: Option<Text>,

@@ -44,7 +44,8 @@ fn add(section: &file::Suspension, fault: &GeometryFault, problems: &mut Problem
         GeometryFault::ImplausibleSize { .. } => {
             let written = section.length_unit.as_ref();
             let place = written.map_or(section.hardpoints.span(), Text::span);
-            let help = "length_unit is the unit of every length in the file: \"mm\" or \"m\"";
+            let help =
+                "length_unit is the unit of every length in the file: \"mm\", \"m\" or \"in\"";
             problems.add(place, message).help(help);
         }
         GeometryFault::WrongSide { wheel_centre } => {

@@ -25,6 +25,7 @@ mod overrides;
 mod parse;
 mod place;
 mod resolve;
+mod schema;
 mod setup;
 mod solver;
 mod source;
@@ -36,6 +37,7 @@ mod value;
 
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
+pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 
 use crate::build::BuildParameter;

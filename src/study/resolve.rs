@@ -20,12 +20,18 @@ pub struct Context<'a> {
 }
 
 impl Study {
-    /// Reads a study file. `overrides` are edits `path=value` (as in `optimise.starts=4`), applied to
+    /// Reads a study file, or standard input for `-`. `overrides` are edits `path=value` (as in `optimise.starts=4`), applied to
     /// the text before it is read.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
+        let is_input = path == Path::new("-");
+        let path = if is_input { Path::new("stdin") } else { path };
         let name = path.display().to_string();
-        let text = source::read_text(path, source::LONGEST_TEXT)
-            .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
+        let text = match is_input {
+            true => source::read_input(source::LONGEST_TEXT),
+            false => source::read_text(path, source::LONGEST_TEXT),
+        };
+        let text =
+            text.map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         if overrides.is_empty() {
             return Study::from_text(&name, &text, directory);

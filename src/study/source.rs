@@ -31,11 +31,33 @@ pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
         .read_to_end(&mut bytes)
         .map_err(failed)?;
     if bytes.len() as u64 > longest {
-        return Err(format!(
-            "it is longer than {} MB, the most that is read of such a file",
-            longest >> 20
-        ));
+        return Err(too_long(longest));
     }
+    as_text(bytes)
+}
+
+/// What comes from standard input, up to so many bytes.
+pub fn read_input(longest: u64) -> Result<String, String> {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin()
+        .lock()
+        .take(longest + 1)
+        .read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > longest {
+        return Err(too_long(longest));
+    }
+    as_text(bytes)
+}
+
+fn too_long(longest: u64) -> String {
+    format!(
+        "it is longer than {} MB, the most that is read of such a file",
+        longest >> 20
+    )
+}
+
+fn as_text(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid]

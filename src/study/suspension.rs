@@ -21,7 +21,7 @@ pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
     let length_unit = match &section.length_unit {
         None => Some(LengthUnit::Millimetre),
         Some(text) => {
-            let units = [LengthUnit::Millimetre, LengthUnit::Metre].map(|u| (u.symbol(), u));
+            let units = LengthUnit::ALL.map(|u| (u.symbol(), u));
             choose(text, "length unit", &units, problems)
         }
     };
@@ -68,12 +68,8 @@ struct Given<'a> {
 }
 
 fn frame(section: &file::Suspension, problems: &mut Problems) -> Option<Frame> {
-    let sides = [("left", Side::Left), ("right", Side::Right)];
-    let conventions = [
-        ("iso8855", FrameConvention::Iso8855),
-        ("sae_j670", FrameConvention::SaeJ670),
-        ("x_rear", FrameConvention::XRear),
-    ];
+    let sides = Side::ALL.map(|side| (side.name(), side));
+    let conventions = FrameConvention::ALL.map(|convention| (convention.name(), convention));
     let side = match &section.side {
         None => Some(Side::Left),
         Some(text) => choose(text, "side", &sides, problems),

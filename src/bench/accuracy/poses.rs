@@ -7,7 +7,7 @@ use crate::attia::PointCoordinates;
 use crate::attia::{Strut, StrutPoints};
 use crate::bench::Job;
 use crate::mechanism::{Configuration, Pose, Work};
-use crate::model::{Drive, LengthUnit};
+use crate::model::Drive;
 use crate::number::{DoubleDouble, Vector3};
 use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
 use crate::solve::{PoseError, Solver, StationOrder};
@@ -271,10 +271,7 @@ pub(super) fn measure(
 }
 
 fn in_length_units(metres: f64, subject: &Subject<'_>) -> f64 {
-    match subject.suspension.length_unit {
-        LengthUnit::Millimetre => 1e3 * metres,
-        LengthUnit::Metre => metres,
-    }
+    subject.suspension.length_unit.per_metre() * metres
 }
 
 fn by_closed_form<T: Measured>(

@@ -3,6 +3,7 @@
 //! Text and tables are written here; plots are drawn by the page's own small script, which hands the
 //! data of the run to plotly.js. The page loads nothing and its policy says so.
 
+mod compare;
 mod escape;
 mod library;
 mod policy;
@@ -10,6 +11,7 @@ mod run;
 mod sweep;
 mod table;
 
+pub use compare::comparison_page;
 pub use run::page;
 pub use sweep::sweep_page;
 

@@ -1,0 +1,206 @@
+//! `hardpoint compare`
+
+use super::TableFormat;
+use super::exit::{Exit, Stop};
+use super::terminal::{note, print, width};
+use crate::curves::curves;
+use crate::model::{Axis, LengthUnit, Suspension};
+use crate::plan::Plan;
+use crate::report::{
+    Compared, Comparison, CurveTable, Format, Tables, comparison_page, curves_csv,
+};
+use crate::results::{Claim, RunDirectory};
+use crate::study::{Drive, Study};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// What is compared, and where it goes.
+#[derive(Args)]
+pub(super) struct CompareArguments {
+    /// Studies and directories of runs, in any mixture; the first is what the others are compared with
+    #[arg(required = true, num_args = 2.., value_name = "STUDY_OR_RUN")]
+    sources: Vec<PathBuf>,
+    /// Directory for comparison.csv and report.html, or - for the CSV on standard output
+    #[arg(long, value_name = "DIR", default_value = "out/compare")]
+    out: PathBuf,
+    /// Replace what other commands have written there
+    #[arg(long)]
+    force: bool,
+    /// How tables are printed
+    #[arg(long, value_enum, default_value_t = TableFormat::Text)]
+    format: TableFormat,
+}
+
+pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
+    let labels = labels(&arguments.sources);
+    let mut designs: Vec<Compared> = Vec::new();
+    // Studies are solved over the motion of the first one.
+    let mut motion = None;
+    let mut is_complete = true;
+    for (path, label) in arguments.sources.iter().zip(labels) {
+        let (compared, complete) = match path.is_dir() {
+            true => (of_run(path, label)?, true),
+            false => of_study(path, label, &mut motion)?,
+        };
+        is_complete &= complete;
+        designs.push(compared);
+    }
+    let comparison = Comparison::of(&designs).map_err(Stop::wrong_input)?;
+    let mut topologies: Vec<String> = designs.iter().filter_map(|d| d.topology.clone()).collect();
+    topologies.dedup();
+    if arguments.out == Path::new("-") {
+        use std::io::Write;
+        std::io::stdout().write_all(&comparison.csv())?;
+    } else {
+        let claim = Claim {
+            command: "compare",
+            files: &["comparison.csv", "report.html"],
+            inputs: &arguments.sources,
+            force: arguments.force,
+            ..Claim::default()
+        };
+        let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
+        let files: Vec<String> = arguments
+            .sources
+            .iter()
+            .map(|p| p.display().to_string())
+            .collect();
+        let page = comparison_page(&comparison, &topologies, &files);
+        for (name, contents) in [
+            ("comparison.csv", comparison.csv()),
+            ("report.html", page.into_bytes()),
+        ] {
+            directory.write(name, &contents).map_err(Stop::unwritten)?;
+        }
+        directory.finish().map_err(Stop::unwritten)?;
+    }
+    let mut tables = Tables::default();
+    tables.push("figures", comparison.table());
+    let moved = comparison.moved_table();
+    if !moved.is_empty() {
+        tables.push("moved", moved);
+    }
+    let format: Format = arguments.format.into();
+    if arguments.out != Path::new("-") {
+        print(&tables.render(format, width()))?;
+        note(&format!(
+            "\n{}: comparison.csv, report.html\n",
+            arguments.out.display()
+        ));
+    }
+    for (column, labels) in &comparison.partial {
+        note(&format!("{column}: of {} alone\n", labels.join(", ")));
+    }
+    Ok(match is_complete {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}
+
+/// Names of files without what they share, each different.
+fn labels(sources: &[PathBuf]) -> Vec<String> {
+    let mut labels: Vec<String> = Vec::new();
+    for path in sources {
+        let name = if path.is_dir() {
+            path.file_name()
+        } else {
+            path.file_stem()
+        };
+        let name = name.map_or_else(
+            || path.display().to_string(),
+            |n| n.to_string_lossy().into_owned(),
+        );
+        let is_taken = labels.contains(&name);
+        let label = if is_taken {
+            path.display().to_string()
+        } else {
+            name
+        };
+        let taken = labels.iter().filter(|known| **known == label).count();
+        labels.push(if taken > 0 {
+            format!("{label} ({})", labels.len() + 1)
+        } else {
+            label
+        });
+    }
+    labels
+}
+
+/// The travels and racks of the first study, and the unit they are in.
+type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
+
+fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
+    let mut study = Study::read(path, &[])?;
+    let unit = study.suspension.length_unit;
+    let motion = &mut study.motion;
+    if motion.drive == Drive::Travel && motion.time.is_none() {
+        match first {
+            None => {
+                let racks = (motion.rack.clone(), motion.rack_moves);
+                *first = Some((motion.values.clone(), racks.0, racks.1, unit));
+            }
+            Some((travels, racks, moves, of)) => {
+                let ratio = unit.per_metre() / of.per_metre();
+                motion.values = travels.iter().map(|travel| travel * ratio).collect();
+                motion.rack = racks.iter().map(|rack| rack * ratio).collect();
+                motion.rack_moves = *moves;
+            }
+        }
+    }
+    let plan = Plan::of(&study);
+    let solved = curves(&study.suspension, &plan).map_err(|fault| {
+        let reason = fault.describe(&study.suspension.mechanism);
+        Stop::wrong_input(format!("{}: {reason}", path.display()))
+    })?;
+    let csv = curves_csv(&solved, &plan, unit);
+    let table = CurveTable::read(&csv).expect("curves are written as they are read");
+    let compared = compared(label, &study.suspension, table);
+    Ok((compared, solved.are_complete()))
+}
+
+fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compared {
+    let points = suspension.mechanism.points.iter().zip(&suspension.design);
+    let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
+    Compared {
+        label,
+        topology: Some(suspension.mechanism.topology.name.to_owned()),
+        curves,
+        unit: suspension.length_unit,
+        points: Some((
+            points.collect(),
+            Axis::ALL.map(|axis| suspension.frame.sign(axis)),
+        )),
+    }
+}
+
+/// A finished run: the curves it wrote, and the points of the study it keeps.
+fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
+    let refused = |reason: String| Stop::wrong_input(format!("{}: {reason}", path.display()));
+    let csv = std::fs::read(path.join("curves.csv")).map_err(|_| {
+        refused(
+            "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write"
+                .to_owned(),
+        )
+    })?;
+    let table =
+        CurveTable::read(&csv).map_err(|reason| refused(format!("curves.csv: {reason}")))?;
+    let kept = ["optimised.toml", "study.toml"].map(|name| path.join(name));
+    if let Some(file) = kept.iter().find(|file| file.is_file()) {
+        let study = Study::read(file, &[])?;
+        return Ok(compared(label, &study.suspension, table));
+    }
+    let first = table.header.first().map_or("", String::as_str);
+    let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
+    let unit = unit.ok_or_else(|| {
+        refused(format!(
+            "curves.csv: the first column is {first}, which has no unit of length"
+        ))
+    })?;
+    Ok(Compared {
+        label,
+        topology: None,
+        curves: table,
+        unit,
+        points: None,
+    })
+}

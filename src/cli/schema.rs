@@ -1,0 +1,11 @@
+//! `hardpoint schema`
+
+use super::exit::{Exit, Stop};
+use std::io::Write;
+
+pub(super) fn run() -> Result<Exit, Stop> {
+    let schema = crate::study::schema();
+    let text = serde_json::to_string_pretty(&schema).expect("a schema is plain data");
+    writeln!(std::io::stdout(), "{text}")?;
+    Ok(Exit::Done)
+}

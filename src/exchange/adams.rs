@@ -1,0 +1,493 @@
+//! Subsystem files of Adams/Car: text in blocks ("TeimOrbit" format).
+//!
+//! ```text
+//! [UNITS]
+//!  LENGTH  =  'mm'
+//! [HARDPOINT]
+//! {hardpoint_name   symmetry       x_value   y_value   z_value}
+//!  'lca_front   '  'left/right'    67.0      -400.0     180.0
+//! [PARAMETER]
+//! {parameter_name   symmetry       type      value}
+//!  'camber_angle'  'left/right'   'real'     -0.5
+//! ```
+//!
+//! A block begins with its name in brackets, which may be in either case; `$` and `!` begin comments,
+//! braces name the columns, texts are in single quotes and may be padded with blanks. A hardpoint of both
+//! sides (`left/right`) is given for the left one; the right one is its mirror image. x points rearward, y
+//! to the right and z up. Camber is positive with the top of the wheel leaning outward, toe with its front
+//! turned inward, as in studies.
+
+use crate::model::LengthUnit;
+
+/// Of which wheel a row speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// The left one, and the right one as its mirror image.
+    Both,
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+    /// Neither: a point of the car.
+    Single,
+}
+
+impl Symmetry {
+    fn named(name: &str) -> Option<Self> {
+        match name.to_ascii_lowercase().as_str() {
+            "left/right" => Some(Symmetry::Both),
+            "left" => Some(Symmetry::Left),
+            "right" => Some(Symmetry::Right),
+            "single" => Some(Symmetry::Single),
+            _ => None,
+        }
+    }
+}
+
+/// A hardpoint of a subsystem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubsystemPoint {
+    /// Its name, without padding.
+    pub name: String,
+    /// Of which wheel.
+    pub symmetry: Symmetry,
+    /// x rearward, y right, z up, in the file's unit.
+    pub position: [f64; 3],
+    /// Its line, counted from 1.
+    pub line: usize,
+}
+
+/// A parameter of a subsystem that is a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubsystemParameter {
+    /// Its name, without padding.
+    pub name: String,
+    /// Of which wheel.
+    pub symmetry: Symmetry,
+    /// Its value, in the file's unit.
+    pub value: f64,
+    /// Its line, counted from 1.
+    pub line: usize,
+}
+
+/// What a subsystem file says of geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subsystem {
+    /// The unit of length, where the file gives one.
+    pub length: Option<LengthUnit>,
+    /// Whether angles are in degrees.
+    pub degrees: bool,
+    /// The template it is made for, where the file says so.
+    pub template: Option<String>,
+    /// The hardpoints.
+    pub points: Vec<SubsystemPoint>,
+    /// The parameters that are numbers.
+    pub parameters: Vec<SubsystemParameter>,
+}
+
+/// Whether a text is such a file: it has a block of hardpoints.
+pub fn is_subsystem(text: &str) -> bool {
+    text.lines()
+        .any(|line| block(line) == Some("HARDPOINT".to_owned()))
+}
+
+/// Bytes as text, each byte a character: the files name no encoding, and none of their structure needs
+/// one.
+pub fn text_of(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| char::from(*byte)).collect()
+}
+
+/// The bytes of such a text.
+pub fn bytes_of(text: &str) -> Vec<u8> {
+    text.chars()
+        .map(|c| u8::try_from(c).unwrap_or(b'?'))
+        .collect()
+}
+
+/// The name of the block a line begins, in capitals.
+fn block(line: &str) -> Option<String> {
+    let name = line.trim().strip_prefix('[')?.split(']').next()?;
+    Some(name.trim().to_ascii_uppercase())
+}
+
+/// Reads a subsystem.
+pub fn read(text: &str) -> Result<Subsystem, String> {
+    let mut subsystem = Subsystem {
+        length: None,
+        degrees: true,
+        template: None,
+        points: Vec::new(),
+        parameters: Vec::new(),
+    };
+    let mut within = String::new();
+    for (line, number) in text.lines().zip(1..) {
+        if let Some(name) = block(line) {
+            within = name;
+            continue;
+        }
+        // Parts of a block in parentheses have rows of another kind.
+        if line.trim_start().starts_with('(') {
+            within.clear();
+        }
+        if line.trim_start().starts_with(['$', '!', '{', '#']) || line.trim().is_empty() {
+            continue;
+        }
+        let at = |reason: String| format!("line {number}: {reason}");
+        match within.as_str() {
+            "UNITS" => units(line, &mut subsystem).map_err(at)?,
+            "SUBSYSTEM_HEADER" => {
+                if let Some((key, value)) = assignment(line)
+                    && key == "TEMPLATE_NAME"
+                {
+                    subsystem.template = Some(value);
+                }
+            }
+            "HARDPOINT" => {
+                let row = row(line).map_err(at)?;
+                let [x, y, z] = row.fields.as_slice() else {
+                    let found = row.fields.len();
+                    let reason = format!(
+                        "expected name, symmetry and three coordinates, found {found} values behind the symmetry"
+                    );
+                    return Err(at(reason));
+                };
+                let number_of = |field: &Field| field.number();
+                subsystem.points.push(SubsystemPoint {
+                    name: row.name.clone(),
+                    symmetry: row.symmetry,
+                    position: [
+                        number_of(x).map_err(at)?,
+                        number_of(y).map_err(at)?,
+                        number_of(z).map_err(at)?,
+                    ],
+                    line: number,
+                });
+                if subsystem.points.len() > 10_000 {
+                    return Err("more than 10000 hardpoints: this is no suspension".to_owned());
+                }
+            }
+            "PARAMETER" => {
+                // Texts and whole numbers are of no concern.
+                if let Ok(row) = row(line)
+                    && let [kind, value] = row.fields.as_slice()
+                    && kind.text == "real"
+                    && let Ok(value) = value.number()
+                {
+                    subsystem.parameters.push(SubsystemParameter {
+                        name: row.name,
+                        symmetry: row.symmetry,
+                        value,
+                        line: number,
+                    });
+                }
+            }
+            _ => (),
+        }
+    }
+    Ok(subsystem)
+}
+
+/// `KEY = 'value'`
+fn assignment(line: &str) -> Option<(String, String)> {
+    let (key, value) = line.split_once('=')?;
+    let value = value.trim().trim_matches('\'').trim();
+    Some((key.trim().to_ascii_uppercase(), value.to_owned()))
+}
+
+fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
+    let Some((key, value)) = assignment(line) else {
+        return Ok(());
+    };
+    match key.as_str() {
+        "LENGTH" => {
+            subsystem.length = Some(match value.to_ascii_lowercase().as_str() {
+                "mm" | "millimeter" => LengthUnit::Millimetre,
+                "m" | "meter" => LengthUnit::Metre,
+                "in" | "inch" => LengthUnit::Inch,
+                _ => {
+                    return Err(format!(
+                        "the unit of length is {value:?}; expected 'mm', 'meter' or 'inch'"
+                    ));
+                }
+            });
+        }
+        "ANGLE" => {
+            subsystem.degrees = match value.to_ascii_lowercase().as_str() {
+                "deg" | "degree" | "degrees" => true,
+                "rad" | "radian" | "radians" => false,
+                _ => {
+                    return Err(format!(
+                        "the unit of angles is {value:?}; expected 'deg' or 'rad'"
+                    ));
+                }
+            };
+        }
+        _ => (),
+    }
+    Ok(())
+}
+
+/// A value of a row, and where it stands in the line.
+struct Field<'a> {
+    text: &'a str,
+    start: usize,
+}
+
+impl Field<'_> {
+    fn number(&self) -> Result<f64, String> {
+        // Fortran's exponent letter occurs in old files.
+        let text = self.text.replace(['D', 'd'], "e");
+        let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
+        number.ok_or_else(|| format!("expected a number, found {:?}", self.text))
+    }
+}
+
+/// A row of hardpoints or parameters.
+struct Row<'a> {
+    name: String,
+    symmetry: Symmetry,
+    /// What stands behind the symmetry.
+    fields: Vec<Field<'a>>,
+}
+
+fn row(line: &str) -> Result<Row<'_>, String> {
+    let mut fields = fields(line).into_iter();
+    let (Some(name), Some(symmetry)) = (fields.next(), fields.next()) else {
+        return Err("expected name and symmetry in single quotes".to_owned());
+    };
+    let symmetry = Symmetry::named(symmetry.text).ok_or_else(|| {
+        format!(
+            "the symmetry is {:?}; expected 'left/right', 'left', 'right' or 'single'",
+            symmetry.text
+        )
+    })?;
+    Ok(Row {
+        name: name.text.to_owned(),
+        symmetry,
+        fields: fields.collect(),
+    })
+}
+
+/// The values of a line: words, and texts in single quotes without their padding.
+fn fields(line: &str) -> Vec<Field<'_>> {
+    let mut fields = Vec::new();
+    let mut at = 0;
+    while let Some(blank) = line[at..].find(|c: char| !c.is_whitespace()) {
+        let start = at + blank;
+        let rest = &line[start..];
+        let length = match rest.strip_prefix('\'') {
+            Some(quoted) => quoted.find('\'').map_or(rest.len(), |end| end + 2),
+            None => rest.find(char::is_whitespace).unwrap_or(rest.len()),
+        };
+        let text = rest[..length].trim_matches('\'').trim();
+        // A comment behind the values.
+        if rest.starts_with(['$', '!']) {
+            break;
+        }
+        fields.push(Field { text, start });
+        at = start + length;
+    }
+    fields
+}
+
+/// What a file becomes with other coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rewritten {
+    /// Its text; all but the coordinates is as it was.
+    pub text: String,
+    /// How many rows were changed.
+    pub rows: usize,
+}
+
+/// The text of a subsystem with coordinates from a function of name and symmetry, in the file's unit and
+/// axes. Rows for which it knows none stay.
+pub fn rewritten(text: &str, position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>) -> Rewritten {
+    let mut written = String::with_capacity(text.len());
+    let mut rows = 0;
+    let mut within = false;
+    for line in text.split_inclusive('\n') {
+        if let Some(name) = block(line) {
+            within = name == "HARDPOINT";
+        } else if line.trim_start().starts_with('(') {
+            within = false;
+        }
+        let is_row = within && line.trim_start().starts_with('\'');
+        let found = row(line).ok().filter(|_| is_row);
+        let new = found
+            .as_ref()
+            .and_then(|row| position(&row.name, row.symmetry));
+        let (Some(row), Some(new)) = (found, new) else {
+            written += line;
+            continue;
+        };
+        let [first, .., last] = row.fields.as_slice() else {
+            written += line;
+            continue;
+        };
+        rows += 1;
+        written += line[..first.start].trim_end();
+        for number in new {
+            written += &format!("  {:>14}", coordinate(number));
+        }
+        written += &line[last.start + last.text.len()..];
+    }
+    Rewritten {
+        text: written,
+        rows,
+    }
+}
+
+/// A coordinate as these files write it: with a point, and the shortest that reads back to the same bits.
+fn coordinate(number: f64) -> String {
+    format!("{:?}", number + 0.0)
+}
+
+/// A new subsystem file with these hardpoints and parameters: as much of one as carries geometry.
+pub fn written(
+    length: LengthUnit,
+    points: &[(String, Symmetry, [f64; 3])],
+    parameters: &[(String, f64)],
+) -> String {
+    let unit = match length {
+        LengthUnit::Millimetre => "mm",
+        LengthUnit::Metre => "meter",
+        LengthUnit::Inch => "inch",
+    };
+    let rule = |name: &str| format!("${name:->79}\n[{name}]\n");
+    let mut text = rule("MDI_HEADER");
+    text += " FILE_TYPE     =  'sub'\n FILE_VERSION  =  7.0\n FILE_FORMAT   =  'ASCII'\n";
+    text += &rule("UNITS");
+    text += &format!(
+        " LENGTH  =  '{unit}'\n FORCE   =  'newton'\n ANGLE   =  'deg'\n MASS    =  'kg'\n TIME    =  'sec'\n"
+    );
+    text += &rule("HARDPOINT");
+    text += "{hardpoint_name                  symmetry         x_value         y_value         z_value}\n";
+    for (name, symmetry, [x, y, z]) in points {
+        let symmetry = match symmetry {
+            Symmetry::Both => "left/right",
+            Symmetry::Left => "left",
+            Symmetry::Right => "right",
+            Symmetry::Single => "single",
+        };
+        let [x, y, z] = [x, y, z].map(|number| coordinate(*number));
+        text += &format!(" '{name:<28}'  '{symmetry:<10}'  {x:>14}  {y:>14}  {z:>14}\n");
+    }
+    if !parameters.is_empty() {
+        text += &rule("PARAMETER");
+        text += "{parameter_name                  symmetry       type       value}\n";
+    }
+    for (name, value) in parameters {
+        let value = coordinate(*value);
+        text += &format!(" '{name:<28}'  'left/right'   'real'     {value}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILE: &str = "\
+$---------------------------------UNITS
+[UNITS]
+ LENGTH = 'inch'
+ ANGLE = 'deg'
+$---------------------------------HARDPOINT
+[hardpoint]
+{hardpoint_name  symmetry  x_value  y_value  z_value}
+ 'lca_front       '  'left/right'   1.5  -16.0   7.25
+ 'lca_rear'  'right'  1.1D+1   16.25   7.5   $ as measured
+ 'rack_centre '  'single    '  18.0  0.0  13.0
+[PARAMETER]
+{parameter_name  symmetry  type  value}
+ 'camber_angle  '  'left/right'  'real'  -0.5
+ 'kinematic_flag'  'single'  'integer'  0
+(COMMENTS)
+ 'a note'
+";
+
+    #[test]
+    fn the_blocks_are_read() {
+        let read = read(FILE).unwrap();
+        assert_eq!(read.length, Some(LengthUnit::Inch));
+        let point = |i: usize| {
+            (
+                read.points[i].name.as_str(),
+                read.points[i].symmetry,
+                read.points[i].position,
+            )
+        };
+        assert_eq!(point(0), ("lca_front", Symmetry::Both, [1.5, -16.0, 7.25]));
+        assert_eq!(point(1), ("lca_rear", Symmetry::Right, [11.0, 16.25, 7.5]));
+        assert_eq!(point(2).1, Symmetry::Single);
+        assert_eq!(read.parameters.len(), 1);
+        assert_eq!(
+            (read.parameters[0].name.as_str(), read.parameters[0].value),
+            ("camber_angle", -0.5)
+        );
+        assert!(is_subsystem(FILE) && !is_subsystem("name,x,y,z\n"));
+    }
+
+    #[test]
+    fn a_row_that_is_wrong_is_named() {
+        for (from, to, expected) in [
+            (
+                "-16.0",
+                "sixteen",
+                "line 8: expected a number, found \"sixteen\"",
+            ),
+            (
+                "7.25",
+                "",
+                "line 8: expected name, symmetry and three coordinates",
+            ),
+            (
+                "'right'",
+                "'starboard'",
+                "line 9: the symmetry is \"starboard\"",
+            ),
+            (
+                "'inch'",
+                "'furlong'",
+                "line 3: the unit of length is \"furlong\"",
+            ),
+            ("-16.0", "NaN", "line 8: expected a number"),
+        ] {
+            let error = read(&FILE.replacen(from, to, 1)).unwrap_err();
+            assert!(error.starts_with(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn rewriting_changes_coordinates_and_nothing_else() {
+        let text = FILE.replace('\n', "\r\n");
+        let same = rewritten(&text, |_, _| None);
+        assert_eq!((same.text.as_str(), same.rows), (text.as_str(), 0));
+        let changed = rewritten(&text, |name, _| {
+            (name == "lca_rear").then_some([0.1, 1.0 / 3.0, -7e-9])
+        });
+        assert_eq!(changed.rows, 1);
+        assert!(changed.text.contains("$ as measured\r\n"));
+        let back = read(&changed.text).unwrap();
+        assert_eq!(back.points[1].position, [0.1, 1.0 / 3.0, -7e-9]);
+        let others =
+            |subsystem: &Subsystem| (subsystem.points[0].clone(), subsystem.points[2].clone());
+        assert_eq!(others(&back), others(&read(&text).unwrap()));
+    }
+
+    #[test]
+    fn a_written_file_reads_back() {
+        let points = vec![(
+            "lca_front".to_owned(),
+            Symmetry::Both,
+            [0.1, -1.0 / 3.0, 195.0],
+        )];
+        let parameters = vec![("toe_angle".to_owned(), 0.1)];
+        for unit in [LengthUnit::Millimetre, LengthUnit::Metre, LengthUnit::Inch] {
+            let back = read(&written(unit, &points, &parameters)).unwrap();
+            assert_eq!(back.length, Some(unit));
+            assert_eq!(back.points[0].position, points[0].2);
+            assert_eq!(back.parameters[0].value, 0.1);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Cells of a table, whatever file it came from.
+
+use std::collections::BTreeMap;
+
+/// What a cell holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number that the file stores as a number.
+    Number(f64),
+    /// A text; of a file of text, also one that may be a number.
+    Text(String),
+    /// Something that has no value here, and what it is: "the error #REF!".
+    Unusable(String),
+}
+
+/// How places of a table are called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Places {
+    /// By line and column, counted from 1.
+    Lines,
+    /// As spreadsheets do: B3.
+    Spreadsheet,
+}
+
+/// A table: cells by row and column, both counted from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Its name; empty where the file is one table.
+    pub name: String,
+    /// The cells that hold something.
+    pub cells: BTreeMap<(u32, u32), Cell>,
+    /// How its places are called.
+    pub places: Places,
+}
+
+impl Sheet {
+    /// The most cells of a table that is read: hardpoints fill a few hundred.
+    pub const MOST_CELLS: usize = 200_000;
+
+    /// A table without cells.
+    pub fn new(name: impl Into<String>, places: Places) -> Self {
+        Sheet {
+            name: name.into(),
+            cells: BTreeMap::new(),
+            places,
+        }
+    }
+
+    /// Puts a cell, or says that there are too many.
+    pub fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
+        if self.cells.len() >= Sheet::MOST_CELLS {
+            return Err(format!(
+                "more than {} cells are filled: this is no table of hardpoints",
+                Sheet::MOST_CELLS
+            ));
+        }
+        self.cells.insert((row, column), cell);
+        Ok(())
+    }
+
+    /// The cells of a row, with their columns.
+    pub fn row(&self, row: u32) -> impl Iterator<Item = (u32, &Cell)> {
+        let cells = self.cells.range((row, 0)..=(row, u32::MAX));
+        cells.map(|((_, column), cell)| (*column, cell))
+    }
+
+    /// The numbers of rows that hold something, in order.
+    pub fn rows(&self) -> Vec<u32> {
+        let mut rows: Vec<u32> = self.cells.keys().map(|(row, _)| *row).collect();
+        rows.dedup();
+        rows
+    }
+
+    /// The cell at a place.
+    pub fn cell(&self, row: u32, column: u32) -> Option<&Cell> {
+        self.cells.get(&(row, column))
+    }
+
+    /// What a place is called.
+    pub fn place(&self, row: u32, column: u32) -> String {
+        match self.places {
+            Places::Lines => format!("line {}, column {}", row + 1, column + 1),
+            Places::Spreadsheet => format!("{}{}", letters(column), row + 1),
+        }
+    }
+
+    /// What a row is called.
+    pub fn row_place(&self, row: u32) -> String {
+        match self.places {
+            Places::Lines => format!("line {}", row + 1),
+            Places::Spreadsheet => format!("row {}", row + 1),
+        }
+    }
+}
+
+/// The letters of a spreadsheet's column, counted from 0: A, ..., Z, AA, ...
+pub fn letters(column: u32) -> String {
+    let mut number = column + 1;
+    let mut letters = Vec::new();
+    while number > 0 {
+        let digit = (number - 1) % 26;
+        letters.push(char::from(b'A' + digit as u8));
+        number = (number - 1) / 26;
+    }
+    letters.iter().rev().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_called_as_in_spreadsheets() {
+        for (column, name) in [(0, "A"), (25, "Z"), (26, "AA"), (701, "ZZ"), (702, "AAA")] {
+            assert_eq!(letters(column), name);
+        }
+    }
+
+    #[test]
+    fn a_table_of_a_million_cells_is_refused() {
+        let mut sheet = Sheet::new("", Places::Lines);
+        let filled = (0..1_000_000).try_for_each(|row| sheet.put(row, 0, Cell::Number(1.0)));
+        assert!(filled.unwrap_err().contains("no table of hardpoints"));
+        assert_eq!(sheet.cells.len(), Sheet::MOST_CELLS);
+    }
+}

@@ -1,0 +1,168 @@
+//! The study of an imported wheel: a text that runs as it is.
+
+use super::import::Imported;
+use crate::characteristics::Characteristic;
+use crate::curves::curves;
+use crate::model::LengthUnit;
+use crate::plan::Plan;
+use crate::study::Study;
+use std::fmt::Write;
+use std::path::Path;
+
+/// What is asked for, as far as the points carry it.
+const OUTPUTS: [Characteristic; 8] = [
+    Characteristic::Camber,
+    Characteristic::Toe,
+    Characteristic::KingpinInclination,
+    Characteristic::Caster,
+    Characteristic::ScrubRadius,
+    Characteristic::CasterTrail,
+    Characteristic::HalfTrackChange,
+    Characteristic::MotionRatio,
+];
+
+/// Travels that are tried, in millimetres, the largest first.
+const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, 10.0];
+
+impl Imported {
+    /// The text of a study of the wheel. `name` is what the study goes by in messages, `origin` the file
+    /// the points are from.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the suspension the points make.
+    pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
+        let read = |text: &str| Study::from_text(name, text, Path::new(""));
+        let with = |travel: f64, outputs: &[Characteristic]| self.text(origin, travel, outputs);
+        // Whatever is wrong with the points is said once, not for each output.
+        read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
+        let available: Vec<Characteristic> = OUTPUTS
+            .into_iter()
+            .filter(|output| read(&with(TRAVELS[0], &[*output])).is_ok())
+            .collect();
+        let runs = |travel: f64| {
+            let text = with(travel, &available);
+            let study = read(&text).map_err(|errors| errors.render(false))?;
+            let solved = curves(&study.suspension, &Plan::of(&study));
+            let mechanism = &study.suspension.mechanism;
+            let solved = solved.map_err(|fault| fault.describe(mechanism))?;
+            Ok::<_, String>(solved.are_complete().then_some(text))
+        };
+        for travel in TRAVELS {
+            if let Some(text) = runs(travel)? {
+                return Ok(text);
+            }
+        }
+        let least = TRAVELS[TRAVELS.len() - 1];
+        Err(format!(
+            "the suspension that these points make does not move {least} mm up and down from where it is \
+             drawn: is it {}, and are the names right?",
+            self.topology.name
+        ))
+    }
+
+    fn text(&self, origin: &str, travel_mm: f64, outputs: &[Characteristic]) -> String {
+        let unit = self.unit.symbol();
+        let mut text = format!("# {}, from {}\n\n", self.topology.summary, one_line(origin));
+        text += "[suspension]\n";
+        for (key, value) in [
+            ("topology", self.topology.name),
+            ("side", self.side.name()),
+            ("length_unit", unit),
+            ("frame", self.frame.name()),
+        ] {
+            let _ = writeln!(text, "{key} = \"{value}\"");
+        }
+        text += "\n[suspension.hardpoints]          # design position\n";
+        let longest = self
+            .hardpoints
+            .iter()
+            .map(|h| h.name.len())
+            .max()
+            .unwrap_or(0);
+        for hardpoint in &self.hardpoints {
+            let [x, y, z] = hardpoint.position;
+            let name = hardpoint.name;
+            let from = format!("{:?}, {}", hardpoint.called, hardpoint.place);
+            let _ = writeln!(
+                text,
+                "{name:longest$} = [{x:?}, {y:?}, {z:?}]   # {}",
+                one_line(&from)
+            );
+        }
+        let bodies = self.bodies();
+        if !bodies.is_empty() {
+            text += "\n[suspension.bodies]\n";
+            for (name, body) in bodies {
+                let _ = writeln!(text, "{name} = \"{body}\"");
+            }
+        }
+        text += "\n[wheel]\n";
+        match self.wheel_radius {
+            Some(radius) => writeln!(
+                text,
+                "radius = {radius:?}                   # loaded radius"
+            ),
+            None => writeln!(
+                text,
+                "# radius = ...                 # loaded radius, {unit}"
+            ),
+        }
+        .expect("a text takes everything");
+        for (key, angle) in [
+            ("static_camber", self.static_camber),
+            ("static_toe", self.static_toe),
+        ] {
+            if let Some(angle) = angle {
+                let _ = writeln!(text, "{key} = {angle:?}");
+            }
+        }
+        let travel = self.travel(travel_mm);
+        let _ = writeln!(
+            text,
+            "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
+        );
+        if !outputs.is_empty() {
+            let names: Vec<String> = outputs
+                .iter()
+                .map(|c| format!("\"{}\"", c.info().name))
+                .collect();
+            let _ = writeln!(
+                text,
+                "\n[outputs]\ncharacteristics = [{}]",
+                names.join(", ")
+            );
+        }
+        text
+    }
+
+    /// A round travel of about so many millimetres.
+    fn travel(&self, millimetres: f64) -> f64 {
+        match self.unit {
+            LengthUnit::Millimetre => millimetres,
+            LengthUnit::Metre => millimetres / 1000.0,
+            LengthUnit::Inch => (millimetres / 25.4 * 10.0).floor() / 10.0,
+        }
+    }
+
+    /// Where the ends of springs and rods stand, as far as the file says what is not so anyway.
+    fn bodies(&self) -> Vec<(&'static str, String)> {
+        let names: Vec<&'static str> = self.hardpoints.iter().map(|h| h.name).collect();
+        let mechanism = (self.topology.build)(self.topology, &names);
+        let given = self.hardpoints.iter().filter_map(|hardpoint| {
+            let written = hardpoint.body.as_deref()?;
+            let id = mechanism.point(hardpoint.name)?;
+            let possible = mechanism.possible_bodies(id);
+            let (name, body) = possible.iter().find(|(name, _)| *name == written)?;
+            (*body != mechanism.body(id)).then(|| (hardpoint.name, (*name).to_owned()))
+        });
+        given.collect()
+    }
+}
+
+/// A text for a comment.
+fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
+}

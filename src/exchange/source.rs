@@ -1,0 +1,169 @@
+//! A file of points, whatever it is: a table of text, a workbook or an Adams/Car subsystem.
+
+use super::adams::{self, Symmetry};
+use super::points::{self, NamedPoint, PointTable};
+use super::{delimited, workbook};
+use crate::model::{FrameConvention, Side};
+use std::io::Read;
+use std::path::Path;
+
+/// The largest file that is read, in bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The points of a file; `sheet` names one of a workbook.
+pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
+    let bytes = bytes(path)?;
+    let is_workbook = bytes.starts_with(b"PK\x03\x04");
+    if !is_workbook && let Some(sheet) = sheet {
+        return Err(format!(
+            "it is no workbook, so there is no sheet {sheet:?} in it"
+        ));
+    }
+    if is_workbook {
+        return of_workbook(bytes, sheet);
+    }
+    // The container of old binary workbooks and of encrypted ones.
+    if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
+        return Err("it is an old or an encrypted workbook; save it as .xlsx or .csv".to_owned());
+    }
+    let text = decoded(&bytes)?;
+    if adams::is_subsystem(&text) {
+        return of_subsystem(&text);
+    }
+    let table = points::read(&delimited::read(&text)?)?;
+    table.ok_or_else(|| NO_POINTS.to_owned())
+}
+
+const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
+                         or lines of a name and three numbers";
+
+fn bytes(path: &Path) -> Result<Vec<u8>, String> {
+    if path.is_dir() {
+        return Err("it is a directory".to_owned());
+    }
+    let file = std::fs::File::open(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        _ => error.to_string(),
+    })?;
+    let mut bytes = Vec::new();
+    let read = file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MOST_BYTES {
+        let most = MOST_BYTES >> 20;
+        return Err(format!(
+            "it is larger than {most} MB, which no table of hardpoints is"
+        ));
+    }
+    Ok(bytes)
+}
+
+/// Text in UTF-8, in UTF-16 with its mark as spreadsheets write it, or else a byte for each character.
+fn decoded(bytes: &[u8]) -> Result<String, String> {
+    let wide = |big: bool| {
+        let units = bytes[2..].chunks_exact(2).map(|pair| match big {
+            true => u16::from_be_bytes([pair[0], pair[1]]),
+            false => u16::from_le_bytes([pair[0], pair[1]]),
+        });
+        char::decode_utf16(units)
+            .map(|c| c.unwrap_or('\u{fffd}'))
+            .collect()
+    };
+    let text = match bytes {
+        [0xff, 0xfe, ..] => wide(false),
+        [0xfe, 0xff, ..] => wide(true),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => text.to_owned(),
+            Err(_) => adams::text_of(bytes),
+        },
+    };
+    match text.contains('\0') {
+        true => Err("it is no text, no workbook and no subsystem of Adams/Car".to_owned()),
+        false => Ok(text),
+    }
+}
+
+fn of_workbook(bytes: Vec<u8>, wanted: Option<&str>) -> Result<PointTable, String> {
+    let book = workbook::Workbook::open(bytes)?;
+    let names: Vec<String> = book.names().map(str::to_owned).collect();
+    let quoted = |names: &[String]| {
+        let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        quoted.join(", ")
+    };
+    if let Some(wanted) = wanted {
+        let found = names.iter().position(|name| name == wanted);
+        let number = found
+            .ok_or_else(|| format!("there is no sheet {wanted:?}; there are {}", quoted(&names)))?;
+        let table = points::read(&book.sheet(number)?)?;
+        return table.ok_or_else(|| format!("sheet {wanted:?}: {NO_POINTS}"));
+    }
+    let mut found: Vec<(String, PointTable)> = Vec::new();
+    let mut refused = None;
+    for (number, name) in names.iter().enumerate() {
+        // A sheet that nobody asked for may be anything.
+        match book.sheet(number).and_then(|sheet| points::read(&sheet)) {
+            Ok(Some(table)) => found.push((name.clone(), table)),
+            Ok(None) => (),
+            Err(reason) => refused = refused.or(Some(format!("sheet {name:?}: {reason}"))),
+        }
+    }
+    match found.len() {
+        0 => Err(refused.unwrap_or_else(|| NO_POINTS.to_owned())),
+        1 => {
+            let (name, mut table) = found.remove(0);
+            if names.len() > 1 {
+                table
+                    .notes
+                    .push(format!("sheet {name:?}: the only one with points"));
+            }
+            Ok(table)
+        }
+        _ => {
+            let with_points: Vec<String> = found.into_iter().map(|(name, _)| name).collect();
+            let names = quoted(&with_points);
+            Err(format!(
+                "points are in several sheets, {names}: choose one with --sheet"
+            ))
+        }
+    }
+}
+
+fn of_subsystem(text: &str) -> Result<PointTable, String> {
+    let subsystem = adams::read(text)?;
+    let mut table = PointTable {
+        unit: subsystem.length,
+        frame: Some(FrameConvention::XRear),
+        ..PointTable::default()
+    };
+    if let Some(template) = &subsystem.template {
+        table
+            .notes
+            .push(format!("a subsystem of Adams/Car, made for {template}"));
+    }
+    for point in subsystem.points {
+        table.points.push(NamedPoint {
+            name: point.name,
+            side: match point.symmetry {
+                Symmetry::Left => Some(Side::Left),
+                Symmetry::Right => Some(Side::Right),
+                Symmetry::Both | Symmetry::Single => None,
+            },
+            mirrored: point.symmetry == Symmetry::Both,
+            position: Ok(point.position),
+            body: None,
+            place: format!("line {}", point.line),
+        });
+    }
+    for parameter in subsystem.parameters {
+        // Only these two are geometry, and the same for both wheels in nearly every file.
+        let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
+        if is_angle && parameter.symmetry != Symmetry::Right {
+            let degrees = match subsystem.degrees {
+                true => parameter.value,
+                false => parameter.value.to_degrees(),
+            };
+            let place = format!("line {}", parameter.line);
+            table.figures.push((parameter.name, degrees, place));
+        }
+    }
+    Ok(table)
+}

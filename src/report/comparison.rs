@@ -1,0 +1,454 @@
+//! Curves and points of several designs side by side, in the unit and the axes of the first.
+
+use super::curve_table::CurveTable;
+use super::record::readable_unit;
+use super::table::{Cell, Column, Table};
+use crate::model::LengthUnit;
+use serde::Serialize;
+
+/// A design that is compared.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// What it is called, different for each.
+    pub label: String,
+    /// The topology, where it is known.
+    pub topology: Option<String>,
+    /// Its curves; lengths in `unit`.
+    pub curves: CurveTable,
+    /// The unit of its lengths.
+    pub unit: LengthUnit,
+    /// Its hardpoints in the kernel's frame, in `unit`, and the signs that lead to its own axes.
+    pub points: Option<(Vec<(String, [f64; 3])>, [f64; 3])>,
+}
+
+/// The largest part of a length by which two stations may differ and be the same.
+const SAME: f64 = 1e-9;
+
+/// Several designs laid over each other.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// What the designs are called.
+    pub labels: Vec<String>,
+    /// The column that the curves are drawn over.
+    pub drive: String,
+    /// Where all of them stand: values of the drive and of the rack.
+    pub stations: Vec<[f64; 2]>,
+    /// Whether the rack moves.
+    pub rack: bool,
+    /// The curves.
+    pub outputs: Vec<ComparedOutput>,
+    /// Columns that not all of them have, with those that do.
+    #[serde(skip)]
+    pub partial: Vec<(String, Vec<String>)>,
+    #[serde(skip)]
+    unit: LengthUnit,
+    #[serde(skip)]
+    moved: Vec<Moved>,
+}
+
+/// A curve of each design.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComparedOutput {
+    /// Name of the column, in the first design's unit.
+    pub column: String,
+    /// For reading.
+    pub title: String,
+    /// For reading.
+    pub unit: String,
+    /// Design by design, at the stations.
+    pub values: Vec<Vec<Option<f64>>>,
+}
+
+/// A point that is not where the first design has it.
+#[derive(Clone, Debug)]
+struct Moved {
+    point: String,
+    label: String,
+    by: [f64; 3],
+}
+
+impl Comparison {
+    /// Lays designs over each other; at least two.
+    ///
+    /// # Errors
+    ///
+    /// That they have no station or no column in common.
+    pub fn of(designs: &[Compared]) -> Result<Self, String> {
+        let first = &designs[0];
+        let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
+        let drive = tables[0].header.first().cloned().unwrap_or_default();
+        let unit = first.unit.symbol();
+        let rack = format!("rack_{unit}");
+        if let Some(other) = tables
+            .iter()
+            .zip(designs)
+            .find(|(t, _)| t.column(&drive).is_none())
+        {
+            return Err(format!("{} has no column {drive}", other.1.label));
+        }
+        let places: Vec<Vec<[f64; 2]>> = tables.iter().map(|t| places(t, &drive, &rack)).collect();
+        let size = places[0]
+            .iter()
+            .flatten()
+            .fold(0.0_f64, |size, x| size.max(x.abs()));
+        let same =
+            |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size);
+        let find = |design: usize, at: &[f64; 2]| places[design].iter().position(|b| same(at, b));
+        let common: Vec<usize> = (0..places[0].len())
+            .filter(|row| (1..designs.len()).all(|d| find(d, &places[0][*row]).is_some()))
+            .collect();
+        if common.is_empty() {
+            return Err(format!(
+                "they have no value of {drive} in common: run them over the same motion"
+            ));
+        }
+        let is_motion = |name: &str| {
+            let name = name
+                .trim_end_matches(&format!("_{unit}"))
+                .trim_end_matches("_deg");
+            [
+                "travel",
+                "arm_angle",
+                "theta",
+                "rack",
+                "time_s",
+                "roll",
+                "heave",
+            ]
+            .contains(&name)
+        };
+        let mut outputs = Vec::new();
+        let mut partial: Vec<(String, Vec<String>)> = Vec::new();
+        let mut names: Vec<&String> = Vec::new();
+        for name in tables.iter().flat_map(|table| &table.header) {
+            if is_motion(name) || names.contains(&name) {
+                continue;
+            }
+            names.push(name);
+            let having = tables
+                .iter()
+                .zip(designs)
+                .filter(|(table, _)| table.column(name).is_some());
+            let having: Vec<String> = having.map(|(_, design)| design.label.clone()).collect();
+            if having.len() < designs.len() {
+                partial.push((name.clone(), having));
+                continue;
+            }
+            let values = tables.iter().enumerate().map(|(design, table)| {
+                let column = table.column(name).expect("all have it");
+                let value = |row: &usize| column[find(design, &places[0][*row])?];
+                common.iter().map(value).collect()
+            });
+            let (title, of) = split(name);
+            outputs.push(ComparedOutput {
+                column: name.clone(),
+                title: title.replace('_', " "),
+                unit: readable_unit(of),
+                values: values.collect(),
+            });
+        }
+        if outputs.is_empty() {
+            return Err("they have no output in common".to_owned());
+        }
+        Ok(Comparison {
+            labels: designs.iter().map(|design| design.label.clone()).collect(),
+            rack: tables.iter().any(|table| table.column(&rack).is_some()),
+            stations: common.iter().map(|row| places[0][*row]).collect(),
+            drive,
+            outputs,
+            partial,
+            unit: first.unit,
+            moved: moved(designs),
+        })
+    }
+
+    /// A row for each output and design: its values, and how far it is from the first.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new([
+            "output",
+            "of",
+            "at design",
+            "min",
+            "max",
+            "largest difference",
+            "at",
+        ]);
+        for output in &self.outputs {
+            for (design, values) in output.values.iter().enumerate() {
+                let known = || values.iter().flatten().copied();
+                let least = known().reduce(f64::min);
+                let most = known().reduce(f64::max);
+                let at_design = self.stations.iter().position(|at| *at == [0.0, 0.0]);
+                let at_design = at_design.and_then(|row| values[row]);
+                let (_, unit) = split(&output.column);
+                let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
+                let largest = self.largest_difference(output, design);
+                table.push_row([
+                    Cell::from(if design == 0 {
+                        output.column.as_str()
+                    } else {
+                        ""
+                    }),
+                    Cell::from(self.labels[design].as_str()),
+                    figure(at_design).into(),
+                    figure(least).into(),
+                    figure(most).into(),
+                    figure(largest.map(|(difference, _)| difference)).into(),
+                    largest
+                        .map(|(_, row)| Cell::from(self.stations[row][0]))
+                        .into(),
+                ]);
+            }
+        }
+        table
+    }
+
+    /// The difference from the first design that is largest, and its row.
+    fn largest_difference(&self, output: &ComparedOutput, design: usize) -> Option<(f64, usize)> {
+        if design == 0 {
+            return None;
+        }
+        let pairs = output.values[0]
+            .iter()
+            .zip(&output.values[design])
+            .enumerate();
+        let differences = pairs.filter_map(|(row, (a, b))| Some(((*b)? - (*a)?, row)));
+        differences.reduce(|most, next| {
+            if next.0.abs() > most.0.abs() {
+                next
+            } else {
+                most
+            }
+        })
+    }
+
+    /// Points that are not where the first design has them: in its axes and unit.
+    pub fn moved_table(&self) -> Table {
+        let unit = self.unit.symbol();
+        let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
+        let header = ["hardpoint".to_owned(), "of".to_owned()]
+            .into_iter()
+            .chain(axes);
+        let columns = header
+            .map(Column::from)
+            .chain([Column::from(format!("moved {unit}"))]);
+        let mut table = Table::with_columns(columns);
+        for moved in &self.moved {
+            let [x, y, z] = moved.by;
+            let distance = x.hypot(y).hypot(z);
+            let cells = [x, y, z, distance].map(|length| Cell::figure(length, unit));
+            let names = [moved.point.as_str(), moved.label.as_str()].map(Cell::from);
+            table.push_row(names.into_iter().chain(cells));
+        }
+        table
+    }
+
+    /// `comparison.csv`: a row for each station; of each output a column for each design, and one for each
+    /// difference from the first.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let unit = self.unit.symbol();
+        let mut header = vec![self.drive.clone()];
+        header.extend(self.rack.then(|| format!("rack_{unit}")));
+        for output in &self.outputs {
+            for label in &self.labels {
+                header.push(format!("{} [{label}]", output.column));
+            }
+            for label in &self.labels[1..] {
+                header.push(format!("{} [{label} - {}]", output.column, self.labels[0]));
+            }
+        }
+        writer
+            .write_record(&header)
+            .expect("memory takes everything");
+        let written = |value: Option<f64>| value.map_or_else(String::new, super::shortest);
+        for (row, [drive, rack]) in self.stations.iter().enumerate() {
+            let mut record = vec![super::shortest(*drive)];
+            record.extend(self.rack.then(|| super::shortest(*rack)));
+            for output in &self.outputs {
+                let value = |design: usize| output.values[design][row];
+                let designs = 0..self.labels.len();
+                record.extend(designs.clone().map(|design| written(value(design))));
+                let difference = |design: usize| Some(value(design)? - value(0)?);
+                record.extend(designs.skip(1).map(|design| written(difference(design))));
+            }
+            writer
+                .write_record(&record)
+                .expect("memory takes everything");
+        }
+        writer.into_inner().expect("memory takes everything")
+    }
+}
+
+/// Where each row stands: values of the drive and the rack.
+fn places(table: &CurveTable, drive: &str, rack: &str) -> Vec<[f64; 2]> {
+    let rack = table.column(rack);
+    let drive = table.column(drive).unwrap_or_default();
+    let row = |(row, at): (usize, &Option<f64>)| {
+        let rack = rack.and_then(|rack| rack[row]);
+        [at.unwrap_or(f64::NAN), rack.unwrap_or(0.0)]
+    };
+    drive.iter().enumerate().map(row).collect()
+}
+
+/// The curves of a design with their lengths in another unit.
+fn in_unit(design: &Compared, unit: LengthUnit) -> CurveTable {
+    let mut table = design.curves.clone();
+    if design.unit == unit {
+        return table;
+    }
+    let ratio = unit.per_metre() / design.unit.per_metre();
+    for (name, column) in table.header.iter_mut().zip(&mut table.columns) {
+        let (renamed, power) = converted(name, design.unit, unit);
+        *name = renamed;
+        let factor = ratio.powi(power);
+        for value in column.iter_mut().flatten() {
+            *value *= factor;
+        }
+    }
+    table
+}
+
+/// A column's name with another unit of length in it, and the power of the length.
+fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
+    let mut power = 0;
+    let mut sign = 1;
+    let words = name.split('_').map(|word| {
+        if word == "per" {
+            sign = -1;
+        }
+        let count = match word.strip_prefix(from.symbol()) {
+            Some("") => 1,
+            Some("2") => 2,
+            _ => return word.to_owned(),
+        };
+        power += sign * count;
+        format!("{}{}", to.symbol(), &word[from.symbol().len()..])
+    });
+    let renamed = words.collect::<Vec<_>>().join("_");
+    (renamed, power)
+}
+
+/// A column's name before its unit, and the unit.
+fn split(name: &str) -> (&str, &str) {
+    const UNITS: [&str; 9] = ["deg", "mm", "m", "in", "percent", "N", "per", "rad", "kg"];
+    let mut start = name.len();
+    for (at, _) in name.rmatch_indices('_') {
+        let word = name[at + 1..].split('_').next().unwrap_or("");
+        if !UNITS.contains(&word.trim_end_matches('2')) {
+            break;
+        }
+        start = at;
+    }
+    match name.get(start + 1..) {
+        Some(unit) => (&name[..start], unit),
+        None => (name, ""),
+    }
+}
+
+/// The points of the same name that are somewhere else.
+fn moved(designs: &[Compared]) -> Vec<Moved> {
+    let first = &designs[0];
+    let Some((reference, signs)) = &first.points else {
+        return Vec::new();
+    };
+    let mut moved = Vec::new();
+    for (name, from) in reference {
+        for design in &designs[1..] {
+            let Some((points, _)) = &design.points else {
+                continue;
+            };
+            let ratio = first.unit.per_metre() / design.unit.per_metre();
+            let Some((_, to)) = points.iter().find(|(known, _)| known == name) else {
+                continue;
+            };
+            let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
+            if by != [0.0; 3] {
+                moved.push(Moved {
+                    point: name.clone(),
+                    label: design.label.clone(),
+                    by,
+                });
+            }
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn design(label: &str, unit: LengthUnit, csv: &str) -> Compared {
+        Compared {
+            label: label.to_owned(),
+            topology: None,
+            curves: CurveTable::read(csv.as_bytes()).unwrap(),
+            unit,
+            points: Some((
+                vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
+                [1.0; 3],
+            )),
+        }
+    }
+
+    #[test]
+    fn differences_are_taken_at_common_stations_in_one_unit() {
+        let mm = "travel_mm,camber_deg,bump_steer_deg_per_mm,status\n-25.4,1.0,0.5,ok\n0,2.0,0.5,ok\n7,9,9,ok\n";
+        let inch = "travel_in,camber_deg,bump_steer_deg_per_in,toe_deg,status\n-1,1.5,12.7,0,ok\n0,,12.7,0,ok\n";
+        let designs = [
+            design("a", LengthUnit::Millimetre, mm),
+            design("b", LengthUnit::Inch, inch),
+        ];
+        let comparison = Comparison::of(&designs).unwrap();
+        assert_eq!(comparison.stations, [[-25.4, 0.0], [0.0, 0.0]]);
+        assert_eq!(comparison.outputs[0].values[1], [Some(1.5), None]);
+        let steer = &comparison.outputs[1];
+        assert_eq!(
+            (steer.column.as_str(), steer.unit.as_str()),
+            ("bump_steer_deg_per_mm", "°/mm")
+        );
+        assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
+        assert_eq!(
+            comparison.partial,
+            [("toe_deg".to_owned(), vec!["b".to_owned()])]
+        );
+        let csv = String::from_utf8(comparison.csv()).unwrap();
+        assert!(
+            csv.starts_with("travel_mm,camber_deg [a],camber_deg [b],camber_deg [b - a],"),
+            "{csv}"
+        );
+        assert!(csv.contains("-25.4,1.0,1.5,0.5,"), "{csv}");
+        // 10 in are 254 mm, 1 in is 25.4 mm.
+        let moved = comparison.moved_table().csv(None);
+        assert!(moved.contains("strut_top,b,0.0,244.0,24.4,"), "{moved}");
+    }
+
+    #[test]
+    fn what_cannot_be_compared_says_why() {
+        let table = "travel_mm,camber_deg,status\n0,1.0,ok\n";
+        let other = "travel_mm,camber_deg,status\n1,1.0,ok\n";
+        let mm = LengthUnit::Millimetre;
+        let refused = Comparison::of(&[design("a", mm, table), design("b", mm, other)]);
+        assert!(
+            refused
+                .unwrap_err()
+                .contains("no value of travel_mm in common")
+        );
+        let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
+        let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
+        assert!(refused.unwrap_err().contains("no output in common"));
+    }
+
+    #[test]
+    fn units_are_told_from_names() {
+        for (name, title, unit) in [
+            ("camber_deg", "camber", "deg"),
+            ("motion_ratio", "motion_ratio", ""),
+            ("camber_d1_deg_per_mm", "camber_d1", "deg_per_mm"),
+            ("braking_tie_rod_N", "braking_tie_rod", "N"),
+        ] {
+            assert_eq!(split(name), (title, unit));
+        }
+    }
+}

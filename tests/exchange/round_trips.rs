@@ -1,0 +1,200 @@
+//! Study -> CSV, XLSX, Adams -> study.
+
+use super::{Said, file, imported};
+use hardpoint::exchange::{Page, csv, into_subsystem, point_rows, subsystem, workbook};
+use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side, Topology};
+use hardpoint::study::Study;
+use std::path::Path;
+
+/// The templates, and the samples with rockers and bars, each in every frame, on both sides, in every unit;
+/// coordinates with all of their digits.
+fn studies() -> Vec<Study> {
+    let mut texts: Vec<String> = Topology::ALL
+        .iter()
+        .map(|t| t.template.to_owned())
+        .collect();
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let read = |name: &str| std::fs::read_to_string(samples.join(name)).unwrap();
+    texts.push(read("double_wishbone_pushrod.toml"));
+    // One without a point of the spin axis.
+    let by_angles = texts[0]
+        .replace("spindle_inner    =", "# spindle_inner =")
+        .replace("# static_camber =", "static_camber =")
+        .replace("# static_toe =", "static_toe =");
+    texts.push(by_angles);
+    let mut studies = Vec::new();
+    for text in &texts {
+        let study = Study::from_text("s.toml", text, Path::new(".")).unwrap();
+        for unit in LengthUnit::ALL {
+            for convention in FrameConvention::ALL {
+                for side in Side::ALL {
+                    studies.push(changed(&study, unit, convention, side));
+                }
+            }
+        }
+    }
+    studies
+}
+
+/// The same wheel as another study would have it.
+fn changed(study: &Study, unit: LengthUnit, convention: FrameConvention, side: Side) -> Study {
+    let scale = unit.per_metre() / study.suspension.length_unit.per_metre();
+    let mut changed = study.clone();
+    let number = |(n, point): (usize, &hardpoint::number::Vector3<f64>)| {
+        *point * (scale * (1.0 + 1e-3 * (n as f64).sin()))
+    };
+    changed.suspension.design = study
+        .suspension
+        .design
+        .iter()
+        .enumerate()
+        .map(number)
+        .collect();
+    changed.suspension.length_unit = unit;
+    changed.suspension.frame = Frame::new(convention, side);
+    changed
+}
+
+/// Every hardpoint as the study writes it.
+fn written(study: &Study, frame: Frame) -> Vec<(String, [f64; 3])> {
+    let points = study.suspension.mechanism.points.iter();
+    let points = points.zip(&study.suspension.design);
+    points
+        .map(|(point, design)| {
+            (
+                point.name.clone(),
+                frame.vector(*design).to_array().map(|x| x + 0.0),
+            )
+        })
+        .collect()
+}
+
+fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
+    let suspension = &study.suspension;
+    let back = imported(path, suspension.mechanism.topology.name, said).unwrap();
+    let expected = written(study, frame);
+    assert_eq!(back.hardpoints.len(), expected.len(), "{:?}", back.notes);
+    for (name, position) in expected {
+        let found = back.hardpoints.iter().find(|h| h.name == name).unwrap();
+        assert_eq!(found.position.map(|x| x + 0.0), position, "{name}");
+    }
+    assert_eq!(back.unit, suspension.length_unit);
+    assert_eq!((back.frame, back.side), frame.meaning());
+    // The study of it is of the same wheel; that it runs is found out once for each kind.
+    if suspension.length_unit != LengthUnit::Metre || back.side != Side::Left {
+        return;
+    }
+    let text = back.study("back", "there").unwrap();
+    let again = Study::from_text("back.toml", &text, Path::new(".")).unwrap();
+    assert_eq!(again.suspension.design, suspension.design);
+    assert_eq!(
+        again.suspension.mechanism.spin_axis,
+        suspension.mechanism.spin_axis
+    );
+}
+
+#[test]
+fn tables_and_workbooks_give_the_same_study() {
+    let directory = tempfile::tempdir().unwrap();
+    for study in studies() {
+        let rows = point_rows(&study, &study.suspension.design);
+        let table = file(&directory, "points.csv", &csv(&rows));
+        check(&study, &table, &Said::default(), study.suspension.frame);
+        let name = "hardpoints".to_owned();
+        let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
+        check(&study, &book, &Said::default(), study.suspension.frame);
+        // What rods stand on comes back, too.
+        if study.suspension.length_unit != LengthUnit::Metre {
+            continue;
+        }
+        let back = imported(
+            &book,
+            study.suspension.mechanism.topology.name,
+            &Said::default(),
+        );
+        let text = back.unwrap().study("back", "there").unwrap();
+        let again = Study::from_text("back.toml", &text, Path::new(".")).unwrap();
+        let bodies = |study: &Study| {
+            let points = study.suspension.mechanism.points.iter();
+            points.map(|point| point.body).collect::<Vec<_>>()
+        };
+        assert_eq!(bodies(&again), bodies(&study));
+    }
+}
+
+#[test]
+fn subsystems_give_the_same_study() {
+    let directory = tempfile::tempdir().unwrap();
+    for study in studies() {
+        let suspension = &study.suspension;
+        let (_, side) = suspension.frame.meaning();
+        let said = Said {
+            side: Some(side),
+            ..Said::default()
+        };
+        let new = subsystem(&study, &suspension.design).bytes;
+        let frame = Frame::new(FrameConvention::XRear, side);
+        check(&study, &file(&directory, "new.sub", &new), &said, frame);
+        // Into a copy of another one, all of whose coordinates it replaces.
+        let moved: Vec<_> = suspension.design.iter().map(|p| *p * 1.25).collect();
+        let other = subsystem(&study, &moved).bytes;
+        let into = into_subsystem(&study, &suspension.design, &other).unwrap();
+        check(
+            &study,
+            &file(&directory, "into.sub", &into.bytes),
+            &said,
+            frame,
+        );
+    }
+}
+
+/// A subsystem whose wheels differ, in inches, and one with the right wheel alone.
+#[test]
+fn the_wheels_of_a_subsystem_are_told_apart() {
+    let directory = tempfile::tempdir().unwrap();
+    let template = Topology::named("macpherson").unwrap().template;
+    let study = Study::from_text("s.toml", template, Path::new(".")).unwrap();
+    let study = changed(
+        &study,
+        LengthUnit::Inch,
+        FrameConvention::XRear,
+        Side::Right,
+    );
+    let both = String::from_utf8(subsystem(&study, &study.suspension.design).bytes).unwrap();
+    let right = |line: &str| {
+        let right = line.replace("'left/right'", "'right     '");
+        // A left wheel's y is negative.
+        let mut fields: Vec<String> = right.split_whitespace().map(str::to_owned).collect();
+        let y = fields.len() - 2;
+        fields[y] = fields[y].trim_start_matches('-').to_owned();
+        fields.join(" ")
+    };
+    let mut rows = false;
+    let only_right: String = both
+        .lines()
+        .map(|line| {
+            rows = (rows || line == "[HARDPOINT]") && !line.starts_with("$");
+            if rows && line.starts_with(" '") {
+                right(line) + "\n"
+            } else {
+                line.to_owned() + "\n"
+            }
+        })
+        .collect();
+    let path = file(&directory, "right.sub", only_right.as_bytes());
+    let frame = Frame::new(FrameConvention::XRear, Side::Right);
+    check(&study, &path, &Said::default(), frame);
+    assert_eq!(frame.sign(Axis::Y), 1.0);
+    // The left wheel of that file is the mirror image, and said to be.
+    let said = Said {
+        side: Some(Side::Left),
+        ..Said::default()
+    };
+    let left = imported(&path, "macpherson", &said).unwrap();
+    assert_eq!(left.side, Side::Left);
+    assert!(
+        left.notes
+            .iter()
+            .any(|note| note.contains("mirrored from the other wheel"))
+    );
+}

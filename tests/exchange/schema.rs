@@ -1,0 +1,137 @@
+//! The schema that editors check studies by agrees with the reader about keys and types.
+
+use hardpoint::study::{Study, schema};
+use serde_json::Value;
+use std::path::Path;
+
+/// What of JSON schema ours uses: type, properties, required, additionalProperties, items, anyOf, enum.
+fn is_valid(schema: &Value, value: &Value) -> bool {
+    if let Some(any) = schema.get("anyOf") {
+        return any
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|schema| is_valid(schema, value));
+    }
+    if schema
+        .get("enum")
+        .is_some_and(|names| !names.as_array().unwrap().contains(value))
+    {
+        return false;
+    }
+    match (schema["type"].as_str().unwrap(), value) {
+        ("number", Value::Number(_))
+        | ("boolean", Value::Bool(_))
+        | ("string", Value::String(_)) => true,
+        ("integer", Value::Number(number)) => number.is_i64() || number.is_u64(),
+        ("array", Value::Array(items)) => items.iter().all(|item| is_valid(&schema["items"], item)),
+        ("object", Value::Object(table)) => {
+            let none = serde_json::Map::new();
+            let properties = schema
+                .get("properties")
+                .map_or(&none, |p| p.as_object().unwrap());
+            let required = schema
+                .get("required")
+                .and_then(Value::as_array)
+                .into_iter()
+                .flatten();
+            let has_all = required
+                .into_iter()
+                .all(|key| table.contains_key(key.as_str().unwrap()));
+            has_all
+                && table.iter().all(|(key, value)| match properties.get(key) {
+                    Some(schema) => is_valid(schema, value),
+                    None => match &schema["additionalProperties"] {
+                        Value::Bool(allowed) => *allowed,
+                        schema => is_valid(schema, value),
+                    },
+                })
+        }
+        _ => false,
+    }
+}
+
+fn as_json(text: &str) -> Value {
+    let table: toml::Table = text.parse().unwrap();
+    serde_json::to_value(table).unwrap()
+}
+
+/// The same study once for each of its values, which is of a wrong type there, and once for each of its
+/// tables, which has a key nobody knows.
+fn broken(value: &toml::Value) -> Vec<toml::Value> {
+    match value {
+        toml::Value::Table(table) => {
+            let mut all = Vec::new();
+            let mut unknown = table.clone();
+            unknown.insert("no_such_key".to_owned(), 1.into());
+            all.push(toml::Value::Table(unknown));
+            for (key, inner) in table {
+                // It takes both: true and a list.
+                if key == "sensitivities" {
+                    continue;
+                }
+                for changed in broken(inner) {
+                    let mut table = table.clone();
+                    table.insert(key.clone(), changed);
+                    all.push(toml::Value::Table(table));
+                }
+            }
+            all
+        }
+        toml::Value::Array(items) => {
+            let mut all = vec![true.into()];
+            let first = items.iter().take(1).flat_map(broken);
+            all.extend(first.map(|changed| {
+                let mut items = items.clone();
+                items[0] = changed;
+                toml::Value::Array(items)
+            }));
+            all
+        }
+        toml::Value::Boolean(_) => vec!["text".into()],
+        _ => vec![true.into()],
+    }
+}
+
+#[test]
+fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
+    let schema = schema();
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let mut count = 0;
+    for entry in std::fs::read_dir(&directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(is_valid(&schema, &as_json(&text)), "{}", path.display());
+        for changed in broken(&text.parse::<toml::Table>().unwrap().into()) {
+            count += 1;
+            let text = toml::to_string(&changed).unwrap();
+            let read = Study::from_text("broken.toml", &text, &directory);
+            let by_schema = is_valid(&schema, &as_json(&text));
+            // Names of hardpoints are not keys to the schema.
+            let is_name = text.contains("no_such_key = 1") && by_schema;
+            assert!(
+                read.is_err() && (!by_schema || is_name),
+                "{by_schema}: {text}"
+            );
+        }
+    }
+    assert!(count > 100, "{count}");
+}
+
+#[test]
+fn keys_that_are_needed_are_those_the_reader_needs() {
+    let schema = schema();
+    let without = |key: &str| {
+        let text =
+            "[suspension]\ntopology = \"macpherson\"\nhardpoints = {}\n[motion]\ntravel = 0.0\n";
+        let lines = text.lines().filter(|line| !line.starts_with(key));
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    assert!(is_valid(&schema, &as_json(&without("nothing"))));
+    for key in ["topology", "hardpoints"] {
+        assert!(!is_valid(&schema, &as_json(&without(key))), "{key}");
+    }
+}

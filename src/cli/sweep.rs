@@ -271,16 +271,22 @@ fn finish_shard(
     let own = missing.iter().filter(|part| parts.contains(part)).count() as u64;
     let count = parts.end - parts.start;
     let what = match count {
-        0 => format!("no part of the {} is this shard's", record.parts()),
-        1 => format!("part {}", parts.start),
-        _ => format!("parts {} to {}", parts.start, parts.end - 1),
+        0 => ", has nothing to do".to_owned(),
+        1 => format!(", part {}", parts.start),
+        _ => format!(", parts {} to {}", parts.start, parts.end - 1),
     };
     output.say(&format!(
-        "{}: shard {shard}/{shards}, {what}; {} of {} parts are whole\n",
+        "{}: shard {shard}/{shards}{what}; whole are {} of the sweep's {}\n",
         record.study,
         record.parts() - missing.len() as u64,
-        record.parts()
+        match record.parts() {
+            1 => "one part".to_owned(),
+            parts => format!("{parts} parts"),
+        },
     ))?;
+    if count == 0 {
+        return Ok(Exit::Done);
+    }
     let names = SweepDirectory::part_files(record);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     output.print_where(&names)?;

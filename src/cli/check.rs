@@ -120,6 +120,21 @@ fn motion(study: &Study, plan: &Plan) -> String {
             optimise.starts
         );
     }
+    if let Some(setup) = &study.setup {
+        text += &format!(
+            " Set-up (setup only): {} adjustments, {} wanted values.",
+            setup.adjust.len(),
+            setup.want.len()
+        );
+    }
+    if let Some(tolerance) = &study.tolerance {
+        text += &format!(
+            " Tolerances (tolerance only): {} builds, {} scattering numbers, {} bands.",
+            tolerance.builds,
+            tolerance.sources(),
+            tolerance.bands.len()
+        );
+    }
     text
 }
 

@@ -4,7 +4,7 @@ use super::table::{Cell, Table};
 use super::{brief, shortest};
 use crate::model::Axis;
 use crate::study::Band;
-use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem, Yields};
+use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
 
 /// The results of `hardpoint tolerance`.
@@ -238,7 +238,8 @@ impl ToleranceSummary {
             for value in shown {
                 let holds = match value.linear_holds {
                     Some(true) => "yes",
-                    Some(false) => "no: curved",
+                    Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
+                    Some(false) => "no: builds differ",
                     None if value.second_order.is_none()
                         && value.shares.iter().all(Option::is_none) =>
                     {
@@ -454,6 +455,9 @@ fn values(
             } else {
                 f64::NAN
             };
+            // Where the second order is small but a higher one, or the rejects, are not, the builds tell.
+            let apart = (spread.sigma - deviation).abs();
+            let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
             let shares = (0..problem.tolerance.scatter.len())
                 .map(|number| finite(expansion.part(problem, cell, number) / variance));
             values.push(ValueRecord {
@@ -468,7 +472,10 @@ fn values(
                 sigma_error: scaled(spread.sigma_error),
                 sigma_linear: scaled(deviation),
                 second_order: finite(expansion.bend(cell)).filter(|_| scatters),
-                linear_holds: expansion.holds(cell).filter(|_| scatters),
+                linear_holds: match differs {
+                    true => Some(false),
+                    false => expansion.holds(cell).filter(|_| scatters),
+                },
                 percentiles: spread.percentiles.map(scaled),
                 range: spread.range.map(scaled),
                 shares: shares.collect(),

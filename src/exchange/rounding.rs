@@ -12,7 +12,8 @@
 //! Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6, 1986) takes the
 //! coordinates one after the other: with g J = Q R the last one is rounded, what it changes is handed on to
 //! the others, and so back to the first. Coordinates the targets do not see are held by a small spring
-//! towards where they are (rows s I below g J), and none moves further than one step. What comes out
+//! towards where they are (rows s I below g J), and each goes to one of its two neighbours on the grid, so that
+//! one that is on the grid stays. What comes out
 //! depends on the order of the coordinates; three are tried, and beside them the ordinary rounding, and the
 //! misfits of all are computed, not estimated.
 
@@ -210,6 +211,15 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// The whole numbers on both sides of a number; itself twice where it is one, but for rounding.
+fn neighbours(at: f64) -> (f64, f64) {
+    let nearest = at.round();
+    match (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {
+        true => (nearest, nearest),
+        false => (at.floor(), at.ceil()),
+    }
+}
+
 /// The steps of all coordinates by nearest plane, taken in an order from its last to its first.
 fn nearest_plane(
     problem: &Problem<'_>,
@@ -237,8 +247,7 @@ fn nearest_plane(
         let handed_on: f64 = (i + 1..columns).map(|j| r[(i, j)] * moves[j]).sum();
         let best = (y[i] - handed_on) / r[(i, i)];
         let at = grid.steps(problem.before[order[i]]);
-        let least = (at - 1.0).ceil();
-        let most = (at + 1.0).floor();
+        let (least, most) = neighbours(at);
         let step = (at + best).round().clamp(least, most);
         steps[order[i]] = step;
         moves[i] = step - at;
@@ -279,6 +288,9 @@ mod tests {
         for grid in [1.0, 0.1] {
             let rounded = rounded(&study, &design, grid).unwrap();
             let loss = rounded.loss.unwrap();
+            // What is rounded once stays.
+            let again = super::rounded(&study, &rounded.design, grid).unwrap();
+            assert_eq!(again.design, rounded.design);
             assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
             let [before, after] = [&design, &rounded.design].map(|d| coordinates(&study, d));
             for (before, after) in before.iter().zip(after) {

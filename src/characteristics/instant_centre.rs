@@ -6,8 +6,10 @@
 //! All are taken from the true velocities, tie rod included; the construction with arm planes leaves
 //! the tie rod out and can differ by tens of millimetres.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
-use crate::number::Real;
+use super::{Constants, Formula, Info, Inputs, Need, Slot, Slots, Unit, WheelReading};
+use crate::mechanism::Configuration;
+use crate::model::Suspension;
+use crate::number::{Jet, Real, Vector3};
 
 /// What the velocity of the contact point depends on.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
@@ -64,5 +66,61 @@ impl Formula for SideViewSwingArm {
     #[inline(always)]
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
         -(inputs.contact_velocity().z / inputs.turn.y)
+    }
+}
+
+/// The centres as points, for drawings; in the kernel's frame. Empty is what is at infinity, or unknown as the
+/// wheel's radius is.
+///
+/// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, P in the transverse plane of C,
+/// its y and z components vanish where P - C is (0, -C_z'/w_x, C_y'/w_x); in side view, P in the longitudinal
+/// plane of C, the x and z components where it is (C_z'/w_y, 0, -C_x'/w_y).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InstantCentres {
+    /// Contact point.
+    pub contact: Option<Vector3<f64>>,
+    /// Roll centre, in the centre plane y = 0.
+    pub roll_centre: Option<Vector3<f64>>,
+    /// Instantaneous centre in front view.
+    pub front_view: Option<Vector3<f64>>,
+    /// Instantaneous centre in side view.
+    pub side_view: Option<Vector3<f64>>,
+}
+
+impl InstantCentres {
+    /// Of a suspension in a configuration with its rates.
+    pub fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 2>>) -> Self {
+        if suspension.wheel_radius.is_none() {
+            return InstantCentres::default();
+        }
+        let slots = Slots::default().with(RollCentreHeight::INFO.reads);
+        let reading = WheelReading::reading(at, Constants::of(suspension), slots);
+        reading.instant_centres()
+    }
+}
+
+impl<const N: usize> WheelReading<N> {
+    fn instant_centres(&self) -> InstantCentres {
+        let inputs = self.inputs();
+        let now = |v: Vector3<Jet<f64, N>>| v.map(|c| c[0]);
+        let (contact, velocity) = (now(inputs.contact_point()), now(inputs.contact_velocity()));
+        let turn = now(inputs.turn);
+        let height = RollCentreHeight::evaluate(inputs)[0];
+        let finite = |lever: Vector3<f64>| {
+            let point = contact + lever;
+            point
+                .to_array()
+                .iter()
+                .all(|x| x.is_finite())
+                .then_some(point)
+        };
+        let front = Vector3::new(0.0, -velocity.z / turn.x, velocity.y / turn.x);
+        let side = Vector3::new(velocity.z / turn.y, 0.0, -velocity.x / turn.y);
+        InstantCentres {
+            contact: Some(contact),
+            roll_centre: finite(Vector3::new(0.0, -contact.y, height)),
+            front_view: finite(front),
+            side_view: finite(side),
+        }
     }
 }

@@ -23,6 +23,7 @@ mod unit;
 mod view;
 mod wheel;
 
+pub use instant_centre::InstantCentres;
 pub use lanes::{ByDirections, LaneReader, LaneWheels};
 pub use unit::Unit;
 pub use view::{Quantity, WheelReading};

@@ -140,6 +140,11 @@ impl<const N: usize> WheelReading<N> {
         }
     }
 
+    /// What the formulas read.
+    pub(super) fn inputs(&self) -> &Inputs<Jet<f64, N>> {
+        &self.inputs
+    }
+
     /// The contact point in the pose; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
     pub fn contact_point(&self) -> Vector3<f64> {
         self.inputs.contact_point().map(|c| c[0])

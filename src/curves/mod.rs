@@ -2,6 +2,7 @@
 
 mod column;
 mod drive_law;
+mod frames;
 mod loads;
 mod point_coordinates;
 mod prover;
@@ -9,6 +10,7 @@ mod run;
 
 pub use column::Column;
 pub use drive_law::DriveLaw;
+pub use frames::{Frame, Placement, frames};
 pub use run::curves;
 
 use crate::attia::Refusal;

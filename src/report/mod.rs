@@ -41,7 +41,7 @@ pub use picture::{Picture, pictures};
 pub use plausibility::{doubts, variable_doubts};
 pub use record::{DesignRecord, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
-pub use scene::{BodyKind, Frame, Placement, Scene, SceneBody};
+pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
 pub use solve_summary::SolveSummary;
 pub use sweep::{

@@ -3,8 +3,8 @@
 use super::accuracy::remarks;
 use super::failures::FailureRange;
 use super::influence::{Influence, influences};
-use super::scene::{Frame, Scene, frames};
-use crate::curves::{Column, Curves};
+use super::scene::Scene;
+use crate::curves::{Column, Curves, Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;

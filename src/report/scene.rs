@@ -1,16 +1,9 @@
-//! The mechanism as a drawing: what is joined to what, and where the solver puts every point.
+//! The mechanism as a drawing: what is joined to what, by name.
+//!
+//! Where everything is along the motion is said by [`crate::curves::frames`].
 
-use crate::curves::DriveLaw;
-use crate::derive::DesignSeries;
-use crate::mechanism::{Configuration, DesignFault, Failure, Toggles};
-use crate::model::{
-    Axis, Body, Constraint, Mechanism, PointId, RockerId, SteeringAxis, Suspension,
-};
-use crate::number::{Jet, Real, Vector3};
-use crate::plan::Plan;
-use crate::solve::Solver;
+use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
 
 /// What stays of the drawing while the mechanism moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,28 +47,6 @@ pub enum BodyKind {
     Rocker,
     /// The wheel carrier.
     Knuckle,
-}
-
-/// The mechanism at one station, in the study's axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
-    /// Drive value: wheel travel, or arm angle in degrees.
-    pub drive: f64,
-    /// Rack displacement.
-    pub rack: f64,
-    /// Where everything is, or why that is not known.
-    pub pose: Result<Placement, String>,
-}
-
-/// Where everything is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Placement {
-    /// Position of each point.
-    pub points: Vec<[f64; 3]>,
-    /// Unit vector along the spin axis, outboard.
-    pub spin_axis: [f64; 3],
-    /// Two points of the steering axis.
-    pub steering_axis: Option<[[f64; 3]; 2]>,
 }
 
 impl Scene {
@@ -176,77 +147,4 @@ fn body_name(point: &str) -> String {
         name = shorter;
     }
     name.replace('_', " ")
-}
-
-/// The frames of a suspension at the stations of a plan, rack by rack.
-pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-    let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
-    let drive_law = DriveLaw::of(suspension, plan)?;
-    let rockers = (0..suspension.mechanism.rockers.len()).map(RockerId);
-    let toggles = Toggles::of(&suspension.mechanism, rockers);
-    let values = plan.station_order.values();
-    let mut frames = Vec::with_capacity(plan.stations());
-    for rack in &plan.racks {
-        let first = frames.len();
-        frames.extend(values.iter().map(|value| Frame {
-            drive: plan.drive.printed(*value),
-            rack: *rack,
-            pose: Err(Failure::DeadCentre.to_string()),
-        }));
-        let rack = rack * plan.rack_sign;
-        let drive = plan.drive.in_kernel();
-        toggles.begin(&mut solver, drive, rack)?;
-        solver.for_each_pose(
-            drive,
-            &drive_law.station_order,
-            rack,
-            |solver, place, pose| {
-                let number = drive_law.stations[place];
-                let motion = drive_law.motion::<1>(values[number], rack);
-                frames[first + number].pose = pose
-                    .and_then(|pose| solver.configuration_series(&design_series, pose, &motion))
-                    .and_then(|at| match toggles.note(&at, motion.value[0]) {
-                        None => Ok(Placement::of(suspension, &at)),
-                        Some(rod) => Err(Failure::Toggle(rod)),
-                    })
-                    .map_err(|failure| failure.to_string());
-                ControlFlow::Continue(())
-            },
-        )?;
-    }
-    Ok(frames)
-}
-
-impl Placement {
-    fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 1>>) -> Placement {
-        let outside = |v: Vector3<Jet<f64, 1>>| {
-            let [x, y, z] = suspension.frame.vector(v.map(|c| c[0])).to_array();
-            [x + 0.0, y + 0.0, z + 0.0]
-        };
-        let mechanism = &suspension.mechanism;
-        Placement {
-            points: (0..mechanism.points.len())
-                .map(|i| outside(at.point(PointId(i))))
-                .collect(),
-            spin_axis: outside(at.spin_axis()),
-            steering_axis: steering_axis(suspension, at).map(|ends| ends.map(outside)),
-        }
-    }
-}
-
-/// Two points of the steering axis: its joints, or for an instantaneous one two points
-/// below and above the wheel's centre.
-fn steering_axis<T: Real>(
-    suspension: &Suspension,
-    at: &Configuration<T>,
-) -> Option<[Vector3<T>; 2]> {
-    if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
-        return Some([lower, upper].map(|id| at.point(id)));
-    }
-    let (point, along) = at.steering_axis()?;
-    let along = along.normalised();
-    let foot = point + along * along.dot(at.point(at.mechanism.wheel_centre) - point);
-    let half = along.map(|c| c.scaled(0.5 * suspension.size()));
-    Some([foot - half, foot + half])
 }

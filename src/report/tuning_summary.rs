@@ -262,6 +262,11 @@ impl TuningSummary {
         table
     }
 
+    /// How many targets there are.
+    pub fn targets(&self) -> usize {
+        self.targets.len()
+    }
+
     /// The targets that are missed by more than their tolerance somewhere: their numbers and columns, and by how
     /// much and where.
     pub fn missed(&self) -> Vec<(usize, &str, String)> {

@@ -103,11 +103,30 @@ const targetTraces = (c, output, { abscissa }) => {
   });
 };
 
+// Where the tuned design misses a target by more than its tolerance, with the rack straight ahead.
+const missTraces = (c, output, { abscissa }) => {
+  if (!run.missed?.length) return [];
+  const table = run.curves[run.curves.length - 1];
+  const racks = record.rack ? column(table, record.rack) : null;
+  const [drives, values, places] = [record.drive, output.column, abscissa].map((name) => column(table, name));
+  const missed = record.targets.filter((t) => t.column === output.column).flatMap(({ points, tolerance }) => points.flatMap(([drive, wanted]) => {
+    const row = drives.findIndex((d, i) => d === drive && (!racks || racks[i] === 0));
+    return row >= 0 && values[row] !== null && Math.abs(values[row] - wanted) > tolerance ? [row] : [];
+  }));
+  if (!missed.length) return [];
+  return [{
+    type: 'scatter', mode: 'markers', name: 'missed', legendrank: 1150, hoverinfo: 'skip',
+    x: missed.map((row) => values[row]), y: missed.map((row) => places[row]),
+    marker: { symbol: 'circle-open', size: 9, color: c.bad, line: { width: 1.8 } },
+  }];
+};
+
 const drawCurve = (element, output, state) => {
   const c = colours();
   const traces = [
     ...targetTraces(c, output, state),
     ...shownDesigns(state).flatMap((design) => designTraces(c, output, state, design)),
+    ...missTraces(c, output, state),
   ].map((trace) => turned(state.upright, trace));
   const motion = axis(c, { title: { text: axisTitle(state.abscissa) } });
   const value = axis(c, { title: { text: plain(withUnit(output.title, output.unit)) }, hoverformat: '.5~g' });
@@ -130,6 +149,12 @@ const curvePlots = (record?.outputs ?? []).map((output) => {
   caption.append(withUnit(output.title, output.unit));
   if (output.positive) {
     caption.appendChild(document.createElement('small')).textContent = `positive: ${output.positive}`;
+  }
+  for (const [missed, by] of run.missed ?? []) {
+    if (missed !== output.column) continue;
+    const small = caption.appendChild(document.createElement('small'));
+    small.className = 'unmet';
+    small.textContent = `target missed by up to ${by}`;
   }
   const element = figure.appendChild(document.createElement('div'));
   element.className = 'plot';

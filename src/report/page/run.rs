@@ -1,6 +1,7 @@
 //! The page of a solve or an optimisation.
 
 use super::escape::html;
+use super::table::table;
 use super::{Page, STAGE};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
@@ -31,6 +32,8 @@ struct Data<'a> {
     curves: Vec<CurveTable>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
+    /// Targets that are missed by more than their tolerance: column, and by how much and where.
+    missed: Vec<(&'a str, String)>,
 }
 
 /// The page of a run.
@@ -43,6 +46,10 @@ pub fn page(run: &Run) -> String {
         kept_start: match &run.summary {
             Summary::Optimise(tuning) => tuning.kept_start(),
             Summary::Solve(_) | Summary::Tolerance(_) => None,
+        },
+        missed: match &run.summary {
+            Summary::Optimise(tuning) => missed(tuning),
+            Summary::Solve(_) => Vec::new(),
         },
     };
     let (tuning, ranges) = match &run.summary {
@@ -106,6 +113,11 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let [active, all] = tuning.at_bounds();
         let bounds = format!("{active} of {all} <small>variables</small>");
         facts.push(("At a bound", bounds));
+        let (missed, targets) = (tuning.missed().len(), tuning.targets());
+        let class = if missed == 0 { "" } else { " class=\"bad\"" };
+        let met = targets - missed;
+        let met = format!("<span{class}>{met}</span> of {targets} <small>targets</small>");
+        facts.push(("Within tolerance", met));
     }
     if let Some(design) = run.record.designs.last() {
         let failed: usize = design.failures.iter().map(FailureRange::stations).sum();
@@ -163,6 +175,21 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     shown.map(|(id, name, _)| (id, name)).collect()
 }
 
+/// Targets that are missed: column, and by how much and where.
+fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
+    let missed = tuning.missed().into_iter();
+    missed.map(|(_, column, by)| (column, by)).collect()
+}
+
+fn missed_in_words(missed: &[(&str, String)]) -> String {
+    let item = |(column, by): &(&str, String)| format!("{}, by up to {}", html(column), html(by));
+    let items: Vec<String> = missed.iter().map(item).collect();
+    match items.is_empty() {
+        true => String::new(),
+        false => format!(r#"<p class="unmet">Missed: {}.</p>"#, items.join("; ")),
+    }
+}
+
 /// Targets, moved hardpoints and the course of an optimisation.
 fn tuning_sections(tuning: &TuningSummary) -> String {
     let unseen: String = tuning
@@ -174,9 +201,13 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
         true => unseen,
         false => format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>"),
     };
+    let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(
         include_str!("tuning.html"),
-        targets = tuning.targets_table().html(),
+        targets = table(&tuning.targets_table(), |row| unmet
+            .contains(&row)
+            .then_some("unmet")),
+        missed = missed_in_words(&missed(tuning)),
         variables = tuning.variables_table().html(),
         unseen = unseen,
         starts = tuning.starts_table().html(),

@@ -7,7 +7,8 @@ mod raster;
 mod scale;
 
 use super::curve_table::CurveTable;
-use super::record::OutputRecord;
+use super::figure::brief;
+use super::record::{OutputRecord, TargetRecord};
 use super::run::Run;
 use crate::curves::Status;
 use crate::model::Rod;
@@ -31,7 +32,16 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 .grid{stroke:#e3e7eb}.main{stroke:#0b63c5;stroke-width:2.2}\
 .former{stroke:#8a929b;stroke-width:1.6;stroke-dasharray:6 4}\
 .target{stroke:#b45f06;stroke-width:1.3;stroke-dasharray:1 3}.band{fill:#f0cfa6;stroke:#f0cfa6;stroke-width:1}\
-.spot{fill:#b45f06}.failed{stroke:#b3261e;stroke-width:1.5}";
+.spot{fill:#b45f06}.bar{stroke:#b45f06;stroke-width:1.6}.failed{stroke:#b3261e;stroke-width:1.5}\
+.missed{fill:none;stroke:#b3261e;stroke-width:1.6}\
+.rack0{stroke:#0b63c5}.rack1{stroke:#c2570c}.rack2{stroke:#0b8a8a}.rack3{stroke:#b3267a}\
+.rack4{stroke:#6b7d00}.rack5{stroke:#7a4fc9}.rack6{stroke:#8a5a2b}";
+
+/// As many racks are named in a legend.
+const MOST_NAMED: usize = 5;
+
+/// Colours of racks in the style.
+const HUES: usize = 7;
 
 /// What outlines of letters need besides.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}";
@@ -86,18 +96,24 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let mut lines = Vec::new();
     let mut failed = Vec::new();
     for (number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
-        let look = match number + 1 == record.designs.len() {
-            true => Look::Main,
-            false => Look::Former,
-        };
-        let racks = record.rack.as_ref().and_then(|name| table.column(name));
-        let at_rack = |row: usize| racks.and_then(|racks| racks[row]);
-        let rows: Vec<usize> = (0..table.rows()).collect();
-        let families = rows.chunk_by(|a, b| at_rack(*a) == at_rack(*b));
-        for (number, family) in families.enumerate() {
+        let main = number + 1 == record.designs.len();
+        let families = families(run, table);
+        for (number, family) in families.iter().enumerate() {
+            let several = families.len() > 1;
+            let rack = record.rack.as_ref().and_then(|name| table.column(name));
+            let rack = rack.and_then(|racks| racks[family[0]]).unwrap_or(0.0);
+            // Of more racks than there are colours every so many-th has a name.
+            let named = number.is_multiple_of(families.len().div_ceil(MOST_NAMED));
             lines.push(Line {
-                name: (number == 0).then(|| design.label.clone()),
-                look,
+                name: match (several, main) {
+                    (false, _) => Some(design.label.clone()),
+                    (true, true) => named.then(|| format!("rack {}", brief(rack))),
+                    (true, false) => (number == 0).then(|| format!("{} (dashed)", design.label)),
+                },
+                look: Look {
+                    main,
+                    hue: several.then_some(number * HUES / families.len().max(HUES)),
+                },
                 points: points(table, family, abscissa, &output.column),
             });
         }
@@ -105,9 +121,11 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
         let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| !is_solved(status));
         failed.extend(missing.filter_map(|(value, _)| *value));
     }
+    // The curves that matter come first in the legend, and are drawn last.
+    lines.sort_by_key(|line: &Line| line.look.main);
     failed.sort_by(f64::total_cmp);
     failed.dedup();
-    let targets = record.targets.iter().filter(|t| t.column == output.column);
+    let targets = || record.targets.iter().filter(|t| t.column == output.column);
     Panel {
         value: with_unit(&output.title, &output.unit),
         motion: axis_title(abscissa),
@@ -116,15 +134,58 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
         bands: match by_time {
             // Targets are by drive value.
             Some(_) => Vec::new(),
-            None => targets
+            None => targets()
                 .map(|t| Band {
                     points: t.points.clone(),
                     tolerance: t.tolerance,
                 })
                 .collect(),
         },
+        missed: match by_time {
+            Some(_) => Vec::new(),
+            None => targets().flat_map(|t| missed(run, t)).collect(),
+        },
         failed,
     }
+}
+
+/// Rows by displacement of the rack.
+fn families(run: &Run, table: &CurveTable) -> Vec<Vec<usize>> {
+    let racks = run.record.rack.as_ref().and_then(|name| table.column(name));
+    let at_rack = |row: usize| racks.and_then(|racks| racks[row]);
+    let rows: Vec<usize> = (0..table.rows()).collect();
+    let families = rows.chunk_by(|a, b| at_rack(*a) == at_rack(*b));
+    families.map(<[usize]>::to_vec).collect()
+}
+
+/// Where the last design of a tuning misses a target by more than its tolerance, with the rack straight ahead or
+/// where the study has it.
+fn missed(run: &Run, target: &TargetRecord) -> Vec<[f64; 2]> {
+    let Some(table) = run
+        .curves
+        .last()
+        .filter(|_| run.record.command == "optimise")
+    else {
+        return Vec::new();
+    };
+    let racks = run.record.rack.as_ref().and_then(|name| table.column(name));
+    let ahead = |row: &usize| racks.is_none_or(|racks| racks[*row] == Some(0.0));
+    let columns = table
+        .column(&run.record.drive)
+        .zip(table.column(&target.column));
+    let Some((drives, values)) = columns else {
+        return Vec::new();
+    };
+    let value_at = |drive: f64| {
+        let mut rows = (0..table.rows()).filter(ahead);
+        rows.find(|row| drives[*row] == Some(drive))
+            .and_then(|row| values[row])
+    };
+    let places = target.points.iter().filter_map(|[drive, wanted]| {
+        let value = value_at(*drive)?;
+        ((value - wanted).abs() > target.tolerance).then_some([*drive, value])
+    });
+    places.collect()
 }
 
 fn points(table: &CurveTable, rows: &[usize], motion: &str, value: &str) -> Vec<Option<[f64; 2]>> {

@@ -12,11 +12,19 @@ const PLOT: [f64; 4] = [64.0, 58.0, 384.0, 418.0];
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
-    /// The last design.
-    Main,
-    /// A design before it.
-    Former,
+pub struct Look {
+    /// Whether it is of the last design.
+    pub main: bool,
+    /// Number of its rack's colour, where there are several racks.
+    pub hue: Option<usize>,
+}
+
+impl Look {
+    fn class(self) -> String {
+        let design = if self.main { "main" } else { "former" };
+        let hue = self.hue.map(|hue| format!(" rack{hue}"));
+        design.to_owned() + &hue.unwrap_or_default()
+    }
 }
 
 /// A curve: motion and value, station by station; `None` is a gap.
@@ -52,6 +60,8 @@ pub struct Panel {
     pub lines: Vec<Line>,
     /// Targets.
     pub bands: Vec<Band>,
+    /// Places of the last design that miss a target by more than its tolerance.
+    pub missed: Vec<[f64; 2]>,
     /// Motion values that were not solved.
     pub failed: Vec<f64>,
 }
@@ -89,18 +99,21 @@ impl Panel {
             band_svg(&mut svg, band, &place);
         }
         for line in &self.lines {
-            let class = match line.look {
-                Look::Main => "main",
-                Look::Former => "former",
-            };
             for piece in line.points.split(Option::is_none) {
                 path(
                     &mut svg,
-                    class,
+                    &line.look.class(),
                     piece.iter().flatten().map(|p| place(*p)),
                     false,
                 );
             }
+        }
+        for missed in &self.missed {
+            let [x, y] = place(*missed).map(number);
+            let _ = writeln!(
+                svg,
+                "<circle class=\"missed\" cx=\"{x}\" cy=\"{y}\" r=\"4\"/>"
+            );
         }
         for motion in &self.failed {
             let (x, y) = match self.upright {
@@ -138,6 +151,7 @@ impl Panel {
             true => (&self.value, &self.motion),
             false => (&self.motion, &self.value),
         };
+        let (below, beside) = (&in_power(below, x.power()), &in_power(beside, y.power()));
         let [across, up] = [(left + right) / 2.0, (top + bottom) / 2.0];
         let below = Words::new(below, [across, bottom + 40.0], Anchor::Middle).label();
         let beside = Words::new(beside, [16.0, up], Anchor::Middle).label();
@@ -147,50 +161,117 @@ impl Panel {
         }
     }
 
+    /// What the curves are, in as many rows as that takes, upward from the plot.
     fn legend(&self, svg: &mut String, lettering: &Lettering) {
-        let mut entries: Vec<(&str, &str)> = Vec::new();
+        let mut entries: Vec<(String, &str)> = Vec::new();
         for line in &self.lines {
             if let Some(name) = &line.name {
-                let class = match line.look {
-                    Look::Main => "main",
-                    Look::Former => "former",
-                };
-                entries.push((class, name));
+                entries.push((line.look.class(), name));
             }
         }
         if !self.bands.is_empty() {
-            entries.push(("target", "target ± tolerance"));
+            entries.push(("target".to_owned(), "target ± tolerance"));
+        }
+        if !self.missed.is_empty() {
+            entries.push(("missed".to_owned(), "missed"));
         }
         if !self.failed.is_empty() {
-            entries.push(("failed", "not solved"));
+            entries.push(("failed".to_owned(), "not solved"));
         }
-        let mut at = PLOT[0];
+        let [left, top, right, _] = PLOT;
+        let mut rows: Vec<Vec<(f64, String, &str)>> = vec![Vec::new()];
+        let mut at = left;
         for (class, name) in entries {
-            let _ = write!(svg, "<path class=\"{class}\" d=\"M{at} 34h22\"/>");
-            lettering.write(svg, &Words::new(name, [at + 28.0, 38.0], Anchor::Start));
-            svg.push('\n');
-            at += 44.0 + 7.0 * name.chars().count() as f64;
+            let width = 44.0 + 7.0 * name.chars().count() as f64;
+            if at + width > right + 16.0 && at > left {
+                rows.push(Vec::new());
+                at = left;
+            }
+            let row = rows.last_mut().expect("there is one");
+            row.push((at, class, name));
+            at += width;
+        }
+        let first = top - 24.0 - 15.0 * (rows.len() - 1) as f64;
+        for (number, row) in rows.into_iter().enumerate() {
+            let y = first + 15.0 * number as f64;
+            for (at, class, name) in row {
+                let _ = match class.as_str() {
+                    "missed" => {
+                        let x = at + 11.0;
+                        write!(
+                            svg,
+                            "<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"4\"/>"
+                        )
+                    }
+                    _ => write!(svg, "<path class=\"{class}\" d=\"M{at} {y}h22\"/>"),
+                };
+                let place = [at + 28.0, y + 4.0];
+                lettering.write(svg, &Words::new(name, place, Anchor::Start));
+                svg.push('\n');
+            }
         }
     }
 }
 
+/// The title of an axis whose ticks are in a power of ten: `camber gain [10⁻³ °/mm]`.
+fn in_power(title: &str, power: i32) -> String {
+    if power == 0 {
+        return title.to_owned();
+    }
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        digit => {
+            let place = digit.to_digit(10).unwrap_or(0) as usize;
+            ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][place]
+        }
+    };
+    let factor: String = "10"
+        .chars()
+        .chain(power.to_string().chars().map(raised))
+        .collect();
+    match title.split_once('[') {
+        Some((name, unit)) => format!("{name}[{factor} {unit}"),
+        None => format!("{title} [{factor}]"),
+    }
+}
+
 fn band_svg(svg: &mut String, band: &Band, place: &impl Fn([f64; 2]) -> [f64; 2]) {
+    if let [only] = band.points.as_slice() {
+        return bar_svg(svg, *only, band.tolerance, place);
+    }
     let side = |sign: f64| {
         let points = band.points.iter();
         points.map(move |[motion, value]| [*motion, value + sign * band.tolerance])
     };
     let outline = side(1.0).chain(side(-1.0).rev()).map(place);
     path(svg, "band", outline, true);
-    match band.points.as_slice() {
-        [only] => {
-            let [x, y] = place(*only).map(number);
-            let _ = writeln!(
-                svg,
-                "<circle class=\"spot\" cx=\"{x}\" cy=\"{y}\" r=\"3.5\"/>"
-            );
-        }
-        points => path(svg, "target", points.iter().map(|p| place(*p)), false),
+    path(svg, "target", band.points.iter().map(|p| place(*p)), false);
+}
+
+/// A target at one place: a spot, with a bar over its tolerance.
+fn bar_svg(
+    svg: &mut String,
+    [motion, value]: [f64; 2],
+    tolerance: f64,
+    place: &impl Fn([f64; 2]) -> [f64; 2],
+) {
+    let [[x, y], low, high] = [0.0, -tolerance, tolerance].map(|by| place([motion, value + by]));
+    // Its ends stand across it.
+    let across = if low[1] == high[1] {
+        [0.0, 5.0]
+    } else {
+        [5.0, 0.0]
+    };
+    path(svg, "bar", [low, high].into_iter(), false);
+    for end in [low, high] {
+        let ends = [-1.0, 1.0].map(|sign| [end[0] + sign * across[0], end[1] + sign * across[1]]);
+        path(svg, "bar", ends.into_iter(), false);
     }
+    let [x, y] = [x, y].map(number);
+    let _ = writeln!(
+        svg,
+        "<circle class=\"spot\" cx=\"{x}\" cy=\"{y}\" r=\"3.5\"/>"
+    );
 }
 
 /// A line through some points; a lone one becomes a dot.

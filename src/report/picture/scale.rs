@@ -41,10 +41,22 @@ impl Scale {
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
-    /// The ticks: places and labels.
+    /// The power of ten that the labels of the ticks are in, a multiple of three: 0 where they are short
+    /// without.
+    pub fn power(&self) -> i32 {
+        let largest = self.low.abs().max(self.high.abs());
+        let order = |value: f64| value.log10().floor() as i32;
+        match (order(largest), order(self.step)) {
+            (..6, -3..) => 0,
+            (largest, _) => 3 * largest.div_euclid(3),
+        }
+    }
+
+    /// The ticks: places and labels, these in [`Scale::power`].
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let count = ((self.high - self.low) / self.step).round() as usize;
-        let decimals = (-self.step.log10().floor()).clamp(0.0, 12.0) as usize;
+        let unit = 10f64.powi(self.power());
+        let decimals = (-(self.step / unit).log10().floor()).clamp(0.0, 12.0) as usize;
         (0..=count)
             .map(|i| {
                 let value = self.low + i as f64 * self.step;
@@ -54,7 +66,7 @@ impl Scale {
                 } else {
                     value
                 };
-                let label = format!("{value:.decimals$}").replace('-', "\u{2212}");
+                let label = format!("{:.decimals$}", value / unit).replace('-', "\u{2212}");
                 (self.place(value), label)
             })
             .collect()
@@ -83,6 +95,18 @@ mod tests {
             ["−80", "−60", "−40", "−20", "0", "20", "40", "60", "80"]
         );
         assert_eq!(scale.place(0.0), 200.0);
+    }
+
+    #[test]
+    fn small_ticks_are_short() {
+        let scale = Scale::showing([0.0, 6.0e-4].into_iter(), 5.0, [0.0, 100.0]);
+        assert_eq!(scale.power(), -6);
+        let labels: Vec<String> = scale.ticks().into_iter().map(|t| t.1).collect();
+        assert_eq!(labels, ["0", "200", "400", "600"]);
+        let scale = Scale::showing([0.0, 0.06].into_iter(), 5.0, [0.0, 100.0]);
+        assert_eq!((scale.power(), &*scale.ticks()[1].1), (0, "0.02"));
+        let scale = Scale::showing([-2.5e7, 0.0].into_iter(), 5.0, [0.0, 100.0]);
+        assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}30"));
     }
 
     #[test]

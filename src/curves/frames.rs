@@ -1,0 +1,130 @@
+//! Where every point of a mechanism is along its motion, for drawings.
+
+use super::DriveLaw;
+use crate::characteristics::InstantCentres;
+use crate::derive::DesignSeries;
+use crate::mechanism::{Configuration, DesignFault, Failure, Toggles};
+use crate::model::{PointId, RockerId, SteeringAxis, Suspension};
+use crate::number::{Jet, Real, Vector3};
+use crate::plan::Plan;
+use crate::solve::Solver;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// The mechanism at one station, in the study's axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Drive value: wheel travel, or arm angle in degrees.
+    pub drive: f64,
+    /// Rack displacement.
+    pub rack: f64,
+    /// Where everything is, or why that is not known.
+    pub pose: Result<Placement, String>,
+}
+
+/// Where everything is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Placement {
+    /// Position of each point.
+    pub points: Vec<[f64; 3]>,
+    /// Unit vector along the spin axis, outboard.
+    pub spin_axis: [f64; 3],
+    /// Two points of the steering axis.
+    pub steering_axis: Option<[[f64; 3]; 2]>,
+    /// Where the wheel stands on the ground, if its radius is known.
+    pub contact: Option<[f64; 3]>,
+    /// The roll centre, in the car's centre plane. This and the following are empty where the wheel's rates
+    /// are unknown or the centre is at infinity.
+    pub roll_centre: Option<[f64; 3]>,
+    /// The instantaneous centre in front view, in the transverse plane of the contact point.
+    pub front_view_centre: Option<[f64; 3]>,
+    /// The instantaneous centre in side view, in the longitudinal plane of the contact point.
+    pub side_view_centre: Option<[f64; 3]>,
+}
+
+/// The frames of a suspension at the stations of a plan, rack by rack.
+pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let mechanism = &suspension.mechanism;
+    let still = DesignSeries::<1>::new(mechanism, &suspension.design);
+    let moving = DesignSeries::<2>::new(mechanism, &suspension.design);
+    let drive_law = DriveLaw::of(suspension, plan)?;
+    let rockers = (0..mechanism.rockers.len()).map(RockerId);
+    let toggles = Toggles::of(mechanism, rockers);
+    let values = plan.station_order.values();
+    let mut frames = Vec::with_capacity(plan.stations());
+    for rack in &plan.racks {
+        let first = frames.len();
+        frames.extend(values.iter().map(|value| Frame {
+            drive: plan.drive.printed(*value),
+            rack: *rack,
+            pose: Err(Failure::DeadCentre.to_string()),
+        }));
+        let rack = rack * plan.rack_sign;
+        let drive = plan.drive.in_kernel();
+        toggles.begin(&mut solver, drive, rack)?;
+        solver.for_each_pose(
+            drive,
+            &drive_law.station_order,
+            rack,
+            |solver, place, pose| {
+                let number = drive_law.stations[place];
+                let motion = drive_law.motion::<1>(values[number], rack);
+                let placed = pose.and_then(|pose| {
+                    let at = solver.configuration_series(&still, pose, &motion)?;
+                    if let Some(rod) = toggles.note(&at, motion.value[0]) {
+                        return Err(Failure::Toggle(rod));
+                    }
+                    // At a fold there are no rates.
+                    let motion = drive_law.motion::<2>(values[number], rack);
+                    let moving = solver.configuration_series(&moving, pose, &motion);
+                    let centres = match moving {
+                        Ok(moving) => InstantCentres::of(suspension, &moving),
+                        Err(_) => InstantCentres::default(),
+                    };
+                    Ok(Placement::of(suspension, &at, centres))
+                });
+                frames[first + number].pose = placed.map_err(|failure| failure.to_string());
+                ControlFlow::Continue(())
+            },
+        )?;
+    }
+    Ok(frames)
+}
+
+impl Placement {
+    fn of<const N: usize>(
+        suspension: &Suspension,
+        at: &Configuration<Jet<f64, N>>,
+        centres: InstantCentres,
+    ) -> Placement {
+        let outside = |v: Vector3<f64>| suspension.frame.vector(v).to_array().map(|x| x + 0.0);
+        let now = |v: Vector3<Jet<f64, N>>| outside(v.map(|c| c[0]));
+        let points = 0..suspension.mechanism.points.len();
+        Placement {
+            points: points.map(|i| now(at.point(PointId(i)))).collect(),
+            spin_axis: now(at.spin_axis()),
+            steering_axis: steering_axis(suspension, at).map(|ends| ends.map(now)),
+            contact: centres.contact.map(outside),
+            roll_centre: centres.roll_centre.map(outside),
+            front_view_centre: centres.front_view.map(outside),
+            side_view_centre: centres.side_view.map(outside),
+        }
+    }
+}
+
+/// Two points of the steering axis: its joints, or for an instantaneous one two points
+/// below and above the wheel's centre.
+fn steering_axis<T: Real>(
+    suspension: &Suspension,
+    at: &Configuration<T>,
+) -> Option<[Vector3<T>; 2]> {
+    if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
+        return Some([lower, upper].map(|id| at.point(id)));
+    }
+    let (point, along) = at.steering_axis()?;
+    let along = along.normalised();
+    let foot = point + along * along.dot(at.point(at.mechanism.wheel_centre) - point);
+    let half = along.map(|c| c.scaled(0.5 * suspension.size()));
+    Some([foot - half, foot + half])
+}

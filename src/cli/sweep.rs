@@ -7,8 +7,8 @@ use super::progress;
 use super::report::show_sweep;
 use super::terminal;
 use crate::report::{
-    NotThisSweep, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile, rows_header,
-    write_part,
+    DrawnDesigns, NotThisSweep, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
+    rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
 use crate::study::{FileFormat, Order, Outputs, Study};
@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
         // They would speak of other parts than there are.
-        for name in ["summary.json", "pareto.csv", "report.html"] {
+        for name in ["summary.json", "pareto.csv", "drawn.json", "report.html"] {
             claimed.remove(name).map_err(Stop::unwritten)?;
         }
     }
@@ -90,6 +90,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     {
         return finish_shard(&output, record, shard, parts, &done.missing);
     }
+    draw(&output, &study, &plan, &done.statistics, path)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
     // Of a shard it is asked whether its parts are whole: engines take anything but 0 for a failure.
     Ok(match arguments.shard.is_some() && own_are_whole {
@@ -155,6 +156,25 @@ fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Resu
         ..Claim::default()
     };
     Output::at(&destination, claim)
+}
+
+/// Writes curves and mechanism of the designs that are worth a look.
+fn draw(
+    output: &Output,
+    study: &Study,
+    plan: &SweepPlan,
+    tally: &SweepStatistics,
+    path: &Path,
+) -> Result<(), Stop> {
+    if output.directory().is_none() || tally.designs == 0 {
+        return Ok(());
+    }
+    let summary = SweepSummary::of(&plan.record, tally);
+    let drawn = DrawnDesigns::of(study, plan, &summary);
+    output.record(
+        "drawn.json",
+        &drawn.map_err(|fault| design_fault(study, path, &fault))?,
+    )
 }
 
 /// What of the outputs a study asks for has no place in the results of a sweep.
@@ -311,6 +331,10 @@ pub(super) fn finish(
     let mut files = SweepDirectory::part_files(record);
     files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
+    let drawn = output.directory().map(|d| d.path().join("drawn.json"));
+    if drawn.is_some_and(|drawn| drawn.is_file()) {
+        files.push("drawn.json".to_owned());
+    }
     if let Some(directory) = output
         .directory()
         .filter(|_| with_page && statistics.designs > 0)

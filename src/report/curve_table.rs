@@ -1,9 +1,9 @@
 //! A CSV file of a run, read back.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Columns of numbers, and the column `status` where there is one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurveTable {
     /// Names of the columns of numbers.
     pub header: Vec<String>,

@@ -45,9 +45,9 @@ pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
-    Choice, Done, Finished, MergeError, NotThisSweep, PartOutcome, PartRecord, Parts, ShownDesigns,
-    SweepDirectory, SweepRun, SweepSummary, SweepText, TableFile, pareto_csv, rows_header,
-    write_part,
+    Choice, Done, DrawnDesigns, Finished, MergeError, NotThisSweep, PartOutcome, PartRecord, Parts,
+    ShownDesigns, SweepDirectory, SweepRun, SweepSummary, SweepText, TableFile, pareto_csv,
+    rows_header, write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{is_printable, printable, wrapped};

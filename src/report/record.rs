@@ -105,6 +105,23 @@ impl Record {
         plan: &Plan,
         designs: &[Solved<'_>],
     ) -> Result<Self, DesignFault> {
+        let influences = match designs.last() {
+            Some((_, _, suspension, _)) => influences(suspension, &plan.thinned(MOST_FRAMES, 9))?,
+            None => Vec::new(),
+        };
+        Ok(Record {
+            influences,
+            ..Record::drawing(command, study, plan, designs)?
+        })
+    }
+
+    /// The same without sensitivities.
+    pub fn drawing(
+        command: &str,
+        study: &Study,
+        plan: &Plan,
+        designs: &[Solved<'_>],
+    ) -> Result<Self, DesignFault> {
         let length = study.suspension.length_unit;
         let unit = length.symbol();
         let (travel, arm) = (format!("travel_{unit}"), "arm_angle_deg".to_owned());
@@ -114,7 +131,7 @@ impl Record {
             Drive::PaperTheta => ("theta_deg".to_owned(), vec![travel]),
         };
         abscissae.extend(plan.time.is_some().then(|| "time_s".to_owned()));
-        let few = thinned(plan);
+        let few = plan.thinned(MOST_FRAMES, 9);
         let record = |(label, file, suspension, curves): &Solved<'_>| {
             Ok(DesignRecord {
                 label: (*label).to_owned(),
@@ -125,13 +142,9 @@ impl Record {
                 frames: frames(suspension, &few)?,
             })
         };
-        let (outputs, influences) = match designs.last() {
-            Some((_, _, suspension, curves)) => (
-                curves.columns.iter().map(OutputRecord::of).collect(),
-                influences(suspension, &few)?,
-            ),
-            None => Default::default(),
-        };
+        let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
+            curves.columns.iter().map(OutputRecord::of).collect()
+        });
         Ok(Record {
             form: FORM,
             command: command.to_owned(),
@@ -146,20 +159,22 @@ impl Record {
             targets: targets(study),
             designs: designs.iter().map(record).collect::<Result<_, _>>()?,
             scene: Scene::of(&study.suspension),
-            influences,
+            influences: Vec::new(),
         })
     }
 }
 
-/// The plan with no more stations than are drawn.
-fn thinned(plan: &Plan) -> Plan {
-    let racks = evenly(&plan.racks, 9);
-    let values = evenly(plan.station_order.values(), MOST_FRAMES / racks.len());
-    Plan {
-        station_order: StationOrder::through(&values),
-        racks,
-        loads: Vec::new(),
-        ..plan.clone()
+impl Plan {
+    /// The plan with so many stations at most, at so many displacements of the rack, and no loads.
+    pub(super) fn thinned(&self, most: usize, most_racks: usize) -> Plan {
+        let racks = evenly(&self.racks, most_racks);
+        let values = evenly(self.station_order.values(), most / racks.len());
+        Plan {
+            station_order: StationOrder::through(&values),
+            racks,
+            loads: Vec::new(),
+            ..self.clone()
+        }
     }
 }
 

@@ -81,9 +81,12 @@ pub fn sweep_page(run: &SweepRun) -> String {
         },
         effects: &summary.outputs,
         unmoved: unmoved(&summary.outputs),
-        drawn: Vec::new(),
-        record: None,
-        curves: &[],
+        drawn: run
+            .drawn
+            .as_ref()
+            .map_or_else(Vec::new, |d| d.designs.clone()),
+        record: run.drawn.as_ref().map(|d| &d.record),
+        curves: run.drawn.as_ref().map_or(&[], |d| &d.curves),
     };
     let mut sections = vec![("designs", "Designs"), ("design", "One design")];
     sections.extend((!summary.best.is_empty()).then_some(("best", "Best")));
@@ -99,7 +102,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
             include_str!("sweep.html"),
             choice = choice(run),
             stage = STAGE,
-            not_drawn = "",
+            not_drawn = not_drawn(run),
             best = best(run),
             effects = effects(record),
             outputs = summary.outputs_table().html(),
@@ -109,6 +112,21 @@ pub fn sweep_page(run: &SweepRun) -> String {
         glue: GLUE,
     };
     page.html()
+}
+
+/// What to do for the curves of a design that are not on the page.
+fn not_drawn(run: &SweepRun) -> &'static str {
+    match &run.drawn {
+        Some(_) => {
+            "Curves and mechanism are drawn of the best designs and some of the front, or without targets of \
+             those at the ends of the ranges; <code>hardpoint solve --report</code> draws those of any design's \
+             study."
+        }
+        None => {
+            "Joined sweeps have no curves here; <code>hardpoint solve --report</code> draws those of \
+             any design's study."
+        }
+    }
 }
 
 /// Numbers of the outputs that nothing moves.

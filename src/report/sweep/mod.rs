@@ -4,12 +4,13 @@
 //! ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how designs were sampled, targets), for each
 //! part its rows in `part-000000000.csv`, its statistics in `part-000000000.json` and with `curves = true` every
 //! curve in `curves-000000000.csv`, and from the statistics alone `pareto.csv` and [`SweepSummary`] in
-//! `summary.json`. A sweep of one part calls these `designs.csv`, `designs.json` and `curves.csv`. With
+//! `summary.json`, and in `drawn.json` some designs with their curves ([`DrawnDesigns`]). A sweep of one part calls these `designs.csv`, `designs.json` and `curves.csv`. With
 //! `format = "parquet"` rows and curves end in `.parquet`. The parts are the result: whoever does one, its bytes
 //! are the same, and one that is whole is not done again.
 
 mod curves_csv;
 mod directory;
+mod drawn;
 mod merge;
 #[cfg(feature = "parquet")]
 mod parquet_file;
@@ -22,6 +23,7 @@ mod table_file;
 mod text;
 
 pub use directory::{Done, NotThisSweep, SweepDirectory};
+pub use drawn::DrawnDesigns;
 pub use merge::{MergeError, Parts};
 pub use part::{PartOutcome, PartRecord, write_part};
 pub use run::SweepRun;

@@ -1,6 +1,7 @@
 //! A sweep read back from its directory.
 
 use super::directory::{NotThisSweep, SweepDirectory};
+use super::drawn::DrawnDesigns;
 use super::shown::{Choice, ShownDesigns};
 use super::summary::SweepSummary;
 use crate::sweep::SweepRecord;
@@ -17,6 +18,8 @@ pub struct SweepRun {
     pub choice: Choice,
     /// The rows of those.
     pub shown: ShownDesigns,
+    /// Some designs with their curves, where there are any of this sweep.
+    pub drawn: Option<DrawnDesigns>,
     /// The files there are, by name; a star stands for the numbers of parts.
     pub files: Vec<String>,
 }
@@ -65,10 +68,15 @@ impl SweepRun {
             }
         }
         let mut files = SweepDirectory::part_files(&record);
-        for name in ["pareto.csv", "summary.json", "sweep.json"] {
+        for name in ["pareto.csv", "summary.json", "sweep.json", "drawn.json"] {
             files.extend(path.join(name).is_file().then(|| name.to_owned()));
         }
+        // What another version or another sweep has left is not shown.
+        let drawn = std::fs::read(path.join("drawn.json")).ok();
+        let drawn: Option<DrawnDesigns> = drawn.and_then(|text| serde_json::from_slice(&text).ok());
+        let drawn = drawn.filter(|d| d.digest == record.digest && d.is_whole());
         Ok(SweepRun {
+            drawn,
             record,
             summary,
             choice,

@@ -246,6 +246,27 @@ impl SweepSummary {
         table
     }
 
+    /// The numbers of at most so many designs that are worth a look: the best and some of the front, or
+    /// without targets those with the least or the largest value of an output.
+    pub(in crate::report) fn telling(&self, most: usize) -> Vec<u64> {
+        let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
+        let front = self.pareto.as_deref().unwrap_or_default();
+        let step = front
+            .len()
+            .div_ceil(most.saturating_sub(telling.len()).max(1))
+            .max(1);
+        telling.extend(front.iter().step_by(step));
+        if telling.is_empty() {
+            let moved = self.outputs.iter().filter(|o| !o.is_unmoved());
+            let ends = moved.flat_map(|o| [o.min_design, o.max_design]);
+            telling.extend(ends.flatten());
+        }
+        let mut seen = std::collections::BTreeSet::new();
+        telling.retain(|design| seen.insert(*design));
+        telling.truncate(most);
+        telling
+    }
+
     /// How many designs are on the Pareto front, where there is one.
     pub fn on_front(&self) -> Option<usize> {
         self.pareto.as_ref().map(Vec::len)

@@ -52,7 +52,9 @@ const toCentre = (placement, centre) => {
   return { end: from.map((v, k) => v + Math.max(0, reach) * (centre[k] - v)), cut: reach < 1 };
 };
 const centreNames = [['roll_centre', 'roll centre'], ['front_view_centre', 'centre in front view'], ['side_view_centre', 'centre in side view']];
-const centresOf = (placement) => centreNames.filter(([key]) => placement[key]).map(([key, name]) => {
+const centresOf = (placement) => centreNames.map(([key, name]) => {
+  // One at infinity has no place; its label keeps its number.
+  if (!placement[key]) return { end: placement.contact, cut: true, text: '' };
   const { end, cut } = toCentre(placement, placement[key]);
   const away = Math.hypot(...placement[key].map((v, k) => v - placement.contact[k]));
   return { end, cut, text: cut ? `${name}, ${Math.round(away)} ${record.length_unit} away` : name };
@@ -65,6 +67,8 @@ const bodyColours = (c) => {
   return scene.bodies.map(({ kind }) => own[kind] ?? c.hues[number++ % c.hues.length]);
 };
 const widths = { arm: 7, link: 6, rocker: 6, strut: 10, spring: 10, knuckle: 4 };
+// Names of what lies low stand below it, so that they do not meet those of links above.
+const sides = { arm: 'bottom center', knuckle: 'middle right', strut: 'middle left', spring: 'middle right' };
 // Where a body's name stands: midway along its first line.
 const middle = (placement, { lines: [line] }) => {
   const [a, b] = line.map((i) => placement.points[i]);
@@ -91,7 +95,7 @@ const mainParts = (c, state) => {
     })),
     {
       at: (p) => (state.names ? coordinates(scene.bodies.map((body) => middle(p, body))) : nothing),
-      look: { mode: 'text', text: scene.bodies.map(({ name }) => plain(name)), textposition: 'top center', textfont: { size: 12, color: hues } },
+      look: { mode: 'text', text: scene.bodies.map(({ name }) => plain(name)), textposition: scene.bodies.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
     },
     {
       at: (p) => (radius ? coordinates(rim(p)) : nothing),
@@ -127,7 +131,7 @@ const mainParts = (c, state) => {
         const found = centresOf(p);
         return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: found.map(({ cut }) => (cut ? 'circle-open' : 'diamond')), color: c.centre, size: 5 } };
       },
-      look: { mode: 'markers+text', legendgroup: 'centres', textposition: 'top center' },
+      look: { mode: 'markers+text', legendgroup: 'centres', textposition: ['top center', 'bottom center', 'top center'] },
     },
   ];
 };
@@ -184,6 +188,8 @@ const views = {
   side: { eye: { x: 0, y: 2 * outboard, z: 0 }, up: { x: 0, y: 0, z: up } },
   top: { eye: { x: 0, y: 0, z: 2 * up }, up: { x: forward, y: 0, z: 0 } },
 };
+// The axis along which one looks would be a heap of numbers.
+const hiddenAxis = { front: 'xaxis', side: 'yaxis', top: 'zaxis' };
 const camera = (view) => ({ ...views[view], center: { x: 0, y: 0, z: 0 }, projection: { type: 'orthographic' } });
 
 const stage = byId('mechanism-plot');
@@ -195,6 +201,7 @@ const drawStage = async (state) => {
   const spans = ranges.map(([l, h]) => h - l);
   const scale = 1.75 / Math.max(...spans);
   const stageAxis = (name, k) => ({
+    visible: hiddenAxis[state.view] !== `${name}axis`,
     title: { text: `${name} [${record.length_unit}]` }, range: ranges[k], gridcolor: c.rule, zeroline: false,
     showbackground: false, color: c.muted, showspikes: false, nticks: 6,
   });
@@ -252,7 +259,8 @@ const setUpStage = (state) => {
   for (const button of document.querySelectorAll('[data-view]')) {
     button.addEventListener('click', () => {
       state.view = button.dataset.view;
-      Plotly.relayout(stage, { 'scene.camera': camera(state.view) });
+      const seen = ['xaxis', 'yaxis', 'zaxis'].map((name) => [`scene.${name}.visible`, hiddenAxis[state.view] !== name]);
+      Plotly.relayout(stage, { 'scene.camera': camera(state.view), ...Object.fromEntries(seen) });
     });
   }
   for (const button of document.querySelectorAll('[data-shows]')) {

@@ -180,3 +180,78 @@ fn the_same_run_gives_the_same_bytes() {
     };
     assert!(files("1") == files("2"));
 }
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap();
+    list.iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// The centres are drawn where the characteristics say they are, the roll centre on the line from the contact
+/// point to the centre in front view.
+#[test]
+fn centres_are_where_the_characteristics_say() {
+    let outputs = "outputs.characteristics=[\"roll_centre_height\",\"front_view_swing_arm\",\"side_view_swing_arm\"]";
+    for name in ["macpherson", "double_wishbone", "five_link"] {
+        let text = study(&format!("{name}_solve.toml"));
+        let run = Run::of("solve", name, &text, &["--set", outputs]);
+        let data = run.data();
+        let (header, columns) = run.csv("curves.csv");
+        let value = |name: &str, station: usize| -> f64 {
+            let column = header.iter().position(|n| n == name).unwrap();
+            columns[column][station].parse().unwrap()
+        };
+        let frames = data["record"]["designs"][0]["frames"].as_array().unwrap();
+        assert!(frames.len() > 10);
+        for (station, frame) in frames.iter().enumerate() {
+            let pose = &frame["pose"]["Ok"];
+            let place = |key: &str| numbers(&pose[key]);
+            let [contact, roll] = ["contact", "roll_centre"].map(place);
+            let [front, side] = ["front_view_centre", "side_view_centre"].map(place);
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-8 * (1.0 + b.abs()), "{a} {b}");
+            close(
+                roll[2] - contact[2],
+                value("roll_centre_height_mm", station),
+            );
+            close(
+                contact[1] - front[1],
+                value("front_view_swing_arm_mm", station),
+            );
+            close(
+                contact[0] - side[0],
+                value("side_view_swing_arm_mm", station),
+            );
+            assert_eq!(
+                (roll[0], roll[1], front[0], side[1]),
+                (contact[0], 0.0, contact[0], contact[1])
+            );
+            let slope = |to: &[f64]| (to[2] - contact[2]) / (to[1] - contact[1]);
+            close(slope(&roll), slope(&front));
+        }
+    }
+}
+
+/// A target out of reach is marked wherever it is shown.
+#[test]
+fn missed_targets_are_marked() {
+    let far = "optimise.targets=[{characteristic=\"camber\", at=0.0, value=-9.0, tolerance=0.01},\
+               {characteristic=\"toe\", at=0.0, value=0.1, tolerance=5.0}]";
+    let run = Run::of(
+        "optimise",
+        "far",
+        &study("macpherson_front.toml"),
+        &["--set", far],
+    );
+    let data = run.data();
+    let missed = data["missed"].as_array().unwrap();
+    assert_eq!(missed.len(), 1, "{missed:?}");
+    assert_eq!(missed[0][0], "camber_deg");
+    let own = own_text(&run.page());
+    assert_eq!(own.matches("<tr class=\"unmet\">").count(), 1);
+    assert!(own.contains("<span class=\"bad\">1</span> of 2 <small>targets</small>"));
+    let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
+    assert!(picture.contains("class=\"missed\"") && picture.contains(">missed</text>"));
+    // A target at one place has its tolerance: a bar with two ends.
+    assert_eq!(picture.matches("class=\"bar\"").count(), 3);
+    let good = fs::read_to_string(run.plots().join("toe_deg.svg")).unwrap();
+    assert!(!good.contains("class=\"missed\""));
+}

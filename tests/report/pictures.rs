@@ -172,3 +172,20 @@ fn the_picture_of_the_sample_study_is_current() {
         }
     }
 }
+
+/// Each rack has its colour and its name.
+#[test]
+fn racks_are_told_apart() {
+    let more = ["--set", "motion.rack={from=-30.0,to=30.0,steps=3}"];
+    let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &more);
+    let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
+    for (number, name) in ["rack -30", "rack 0", "rack 30"].into_iter().enumerate() {
+        assert!(picture.contains(&format!(">{name}</text>")), "{name}");
+        assert!(picture.contains(&format!("<path class=\"main rack{number}\"")));
+    }
+    assert!(!picture.contains(">design</text>"));
+    let many = ["--set", "motion.rack={from=-30.0,to=30.0,steps=21}"];
+    let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &many);
+    let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
+    assert!((2..=5).contains(&picture.matches(">rack ").count()));
+}

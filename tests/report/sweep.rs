@@ -154,3 +154,62 @@ fn a_hostile_name_of_a_sweep_is_text() {
     assert!(own.contains("<bdi>&lt;img src=x onerror=alert(1)&gt;"));
     assert!(!own.contains("<img") && !own.contains("<script>alert"));
 }
+
+/// The curves of a chosen design are those of its study.
+#[test]
+fn a_chosen_design_has_its_curves_and_its_mechanism() {
+    let run = sweep("plain", &["--set", "sweep.samples=64"]);
+    let data = run.data();
+    let drawn = data["drawn"].as_array().unwrap();
+    assert!(drawn[0].is_null() && drawn.len() > 5, "{drawn:?}");
+    let best = &data["best"][0];
+    let place = drawn.iter().position(|design| design == best).unwrap();
+    let path = run.directory.path().join("plain.toml");
+    let mut print = hardpoint(&["sweep", "--set", "sweep.samples=64", "--design"]);
+    let printed = print.arg(best.to_string()).arg(&path).output().unwrap();
+    let text = String::from_utf8(printed.stdout).unwrap();
+    let solved = Run::of("solve", "one", &text, &[]);
+    let (header, columns) = solved.csv("curves.csv");
+    let table = &data["curves"][place];
+    let names = table["header"].as_array().unwrap();
+    assert!(names.len() > 2);
+    for (k, name) in names.iter().enumerate() {
+        let Some(column) = header.iter().position(|n| name == n) else {
+            continue;
+        };
+        let values: Vec<f64> = columns[column].iter().map(|c| c.parse().unwrap()).collect();
+        assert_eq!(table["columns"][k], Value::from(values), "{name}");
+    }
+    let frames = &data["record"]["designs"][place]["frames"];
+    assert_eq!(frames.as_array().unwrap().len(), columns[0].len());
+    assert_eq!(
+        data["record"]["designs"][place]["label"],
+        format!("design {best}")
+    );
+    let page = run.page();
+    assert!(
+        page.contains("id=\"mechanism\"") && page.len() < 6_500_000,
+        "{}",
+        page.len()
+    );
+}
+
+/// What nothing moves is no row of rounding noise among the effects.
+#[test]
+fn what_nothing_moves_has_no_effects() {
+    let run = sweep("plain", &["--set", "sweep.samples=64"]);
+    let data = run.data();
+    let outputs = data["effects"].as_array().unwrap();
+    let unmoved: Vec<&str> = data["unmoved"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|k| {
+            outputs[k.as_u64().unwrap() as usize]["column"]
+                .as_str()
+                .unwrap()
+        })
+        .collect();
+    assert!(unmoved.contains(&"camber_design_deg"), "{unmoved:?}");
+    assert!(!unmoved.contains(&"camber_gain_deg_per_mm"), "{unmoved:?}");
+}

@@ -277,7 +277,8 @@ impl Table {
         let room = |widths: &[usize]| widths.iter().map(|w| w + 2).sum::<usize>();
         while room(&widths) > width {
             let wider = (0..widths.len()).filter(|k| widths[*k] > layout[*k].least);
-            let Some(widest) = wider.max_by_key(|k| widths[*k]) else {
+            // Sentences first: a name is read more easily whole.
+            let Some(widest) = wider.max_by_key(|k| (layout[*k].prose, widths[*k])) else {
                 break;
             };
             widths[widest] -= 1;
@@ -303,6 +304,8 @@ impl Table {
 /// How a column is laid out.
 struct Layout {
     to_the_right: bool,
+    /// Whether some cell has several words.
+    prose: bool,
     natural: usize,
     /// Numbers are not broken.
     least: usize,
@@ -316,10 +319,12 @@ impl Layout {
         let shown = cells.clone().map(|cell| cell.text().chars().count());
         let longest = shown.max().unwrap_or(0);
         let natural = longest.max(header.chars().count());
+        let prose = cells.clone().any(|cell| cell.text().contains(' '));
         let mut cells = cells.filter(|cell| !cell.text().is_empty());
         let numbers = cells.all(Cell::is_number);
         Layout {
             to_the_right: numbers && !first,
+            prose,
             natural,
             least: match numbers {
                 true => longest.max(widest(header)).min(natural),

@@ -64,15 +64,18 @@ const centresOf = (placement) => centreNames.map(([key, name]) => {
 const bodyColours = (c) => {
   let number = 0;
   const own = { knuckle: c.carrier, strut: c.strut, spring: c.strut, rocker: c.rocker };
-  return scene.bodies.map(({ kind }) => own[kind] ?? c.hues[number++ % c.hues.length]);
+  const first = scene.bodies.findIndex(({ kind }) => kind === 'rocker');
+  const hasOwn = (kind, k) => own[kind] && (kind !== 'rocker' || k === first);
+  return scene.bodies.map(({ kind }, k) => (hasOwn(kind, k) ? own[kind] : c.hues[number++ % c.hues.length]));
 };
 const widths = { arm: 7, link: 6, rocker: 6, strut: 10, spring: 10, knuckle: 4 };
 // Names of what lies low stand below it, so that they do not meet those of links above.
 const sides = { arm: 'bottom center', knuckle: 'middle right', strut: 'middle left', spring: 'middle right' };
-// Where a body's name stands: midway along its first line.
-const middle = (placement, { lines: [line] }) => {
+// Where a body's name stands: about midway along its first line, further in or out by turns.
+const middle = (placement, { lines: [line] }, number) => {
   const [a, b] = line.map((i) => placement.points[i]);
-  return a.map((v, k) => (v + b[k]) / 2);
+  const along = number % 2 ? 0.62 : 0.36;
+  return a.map((v, k) => v + along * (b[k] - v));
 };
 
 // The parts of the drawing of the design that matters: coordinates in a placement, and looks. A part without
@@ -94,7 +97,7 @@ const mainParts = (c, state) => {
       look: { mode: 'lines', name: plain(body.name), legendgroup: body.name, showlegend: true, line: { color: hues[k], width: widths[body.kind] } },
     })),
     {
-      at: (p) => (state.names ? coordinates(scene.bodies.map((body) => middle(p, body))) : nothing),
+      at: (p) => (state.names ? coordinates(scene.bodies.map((body, number) => middle(p, body, number))) : nothing),
       look: { mode: 'text', text: scene.bodies.map(({ name }) => plain(name)), textposition: scene.bodies.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
     },
     {

@@ -14,6 +14,8 @@ use serde::Serialize;
 const GLUE: &str = concat!(
     "'use strict';\n(() => {\n",
     include_str!("display.js"),
+    include_str!("curves.js"),
+    include_str!("mechanism.js"),
     include_str!("theme.js"),
     include_str!("designs.js"),
     include_str!("parallel.js"),

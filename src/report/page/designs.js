@@ -92,15 +92,22 @@ const sayPicked = ({ picked }) => {
     });
     return tr;
   };
-  const cell = (v) => (v === null ? '' : String(v));
+  // Six digits to read; the whole number where the pointer rests.
+  const cell = (v) => (v === null ? '' : brief(v));
+  const exact = (v) => (v === null ? '' : String(v));
   const design = shown.design[picked];
   table.append(line(['column', `design ${design}`, 'as given'], 'th'));
-  columns.forEach((column, k) => table.append(line([column.column, cell(value(k, picked)), cell(column.at_design)], 'td')));
+  columns.forEach((column, k) => {
+    const values = [value(k, picked), column.at_design];
+    const row = line([column.column, ...values.map(cell)], 'td');
+    values.forEach((v, i) => { row.cells[i + 1].title = exact(v); });
+    table.append(row);
+  });
   byId('picked-command').textContent = `hardpoint sweep STUDY --design ${design} > design_${design}.toml`;
   const failing = shown.failing[picked];
   const at = shown.failed_at[picked];
   byId('picked-status').textContent = failing === null ? 'Solved at every station.' : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
   byId('picked').value = String(picked);
   root.dataset.picked = design;
-  root.dataset.pickedValues = columns.map((_, k) => cell(value(k, picked))).join(' ');
+  root.dataset.pickedValues = columns.map((_, k) => exact(value(k, picked))).join(' ');
 };

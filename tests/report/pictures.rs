@@ -53,7 +53,11 @@ fn a_failed_station_breaks_the_line() {
         .count();
     let drawn: usize = picture
         .lines()
-        .filter_map(|l| l.strip_prefix("<path class=\"main\" d=\""))
+        .filter_map(|l| {
+            l.strip_prefix("<path class=\"main rack")?
+                .split_once(" d=\"")
+        })
+        .map(|(_, path)| path)
         .filter_map(|l| l.split('"').next())
         // The legend's stroke is a horizontal one.
         .filter(|path| !path.contains('h'))

@@ -49,7 +49,7 @@ pub fn page(run: &Run) -> String {
         },
         missed: match &run.summary {
             Summary::Optimise(tuning) => missed(tuning),
-            Summary::Solve(_) => Vec::new(),
+            Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
         },
     };
     let (tuning, ranges) = match &run.summary {

@@ -34,6 +34,7 @@
 //! | [`plan`] | what a study asks for, turned into what is computed |
 //! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
 //! | [`curves`] | a plan carried out over a motion |
+//! | [`mod@evaluate`] | quantities at stations with their gradients, of several designs at a time |
 //! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`tolerance`] | what manufacturing scatter does, and which tolerance is worth money |
@@ -68,6 +69,7 @@ pub mod characteristics;
 pub mod cli;
 pub mod curves;
 pub mod derive;
+pub mod evaluate;
 pub mod exchange;
 mod function;
 mod linear;

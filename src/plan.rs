@@ -9,7 +9,7 @@ pub use effects::Effect;
 
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::model::{Axis, PointId};
-use crate::solve::{PoseError, StationOrder};
+use crate::solve::StationOrder;
 use crate::study::{Drive, Formulation, Load, Order, Study, TimeLaw};
 
 /// One quantity with the derivatives asked for.
@@ -34,8 +34,6 @@ pub struct Plan {
     pub drive: Drive,
     /// How poses are found.
     pub formulation: Formulation,
-    /// What poses may be off by; full double precision without it, and wherever poses are proved.
-    pub accuracy: Option<PoseError>,
     /// Drive values and the order in which they are visited.
     pub station_order: StationOrder,
     /// Rack displacements, in the study's axes.
@@ -124,7 +122,6 @@ impl Plan {
         Plan {
             drive: study.motion.drive,
             formulation: study.formulation,
-            accuracy: study.accuracy.filter(|_| !study.outputs.certify),
             station_order: StationOrder::through(&study.motion.values),
             racks: study.motion.rack.clone(),
             rack_moves: study.motion.rack_moves,

@@ -1,5 +1,5 @@
-//! Designs solved in SIMD lanes against the careful path: same poses, same refusals, the same bits at
-//! every width.
+//! Designs solved by the tracker, in SIMD lanes, against the continuation: same poses, same refusals, the same
+//! bits at every width.
 //!
 //! `DESIGNS=1000000 cargo test --release --test lanes -- --ignored --nocapture` is the long run.
 
@@ -7,7 +7,8 @@ mod support;
 
 use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
-use hardpoint::model::{Drive, PointId};
+use hardpoint::evaluate::{Evaluated, GradientEvaluator};
+use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
@@ -51,24 +52,39 @@ const ANGLES: [Characteristic; 4] = [
 
 /// Everything that the suspension has.
 fn quantities(study: &Study) -> Vec<Quantity> {
-    let mechanism = &study.suspension.mechanism;
+    let suspension = &study.suspension;
     let possible = |c: &&Characteristic| {
         c.info().needs.iter().all(|need| match need {
-            Need::Spring => mechanism.spring.is_some(),
-            Need::Rocker => mechanism.spring_rocker().is_some(),
-            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
-            Need::SteeringAxis => mechanism.steering_axis.is_some(),
-            Need::StrutUpper => mechanism.strut_upper().is_some(),
             Need::WheelRadius
             | Need::Wheelbase
             | Need::CgHeight
             | Need::FrontBraking
             | Need::RearDrive
             | Need::RearBrakingOrFrontDrive => true,
+            _ => need.met_by(suspension),
         })
     };
     let all = Characteristic::ALL.iter().filter(possible);
-    all.map(|c| Quantity::Characteristic(*c)).collect()
+    let characteristics = all.map(|c| Quantity::Characteristic(*c));
+    let points = (0..suspension.design.len()).map(|id| Quantity::Coordinate(PointId(id), Axis::Z));
+    let turns = [Axis::X, Axis::Z].map(Quantity::AngularVelocity);
+    characteristics.chain(points).chain(turns).collect()
+}
+
+/// What of it can be differentiated in lanes: no velocities, no instantaneous steering axis.
+fn differentiable(study: &Study) -> Vec<Quantity> {
+    let is_through = matches!(
+        study.suspension.mechanism.steering_axis,
+        Some(SteeringAxis::Through { .. })
+    );
+    let possible = |q: &Quantity| match q {
+        Quantity::Characteristic(c) => is_through || !c.info().reads_steering_axis(),
+        _ => true,
+    };
+    let all = quantities(study).into_iter();
+    all.filter(|q| q.rate_order() == 0)
+        .filter(possible)
+        .collect()
 }
 
 /// Designs scattered about the study's own, block by block.
@@ -94,12 +110,12 @@ struct Found {
     designs: usize,
     /// Designs with a station that cannot be reached.
     unreachable: usize,
-    /// Designs the lanes left to the careful path.
+    /// Designs the lanes left to be solved one by one.
     left: usize,
     /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
     worst: f64,
     of: Option<(Quantity, f64)>,
-    /// Values that are ill-conditioned in themselves: the careful path varies as much.
+    /// Values that are ill-conditioned in themselves: the continuation varies as much.
     ill: usize,
     /// Of slopes by the travel in the design position.
     worst_slope: f64,
@@ -116,7 +132,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         Drive::Travel => suspension.size(),
         Drive::ArmAngle => 1.0,
     };
-    let mut careful = evaluator(None);
+    let mut careful = evaluator(None).by_continuation();
     let mut lanes = evaluator(Some(Width::widest()));
     let mut scatter = Scatter {
         random: Random(seed),
@@ -179,7 +195,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
 }
 
 /// By how much each value of a design varies when the design is moved along the vehicle, which should change
-/// nothing: what the careful path itself loses.
+/// nothing: what the continuation itself loses.
 fn spread(
     careful: &mut Evaluator<'_>,
     design: &[Vector3<f64>],
@@ -206,8 +222,10 @@ fn spread(
 
 /// What a quantity is measured in.
 fn scale_of(quantity: Quantity, size: f64) -> f64 {
-    let Quantity::Characteristic(c) = quantity else {
-        return size;
+    let c = match quantity {
+        Quantity::Characteristic(c) => c,
+        Quantity::Coordinate(..) => return size,
+        Quantity::AngularVelocity(_) => return 1.0 / size,
     };
     match c.info().unit {
         Unit::Length => size,
@@ -273,13 +291,13 @@ fn check(all: Vec<(f64, Found)>) {
 }
 
 #[test]
-fn lanes_agree_with_the_careful_path() {
-    check(all(1000));
+fn the_tracker_agrees_with_the_continuation() {
+    check(all(500));
 }
 
 #[test]
 #[ignore = "a million designs take minutes"]
-fn a_million_designs_in_lanes_agree_with_the_careful_path() {
+fn a_million_designs_tracked_agree_with_the_continuation() {
     let designs = std::env::var("DESIGNS").map_or(1_000_000, |n| n.parse().expect("a number"));
     check(all(designs / 10));
 }
@@ -363,7 +381,7 @@ fn every_width_gives_the_same_bits() {
     }
 }
 
-/// A design without a rod is left to the careful path, and takes nothing along that comes after it.
+/// A design without a rod is left out of the lanes, and takes nothing along that comes after it.
 #[test]
 fn a_degenerate_design_leaves_its_lane_as_it_was() {
     for (name, [one, other]) in [
@@ -389,21 +407,77 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
     }
 }
 
-/// In lanes gradients come from the adjoint of the closed form, by the careful path from that of the closure
-/// equations.
+/// What the evaluator of gradients finds in lanes is what it finds one by one; what it cannot solve has a reason.
 #[test]
-fn gradients_in_lanes_are_those_of_the_careful_path() {
-    for (name, angles, rack, by) in [
-        ("macpherson_solve.toml", &ANGLES[..], "[0.0, 20.0]", 30.0),
-        ("macpherson_front.toml", &ANGLES[..], "[0.0]", 30.0),
-        ("double_wishbone_solve.toml", &ANGLES[..], "[-15.0]", 20.0),
-        ("five_link_solve.toml", &ANGLES[..2], "[0.0, 10.0]", 10.0),
-        ("semi_trailing_arm_solve.toml", &ANGLES[..2], "[0.0]", 30.0),
+fn the_evaluator_of_gradients_falls_back_one_by_one() {
+    for (name, by) in [
+        ("macpherson_solve.toml", 90.0),
+        ("double_wishbone_rocker.toml", 15.0),
+        ("semi_trailing_arm_solve.toml", 60.0),
+    ] {
+        let study = study(name, "[-60.0, 0.0, 40.0]", "[0.0]");
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let quantities = differentiable(&study);
+        let evaluator = |width| {
+            GradientEvaluator::new(suspension, &stations, &quantities, width).expect("it is sound")
+        };
+        let (mut lanes, mut alone) = (evaluator(Some(Width::widest())), evaluator(None));
+        let points = suspension.design.len();
+        let mut scatter = Scatter {
+            random: Random(12),
+            base: suspension.design.clone(),
+            by,
+        };
+        let designs = scatter.block();
+        let designs = &designs[..48 * points];
+        let (mut found, mut wanted) = (Evaluated::default(), Evaluated::default());
+        let left = lanes.evaluate(designs, &mut found);
+        assert_eq!(alone.evaluate(designs, &mut wanted), 48);
+        assert!(0 < left && left < 48, "{name}: {left}");
+        for design in 0..48 {
+            assert_eq!(found.outcome(design), wanted.outcome(design));
+            if found.outcome(design).is_err() {
+                assert!(found.value(design, 0, 0).is_nan());
+                continue;
+            }
+            for (k, quantity) in quantities.iter().enumerate() {
+                let scale = scale_of(*quantity, suspension.size());
+                for station in 0..stations.count() {
+                    let [a, b] = [&found, &wanted].map(|e| e.value(design, k, station));
+                    assert!(
+                        (a - b).abs() < 1e-11 * scale,
+                        "{name}: {quantity:?} {a} {b}"
+                    );
+                    let [a, b] = [&found, &wanted].map(|e| e.gradient(design, k, station));
+                    let scale = norm(b).max(scale / suspension.size());
+                    for (a, b) in a.iter().zip(b) {
+                        let missed = (*a - *b).norm();
+                        assert!(missed < 1e-9 * scale, "{name}: {quantity:?} {a:?} {b:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// In lanes gradients come from the adjoint of the closed form, one by one from that of the closure equations.
+#[test]
+fn gradients_in_lanes_are_those_of_the_closure_equations() {
+    for (name, rack, by) in [
+        ("macpherson_solve.toml", "[0.0, 20.0]", 30.0),
+        ("macpherson_front.toml", "[0.0]", 30.0),
+        ("double_wishbone_solve.toml", "[-15.0]", 20.0),
+        ("five_link_solve.toml", "[0.0, 10.0]", 10.0),
+        ("semi_trailing_arm_solve.toml", "[0.0]", 30.0),
+        ("double_wishbone_rocker.toml", "[0.0]", 3.0),
     ] {
         let study = study(name, "[-50.0, 0.0, 20.0, 60.0]", rack);
         let suspension = &study.suspension;
         let (mechanism, size) = (&suspension.mechanism, suspension.size());
         let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let angles = differentiable(&study);
+        let angles = &angles[..];
         let wanted: Vec<Wanted> = (0..angles.len() * stations.count())
             .map(|k| Wanted {
                 value: 0.01 * k as f64 - 0.02,
@@ -456,17 +530,26 @@ fn gradients_in_lanes_are_those_of_the_careful_path() {
             let mut sum = 0.0;
             let mut by_points = vec![Vector3::default(); points];
             let careful = careful_gradients(&study, &stations, design, angles);
-            let largest = careful.iter().map(|(_, g)| norm(g)).fold(0.0, f64::max);
             for (k, (value, gradient)) in careful.iter().enumerate() {
                 let (found, by_point) = &jacobians[number][k];
-                assert!((found - value).abs() < 1e-12, "{name}: {found} {value}");
+                let quantity = angles[k / stations.count()];
+                let of_quantity =
+                    &careful[k / stations.count() * stations.count()..][..stations.count()];
+                let scale = scale_of(quantity, size);
+                let largest = of_quantity.iter().map(|(_, g)| norm(g));
+                let largest = largest.fold(scale / size, f64::max);
+                let missed = (found - value).abs() / scale;
+                assert!(missed < 1e-12, "{name}: {quantity:?} {found} {value}");
                 let Wanted { value: v, weight } = wanted[k];
                 sum += weight * (value - v) * (value - v);
                 for (point, wanted) in gradient.iter().enumerate() {
                     let found = by_point[point];
                     let missed = (found - *wanted).norm() / largest;
                     let what = &mechanism.points[point].name;
-                    assert!(missed < 1e-11, "{name}, {what}: {found:?} {wanted:?}");
+                    assert!(
+                        missed < 1e-11,
+                        "{name}, {quantity:?} by {what}: {found:?} {wanted:?}"
+                    );
                     by_points[point] = by_points[point] + *wanted * (2.0 * weight * (value - v));
                 }
             }
@@ -519,7 +602,7 @@ fn careful_gradients(
     study: &Study,
     stations: &Stations,
     design: &[Vector3<f64>],
-    angles: &[Characteristic],
+    angles: &[Quantity],
 ) -> Vec<(f64, Vec<Vector3<f64>>)> {
     let mechanism = &study.suspension.mechanism;
     let mut solver = Solver::new(mechanism, design).expect("the lanes have solved it");
@@ -544,10 +627,9 @@ fn careful_gradients(
                     .linearised(&design_series, pose, &motion.along_drive())
                     .expect("the lanes have solved it");
                 let view = WheelReading::of(&linearised.at, constants);
-                for (angle, c) in angles.iter().enumerate() {
+                for (angle, quantity) in angles.iter().copied().enumerate() {
                     let at = angle * stations.count() + stations.number(number, k);
                     let mut gradient = vec![Vector3::default(); design.len()];
-                    let quantity = Quantity::Characteristic(*c);
                     view.gradients(&linearised, quantity, 0, &mut buffer, |_, point, by| {
                         gradient[point.0] = by;
                     });

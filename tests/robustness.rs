@@ -170,7 +170,6 @@ impl Trial {
                 time: None,
             },
             formulation: Formulation::KnucklePose,
-            accuracy: None,
             outputs: Outputs {
                 characteristics: vec![
                     Characteristic::Camber,

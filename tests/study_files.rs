@@ -30,9 +30,9 @@ fn directory(name: &str) -> PathBuf {
 const CORPUS: &[(&str, usize, &str)] = &[
     ("ball_joint_on_arm_axis", 10, "the arm could not move it"),
     (
-        "certify_accuracy",
-        25,
-        "proves poses in full double precision, which accuracy in [solver] gives up",
+        "solver_accuracy",
+        22,
+        "poses always have full double precision",
     ),
     (
         "certify_paper_theta",

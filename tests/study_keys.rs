@@ -27,11 +27,6 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
     ("motion.time", "travel = { from", "time = { bogus = 1, from"),
     ("solver", "[solver]", "[solver]\nbogus = 1"),
-    (
-        "solver.accuracy",
-        "[solver]",
-        "[solver]\naccuracy = { bogus = 1 }",
-    ),
     ("outputs", "[outputs]", "[outputs]\nbogus = 1"),
     (
         "outputs.loads",

@@ -9,9 +9,9 @@ use super::{Clock, Job, Timing, Unmeasurable};
 use crate::attia;
 use crate::attia::PointCoordinates;
 use crate::attia::{Strut, StrutPoints};
-use crate::characteristics::{Characteristic, Constants, Need, Quantity, WheelReading};
+use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::model::Suspension;
+use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Jet, Vector3, Width};
 use crate::report::{Cell, Table};
 use crate::solve::Solver;
@@ -59,8 +59,14 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
+/// What the method itself costs: one evaluation of the closed form at each pose, the angle of the arm being given,
+/// and the four angles read off it.
+const LIMIT: &str = "four angles at a given arm angle (the limit)";
+/// The farthest the arm is turned for that (rad).
+const LIMIT_ANGLE: f64 = 0.2;
 const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
+const POINTS: &str = "four angles and two points";
 const MOTION_RATIO: &str = "motion ratio of the spring";
 const JACOBIAN: &str = "four angles by every hardpoint";
 const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
@@ -77,6 +83,7 @@ impl Throughput {
             time: None,
         };
         let stations = Stations::of(&motion, &suspension.frame, &[]);
+        let at_angles = at_arm_angles(&motion, &suspension.frame);
         Solver::new(&suspension.mechanism, &suspension.design)?;
         let designs = scattered(suspension);
         let angles = quantities(
@@ -104,6 +111,12 @@ impl Throughput {
 
         let motion_ratio = quantities(suspension, &[Characteristic::MotionRatio]);
 
+        // The wheel centre and the knuckle's origin.
+        let mechanism = &suspension.mechanism;
+        let points = [mechanism.wheel_centre, mechanism.origin].into_iter();
+        let points = points.flat_map(|id| Axis::ALL.map(|axis| Quantity::Coordinate(id, axis)));
+        let angles_and_points: Vec<Quantity> = angles.iter().copied().chain(points).collect();
+
         let mut found = Vec::new();
         let mut jobs: Vec<Job<'_>> = Vec::new();
         let mut add = |asked, method: String, threads, job| {
@@ -128,11 +141,22 @@ impl Throughput {
             add(asked, ONE_BY_ONE.to_owned(), 1, job);
         }
         let widest = has_lanes.then(Width::widest);
+        let limit = Sweep {
+            suspension,
+            stations: &at_angles,
+            designs: &designs,
+        };
+        if crate::solve::has_closed_form(&suspension.mechanism) && limit.runs_in_lanes(&angles) {
+            let method = format!("lanes, {}", Width::widest().name());
+            add(LIMIT, method, 1, limit.job(&angles, widest, 1)?);
+        }
         let method = widest.map_or(ONE_BY_ONE.to_owned(), |w| format!("lanes, {}", w.name()));
         for threads in 2..=threads {
             let job = sweep.job(&angles, widest, threads)?;
             add(ANGLES, method.clone(), threads, job);
         }
+        let job = sweep.job(&angles_and_points, widest, 1)?;
+        add(POINTS, method.clone(), 1, job);
         if !motion_ratio.is_empty() {
             add(
                 MOTION_RATIO,
@@ -218,7 +242,9 @@ impl Throughput {
             "million_poses_per_s",
             "million_poses_per_s_and_thread",
             "times_the_paper",
+            "times_the_limit",
         ]);
+        let limit = self.measurements.iter().find(|m| m.asked == LIMIT);
         for m in &self.measurements {
             let times = paper.map(|p| p.timing.median / m.timing.median);
             table.push([
@@ -230,6 +256,9 @@ impl Throughput {
                 Cell::rounded(m.millions(), 3),
                 Cell::rounded(m.millions() / m.threads as f64, 3),
                 times.map(|t| Cell::rounded(t, 1)).into(),
+                limit
+                    .map(|l| Cell::rounded(m.timing.median / l.timing.median, 2))
+                    .into(),
             ]);
         }
         table
@@ -240,17 +269,21 @@ const PAPER: &str = "point coordinates (paper)";
 
 /// Those of the characteristics that the suspension has.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
-    let mechanism = &suspension.mechanism;
-    let possible = |c: &&Characteristic| {
-        let lacking = |need: &Need| match need {
-            Need::SteeringAxis => mechanism.steering_axis.is_none(),
-            Need::Spring => mechanism.spring.is_none(),
-            _ => false,
-        };
-        !c.info().needs.iter().any(lacking)
-    };
+    let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
     let possible = characteristics.iter().filter(possible);
     possible.map(|c| Quantity::Characteristic(*c)).collect()
+}
+
+/// As many stations as the motion has, by the angle of the arm.
+fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
+    let last = motion.values.len().saturating_sub(1).max(1) as f64;
+    let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);
+    let motion = Motion {
+        drive: Drive::ArmAngle,
+        values: (0..motion.values.len()).map(angle).collect(),
+        ..motion.clone()
+    };
+    Stations::of(&motion, frame, &[])
 }
 
 /// Designs about the suspension's own, a block of them.
@@ -276,6 +309,7 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
+    /// Whether most of the designs do.
     fn runs_in_lanes(&self, quantities: &[Quantity]) -> bool {
         let mut block = Block::new(quantities.len(), self.stations.count());
         Evaluator::new(self.suspension, self.stations, quantities)
@@ -389,14 +423,7 @@ impl<'a> Sweep<'a> {
             stations,
             designs,
         } = *self;
-        let angles: Vec<Characteristic> = quantities
-            .iter()
-            .filter_map(|quantity| match quantity {
-                Quantity::Characteristic(c) => Some(*c),
-                _ => None,
-            })
-            .collect();
-        let mut gradients = Gradients::new(suspension, stations, &angles, width)?;
+        let mut gradients = Gradients::new(suspension, stations, quantities, width)?;
         let at_once = gradients.at_once() * suspension.design.len();
         Some(Job {
             items: BLOCKS / 4 * BLOCK * stations.count(),

@@ -182,7 +182,6 @@ impl<'a> Problem<'a> {
         at_rest.outputs.certify = false;
         at_rest.outputs.loads.clear();
         at_rest.formulation = crate::study::Formulation::KnucklePose;
-        at_rest.accuracy = None;
         at_rest.motion.drive = Drive::Travel;
         at_rest.motion.values = vec![0.0];
         at_rest.motion.rack = vec![0.0];

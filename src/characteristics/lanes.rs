@@ -1,35 +1,41 @@
-//! Characteristics of many designs at a time, one in each lane.
+//! Quantities of many designs at a time, one in each lane.
 //!
-//! Only what the formulas asked for read is formed; which that is has been decided when the reader is
-//! made, by their [`Slot`]s.
+//! Only what is asked for is formed; which that is has been decided when the reader is made, by the [`Slot`]s of
+//! the formulas. What is not read is NaN, so that a formula which reads more than it declares has no value.
 
 use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
-use super::{Characteristic, Constants, Inputs, Slot, Slots, Wheel};
+use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots, Wheel};
 use crate::derive::{DesignedSpinAxis, Gradient, Seeds};
 use crate::mechanism::{Configuration, Twist};
-use crate::model::{Body, Drive, Mechanism, RockerId, Spring, SteeringAxis};
+use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId, Spring, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose};
 use std::hint::black_box;
 
-/// Reads characteristics off poses in lanes.
+/// Reads quantities off poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
-    characteristics: Vec<Characteristic>,
-    /// The way to the value of each of them.
-    ways: Vec<Evaluation>,
+    quantities: Vec<Quantity>,
+    /// How each of them is evaluated.
+    evaluations: Vec<Evaluation>,
+    /// The points whose coordinates are read.
+    points: Vec<PointId>,
     constants: Constants,
     reads: Reads,
 }
 
-/// How a characteristic is evaluated.
+/// How a quantity is evaluated.
 #[derive(Clone, Copy, Debug)]
 enum Evaluation {
     /// By its own formula.
     Formula(Characteristic),
     /// As the slope of this angle by the drive: driven by the travel, that is what its gain is.
     Slope(Characteristic),
+    /// A coordinate of one of the points.
+    Coordinate(usize, Axis),
+    /// A component of the angular velocity.
+    AngularVelocity(Axis),
 }
 
 /// What is read.
@@ -40,6 +46,10 @@ struct Reads {
     steering_axis: bool,
     strut_upper: bool,
     installation: Installation,
+    /// Points that the knuckle does not carry: of arms, say.
+    other_points: bool,
+    /// Points on rockers: their places take velocities.
+    rocker_points: bool,
     rates: bool,
 }
 
@@ -51,12 +61,22 @@ struct Installation {
     anti_roll_bar: Option<RockerId>,
 }
 
+/// What has been read of poses in lanes.
+#[derive(Clone, Debug)]
+pub struct LaneInputs<B> {
+    inputs: Inputs<B>,
+    /// Where the points are, and their velocities.
+    points: Vec<[Vector3<B>; 2]>,
+}
+
 /// The designs whose characteristics are read.
 pub struct LaneWheels<B: SimdReal> {
     spin_axis: KnuckleVector<B>,
     designed_spin_axis: DesignedSpinAxis<B>,
     centre: KnucklePoint<B>,
     strut_upper: Option<KnucklePoint<B>>,
+    /// Those of the points that the knuckle carries.
+    points: Vec<Option<KnucklePoint<B>>>,
     design: Wheel<B>,
 }
 
@@ -69,22 +89,37 @@ const LEAST_LEVERAGE: f64 = 0.0625;
 const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl<'a> LaneReader<'a> {
-    /// A reader of these characteristics; `None` if one of them cannot be read in lanes.
+    /// A reader of these quantities; `None` if one of them cannot be read in lanes.
     pub fn new(
         mechanism: &'a Mechanism,
         batch: &Batch<'_>,
         constants: Constants,
-        characteristics: Vec<Characteristic>,
+        quantities: Vec<Quantity>,
     ) -> Option<Self> {
-        let way = |c: &Characteristic| match angle_of_gain(*c) {
-            Some(angle) if batch.drive() == Drive::Travel => Evaluation::Slope(angle),
-            _ => Evaluation::Formula(*c),
+        let mut points: Vec<PointId> = Vec::new();
+        let mut evaluation = |quantity: &Quantity| match *quantity {
+            Quantity::Characteristic(c) => match angle_of_gain(c) {
+                Some(angle) if batch.drive() == Drive::Travel => Evaluation::Slope(angle),
+                _ => Evaluation::Formula(c),
+            },
+            Quantity::Coordinate(id, axis) => {
+                let number = points.iter().position(|p| *p == id).unwrap_or_else(|| {
+                    points.push(id);
+                    points.len() - 1
+                });
+                Evaluation::Coordinate(number, axis)
+            }
+            Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
         };
-        let ways: Vec<Evaluation> = characteristics.iter().map(way).collect();
-        let slots = ways.iter().fold(Slots::default(), |slots, way| {
-            let (Evaluation::Formula(c) | Evaluation::Slope(c)) = way;
-            slots.with(c.info().reads)
-        });
+        let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
+        let slots =
+            evaluations
+                .iter()
+                .fold(Slots::default(), |slots, evaluation| match evaluation {
+                    Evaluation::Formula(c) | Evaluation::Slope(c) => slots.with(c.info().reads),
+                    Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => slots,
+                });
+        let stands_on = |is: fn(Body) -> bool| points.iter().any(|id| is(mechanism.body(*id)));
         let reads = Reads {
             spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
             centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
@@ -102,7 +137,9 @@ impl<'a> LaneReader<'a> {
                     .anti_roll_bar()
                     .filter(|_| slots.contain_either(Slot::BarAngle, Slot::BarAngleRate)),
             },
-            rates: characteristics.iter().any(|c| c.info().reads_rates()),
+            other_points: stands_on(|body| body != Body::Knuckle),
+            rocker_points: stands_on(|body| matches!(body, Body::Rocker(_))),
+            rates: quantities.iter().any(|q| q.rate_order() > 0),
         };
         let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
             && mechanism
@@ -110,16 +147,17 @@ impl<'a> LaneReader<'a> {
                 .is_none_or(|id| !reads.strut_upper || mechanism.body(id) == Body::Knuckle);
         possible.then_some(LaneReader {
             mechanism,
-            characteristics,
-            ways,
+            quantities,
+            evaluations,
+            points,
             constants,
             reads,
         })
     }
 
-    /// The characteristics, in the order of the values.
-    pub fn characteristics(&self) -> &[Characteristic] {
-        &self.characteristics
+    /// The quantities, in the order of the values.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
     }
 
     /// What is to be read off the poses of designs, given as their points.
@@ -133,7 +171,15 @@ impl<'a> LaneReader<'a> {
         let centre = design[mechanism.wheel_centre.0];
         let designed_spin_axis = DesignedSpinAxis::of(mechanism, design);
         let spin_axis = designed_spin_axis.direction;
+        let mut points = Vec::with_capacity(self.points.len());
+        for id in &self.points {
+            points.push(match mechanism.body(*id) {
+                Body::Knuckle => Some(lanes.point(design[id.0])),
+                _ => None,
+            });
+        }
         LaneWheels {
+            points,
             spin_axis: lanes.vector(spin_axis),
             designed_spin_axis,
             centre: lanes.point(centre),
@@ -144,26 +190,29 @@ impl<'a> LaneReader<'a> {
             design: Wheel {
                 spin_axis,
                 centre,
-                ..Wheel::filled(centre.x.zero())
+                ..Wheel::filled(centre.x.lit(f64::NAN))
             },
         }
     }
 
-    /// Room for what the formulas read.
+    /// Room for what is read; nothing is yet.
     #[inline(always)]
-    pub fn inputs<B: SimdReal>(&self, wheels: &LaneWheels<B>) -> Inputs<B> {
-        let zero = wheels.design.centre.zero();
-        let nothing = Wheel::filled(zero.x);
-        Inputs {
-            now: nothing,
-            rate: nothing,
-            turn: zero,
-            design: wheels.design,
-            constants: self.constants,
+    pub fn inputs<B: SimdReal>(&self, wheels: &LaneWheels<B>) -> LaneInputs<B> {
+        let unknown = wheels.design.centre.x.lit(f64::NAN);
+        let nothing = Wheel::filled(unknown);
+        LaneInputs {
+            inputs: Inputs {
+                now: nothing,
+                rate: nothing,
+                turn: nothing.centre,
+                design: wheels.design,
+                constants: self.constants,
+            },
+            points: vec![[nothing.centre; 2]; self.points.len()],
         }
     }
 
-    /// Whether the formulas read velocities.
+    /// Whether the quantities read velocities.
     pub fn reads_rates(&self) -> bool {
         self.reads.rates
     }
@@ -177,10 +226,11 @@ impl<'a> LaneReader<'a> {
         at: &impl LanePose<B>,
         rack: B,
         rates: bool,
-        inputs: &mut Inputs<B>,
+        into: &mut LaneInputs<B>,
     ) -> B::Mask {
         let reads = self.reads;
         let mut right = rack.everywhere();
+        let LaneInputs { inputs, points } = into;
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
@@ -197,21 +247,40 @@ impl<'a> LaneReader<'a> {
         if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
             now.strut_upper = at.point(upper);
         }
+        for (place, carried) in points.iter_mut().zip(&wheels.points) {
+            if let Some(carried) = carried {
+                place[0] = at.point(carried);
+            }
+        }
         let is_installed = reads.installation != Installation::default();
-        if !rates && !is_installed {
+        if !rates && !is_installed && !reads.rocker_points {
+            if reads.other_points {
+                rack.outlined(Placing {
+                    ids: &self.points,
+                    at: &at.configuration(rack),
+                    points,
+                });
+            }
             return right;
         }
         let rates = at.rates();
         right = right & at.knows(&rates);
         inputs.turn = rates.turn();
-        if is_installed {
+        if is_installed || reads.other_points {
             let installing = Installing {
                 installation: reads.installation,
+                ids: &self.points,
                 at: &at.configuration(rack),
                 motion: &rates.twist(),
                 inputs,
+                points,
             };
             right = right & rack.outlined(installing);
+        }
+        for (place, carried) in points.iter_mut().zip(&wheels.points) {
+            if carried.is_some() {
+                place[1] = rates.point(at, place[0]);
+            }
         }
         let (now, rate) = (&inputs.now, &mut inputs.rate);
         if reads.spin_axis {
@@ -229,78 +298,107 @@ impl<'a> LaneReader<'a> {
         right
     }
 
-    /// Writes the values of all characteristics, from what has been read, each `stride` numbers after the one
+    /// Writes the values of all quantities, from what has been read, each `stride` numbers after the one
     /// before; NaN where one is not finite.
     #[inline(always)]
-    pub fn values<B: SimdReal>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
-        inputs.turn.x.outlined(Evaluating {
-            ways: &self.ways,
-            inputs,
+    pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
+        read.inputs.turn.x.outlined(Evaluating {
+            evaluations: &self.evaluations,
+            read,
             to,
             stride,
         });
     }
 
-    /// Whether only the four angles are read.
-    fn is_of_angles(&self) -> bool {
-        self.characteristics.iter().all(|c| is_angle(*c))
-    }
-
-    /// Whether the derivatives by the hardpoints can be had in lanes: those of the four angles, and not of an
-    /// instantaneous steering axis. (All formulas differentiated in one function would take the compiler too
-    /// long.)
+    /// Whether the derivatives by the hardpoints can be had in lanes: of what is not made of velocities, nor of an
+    /// instantaneous steering axis.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
-        self.is_of_angles() && !(self.reads.steering_axis && instantaneous)
+        self.quantities.iter().all(|q| q.rate_order() == 0)
+            && !(self.reads.steering_axis && instantaneous)
     }
 
-    /// Adds, times `weight`, how the angle of this number depends on what the angles read.
+    /// Adds, times `weight`, how the quantity of this number depends on the configuration that it has been read
+    /// in: of an angle to `by`, of anything else to `seeds`.
     #[inline(always)]
-    pub fn differentiate<B: SimdReal>(
+    pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
         number: usize,
         weight: B,
-        inputs: &Inputs<B>,
+        read: &LaneInputs<B>,
         by: &mut ByDirections<B>,
+        at: &Configuration<'_, B>,
+        seeds: &mut Seeds<'_, '_, B, G>,
     ) {
-        let c = self.characteristics[number];
-        let differentiating = Differentiating {
-            characteristic: c,
-            inputs,
-        };
-        if let Some(gradient) = weight.outlined(differentiating) {
-            let sum = match c.info().reads {
-                [Slot::SpinAxis] => &mut by.spin_axis,
-                _ => &mut by.steering_axis,
-            };
-            let before = sum.unwrap_or(gradient.zero());
-            *sum = Some(before.plus_scaled(gradient, weight));
+        match self.quantities[number] {
+            Quantity::Characteristic(c) if is_angle(c) => {
+                let differentiating = Differentiating {
+                    characteristic: c,
+                    inputs: &read.inputs,
+                };
+                if let Some(gradient) = weight.outlined(differentiating) {
+                    let sum = match c.info().reads {
+                        [Slot::SpinAxis] => &mut by.spin_axis,
+                        _ => &mut by.steering_axis,
+                    };
+                    let before = sum.unwrap_or(gradient.zero());
+                    *sum = Some(before.plus_scaled(gradient, weight));
+                }
+            }
+            Quantity::Characteristic(c) => weight.outlined(Seeding {
+                characteristic: c,
+                weight,
+                inputs: &read.inputs,
+                at,
+                seeds,
+            }),
+            Quantity::Coordinate(id, axis) => weight.outlined(SeedingPoint {
+                id,
+                axis,
+                weight,
+                seeds,
+            }),
+            // It is a velocity.
+            Quantity::AngularVelocity(_) => {}
         }
     }
 
-    /// Writes the derivatives of all characteristics by the drive, as [`LaneReader::values`] does, from what
-    /// has been read with its rates. NaN for what is made of velocities: it would take accelerations.
+    /// Writes the derivatives of all quantities by the drive, as [`LaneReader::values`] does, from what has been
+    /// read with its rates. NaN for what is made of velocities: it would take accelerations.
     #[inline(always)]
-    pub fn slopes<B: SimdReal>(&self, inputs: &Inputs<B>, to: &mut [f64], stride: usize) {
-        let mut first = 0;
-        for c in &self.characteristics {
-            let sloping = Sloping {
-                characteristic: *c,
-                inputs,
+    pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
+        let inputs = &read.inputs;
+        let unknown = inputs.turn.x.lit(f64::NAN);
+        let mut takes_series = false;
+        for (number, evaluation) in self.evaluations.iter().enumerate() {
+            let slope = match (evaluation, self.quantities[number]) {
+                (Evaluation::Coordinate(point, axis), _) => {
+                    component(read.points[*point][1], *axis)
+                }
+                (_, Quantity::Characteristic(c)) if is_angle(c) => {
+                    let sloping = Sloping {
+                        characteristic: c,
+                        inputs,
+                    };
+                    unknown.outlined(sloping).unwrap_or(unknown)
+                }
+                (_, quantity) => {
+                    takes_series = takes_series || quantity.rate_order() == 0;
+                    unknown
+                }
             };
-            if let Some(slope) = inputs.turn.x.outlined(sloping) {
-                slope.finite().store(&mut to[first..]);
-            }
-            first += stride;
+            slope.finite().store(&mut to[number * stride..]);
         }
-        if self.is_of_angles() {
+        if !takes_series {
             return;
         }
         // All formulas as series in one function would take the compiler too long.
         for lane in 0..B::LANES {
             let series = LaneReader::series(inputs, lane);
-            for (k, c) in self.characteristics.iter().enumerate() {
-                if !is_angle(*c) {
+            for (k, quantity) in self.quantities.iter().enumerate() {
+                if let Quantity::Characteristic(c) = quantity
+                    && !is_angle(*c)
+                {
                     to[k * stride + lane] = c.slope(&series).finite();
                 }
             }
@@ -325,7 +423,7 @@ impl<'a> LaneReader<'a> {
             )
         };
         let still = inputs.design.centre.zero();
-        let nothing = Wheel::filled(Jet::constant(0.0));
+        let nothing = Wheel::filled(Jet::constant(f64::NAN));
         let design = Wheel {
             spin_axis: pairs(inputs.design.spin_axis, still),
             centre: pairs(inputs.design.centre, still),
@@ -351,6 +449,16 @@ impl<'a> LaneReader<'a> {
     }
 }
 
+/// The component of a vector.
+#[inline(always)]
+fn component<T: Copy>(vector: Vector3<T>, axis: Axis) -> T {
+    match axis {
+        Axis::X => vector.x,
+        Axis::Y => vector.y,
+        Axis::Z => vector.z,
+    }
+}
+
 /// A derivative by the two directions that the angles read; none where it depends on neither.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
@@ -373,11 +481,15 @@ impl<B: SimdReal> ByDirections<B> {
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,
         wheels: &LaneWheels<B>,
-        inputs: &Inputs<B>,
+        read: &LaneInputs<B>,
         seeds: &mut Seeds<'_, '_, B, G>,
     ) {
         if let Some(gradient) = self.spin_axis {
-            seeds.moved_spin_axis(&wheels.designed_spin_axis, inputs.now.spin_axis, gradient);
+            seeds.moved_spin_axis(
+                &wheels.designed_spin_axis,
+                read.inputs.now.spin_axis,
+                gradient,
+            );
         }
         if let Some(gradient) = self.steering_axis {
             seeds.steering_axis(gradient.zero(), gradient);
@@ -385,12 +497,33 @@ impl<B: SimdReal> ByDirections<B> {
     }
 }
 
-/// Reads spring, rockers and anti-roll bar with their velocities.
+/// Reads the points that the knuckle does not carry.
+struct Placing<'i, B: SimdReal> {
+    ids: &'i [PointId],
+    at: &'i Configuration<'i, B>,
+    points: &'i mut [[Vector3<B>; 2]],
+}
+
+impl<B: SimdReal> Outlined for Placing<'_, B> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        for (place, id) in self.points.iter_mut().zip(self.ids) {
+            if self.at.mechanism.body(*id) != Body::Knuckle {
+                place[0] = self.at.place(*id);
+            }
+        }
+    }
+}
+
+/// Reads spring, rockers, anti-roll bar and points that the knuckle does not carry, with their velocities.
 struct Installing<'i, B: SimdReal> {
     installation: Installation,
+    ids: &'i [PointId],
     at: &'i Configuration<'i, B>,
     motion: &'i Twist<B>,
     inputs: &'i mut Inputs<B>,
+    points: &'i mut [[Vector3<B>; 2]],
 }
 
 impl<B: SimdReal> Outlined for Installing<'_, B> {
@@ -420,14 +553,21 @@ impl<B: SimdReal> Outlined for Installing<'_, B> {
             right = right & least.less(angle.leverage_squared);
             (now.bar_angle, rate.bar_angle) = (angle.now, angle.rate);
         }
+        for (place, id) in self.points.iter_mut().zip(self.ids) {
+            if at.mechanism.body(*id) != Body::Knuckle {
+                let point = at.moving_point(*id, motion);
+                right = right & least.less(point.leverage_squared);
+                *place = [point.now, point.rate];
+            }
+        }
         right
     }
 }
 
-/// Evaluates characteristics.
+/// Evaluates quantities.
 struct Evaluating<'i, B> {
-    ways: &'i [Evaluation],
-    inputs: &'i Inputs<B>,
+    evaluations: &'i [Evaluation],
+    read: &'i LaneInputs<B>,
     to: &'i mut [f64],
     stride: usize,
 }
@@ -437,17 +577,86 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     #[inline(always)]
     fn work(self) {
         let mut first = 0;
-        for way in self.ways {
+        for evaluation in self.evaluations {
             // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
             // and roots of every formula there is, for any one of them.
-            let inputs = black_box(self.inputs);
-            let value = match way {
-                Evaluation::Formula(c) => c.evaluate(inputs),
-                Evaluation::Slope(angle) => by_drive(*angle, inputs).expect("it is an angle"),
+            let read = black_box(self.read);
+            let value = match evaluation {
+                Evaluation::Formula(c) => c.evaluate(&read.inputs),
+                Evaluation::Slope(angle) => by_drive(*angle, &read.inputs).expect("it is an angle"),
+                Evaluation::Coordinate(point, axis) => component(read.points[*point][0], *axis),
+                Evaluation::AngularVelocity(axis) => component(read.inputs.turn, *axis),
             };
             value.finite().store(&mut self.to[first..]);
             first += self.stride;
         }
+    }
+}
+
+/// Seeds an adjoint with what a characteristic reads.
+struct Seeding<'i, 'c, 's, 'a, B, G: ?Sized> {
+    characteristic: Characteristic,
+    weight: B,
+    inputs: &'i Inputs<B>,
+    at: &'i Configuration<'c, B>,
+    seeds: &'i mut Seeds<'s, 'a, B, G>,
+}
+
+impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        // Lane by lane: all formulas over dual numbers in one function would take the compiler too long.
+        let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
+        for lane in 0..B::LANES {
+            let gradient = self.characteristic.gradient(&of_lane(self.inputs, lane));
+            for (slot, by) in lanes.iter_mut().zip(gradient) {
+                slot[0][lane] = by.x;
+                slot[1][lane] = by.y;
+                slot[2][lane] = by.z;
+            }
+        }
+        let like = self.weight;
+        for (slot, [x, y, z]) in self.characteristic.info().reads.iter().zip(&lanes) {
+            let by = Vector3::new(like.load(x), like.load(y), like.load(z));
+            slot.push(by * self.weight, self.at, self.seeds);
+        }
+    }
+}
+
+/// What one lane holds.
+#[inline(always)]
+fn of_lane<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<f64> {
+    inputs.map(
+        #[inline(always)]
+        |number| {
+            let mut lanes = [0.0; MOST_LANES];
+            number.store(&mut lanes);
+            lanes[lane]
+        },
+    )
+}
+
+/// Seeds an adjoint with a coordinate of a point.
+struct SeedingPoint<'i, 's, 'a, B, G: ?Sized> {
+    id: PointId,
+    axis: Axis,
+    weight: B,
+    seeds: &'i mut Seeds<'s, 'a, B, G>,
+}
+
+impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for SeedingPoint<'_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let zero = self.weight.zero();
+        let mut along = Vector3::new(zero, zero, zero);
+        match self.axis {
+            Axis::X => along.x = self.weight,
+            Axis::Y => along.y = self.weight,
+            Axis::Z => along.z = self.weight,
+        }
+        self.seeds.point(self.id, along);
     }
 }
 

@@ -24,11 +24,12 @@ mod view;
 mod wheel;
 
 pub use instant_centre::InstantCentres;
-pub use lanes::{ByDirections, LaneReader, LaneWheels};
+pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub use unit::Unit;
 pub use view::{Quantity, WheelReading};
 pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};
 
+use crate::model::{AxlePosition, Suspension};
 use crate::number::{Dual, Real, Vector3};
 
 /// A figure beyond the hardpoints that a characteristic cannot do without.
@@ -56,6 +57,37 @@ pub enum Need {
     SteeringAxis,
     /// `strut_upper` in `[suspension.hardpoints]`.
     StrutUpper,
+}
+
+impl Need {
+    /// Whether a suspension has what is needed.
+    pub fn met_by(self, suspension: &Suspension) -> bool {
+        let (mechanism, vehicle) = (&suspension.mechanism, &suspension.vehicle);
+        let is_at = |axle: AxlePosition| vehicle.position == Some(axle);
+        // The share of this axle.
+        let has_share = |of_front: Option<f64>| match is_at(AxlePosition::Front) {
+            true => of_front.is_some_and(|share| share > 0.0),
+            false => of_front.is_some_and(|share| share < 1.0),
+        };
+        let is_braked = vehicle.brakes.is_some() && has_share(vehicle.brake_share_front);
+        let is_driven = vehicle.drive_torque.is_some() && has_share(vehicle.drive_share_front);
+        match self {
+            Need::WheelRadius => suspension.wheel_radius.is_some(),
+            Need::Wheelbase => vehicle.wheelbase.is_some(),
+            Need::CgHeight => vehicle.cg_height.is_some(),
+            Need::FrontBraking => is_at(AxlePosition::Front) && is_braked,
+            Need::RearDrive => is_at(AxlePosition::Rear) && is_driven,
+            Need::RearBrakingOrFrontDrive => {
+                (is_at(AxlePosition::Rear) && is_braked)
+                    || (is_at(AxlePosition::Front) && is_driven)
+            }
+            Need::Spring => mechanism.spring.is_some(),
+            Need::Rocker => mechanism.spring_rocker().is_some(),
+            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
+            Need::SteeringAxis => mechanism.steering_axis.is_some(),
+            Need::StrutUpper => mechanism.strut_upper().is_some(),
+        }
+    }
 }
 
 /// What the catalogue says of a characteristic.

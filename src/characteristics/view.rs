@@ -272,11 +272,11 @@ impl<const N: usize> WheelReading<N> {
 impl Slot {
     /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
     #[inline(always)]
-    pub(super) fn push<T: Real>(
+    pub(super) fn push<T: Real, G: crate::derive::Gradient<T> + ?Sized>(
         self,
         seed: Vector3<T>,
         at: &Configuration<T>,
-        seeds: &mut Seeds<'_, '_, T>,
+        seeds: &mut Seeds<'_, '_, T, G>,
     ) {
         let mechanism = at.mechanism;
         match self {

@@ -13,7 +13,8 @@ use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{Cell, FailureRange, SolveSummary, Table, doubts, remarks, variable_doubts};
 use crate::solve::StationOrder;
-use crate::study::{Designs, Drive, Formulation, Study};
+use crate::study::{Designs, Drive, Formulation, Study, Sweep};
+use crate::sweep::{Evaluator, NotInLanes, SweepPlan};
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
@@ -111,6 +112,12 @@ fn motion(study: &Study, plan: &Plan) -> String {
             ),
             Designs::File(path) => format!(" Sweep (sweep only): the rows of {}.", path.display()),
         };
+        if let Some(why) = one_by_one(study, sweep) {
+            text += &format!(
+                " Its designs are solved one by one, not in SIMD lanes, {}.",
+                why.describe()
+            );
+        }
     }
     if let Some(optimise) = &study.optimise {
         text += &format!(
@@ -136,6 +143,13 @@ fn motion(study: &Study, plan: &Plan) -> String {
         );
     }
     text
+}
+
+/// Why the designs of a sweep do not go through the SIMD lanes, if they do not.
+fn one_by_one(study: &Study, sweep: &Sweep) -> Option<NotInLanes> {
+    let plan = SweepPlan::of(study, sweep).ok()?;
+    let evaluator = Evaluator::new(&study.suspension, &plan.stations, &plan.quantities);
+    evaluator.ok()?.not_in_lanes()
 }
 
 /// The rod of each rocker: how long it is, and what it stands on.

@@ -16,7 +16,6 @@ pub use run::curves;
 use crate::attia::Refusal;
 use crate::mechanism::{Failure, Work};
 use crate::model::{Axis, PointId, Rod};
-use crate::solve::PoseError;
 
 /// What came of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,8 +115,6 @@ pub struct Curves {
     pub stations: Vec<Station>,
     /// Station by station, where asked for.
     pub sensitivities: Vec<Sensitivity>,
-    /// A bound on the error of every pose, where the plan asks for less than full double precision.
-    pub error_bound: Option<PoseError>,
     /// What was done.
     pub work: Work,
 }

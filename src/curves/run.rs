@@ -10,7 +10,7 @@ use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles, Work,
 use crate::model::{Axis, RockerId, Rod, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
-use crate::solve::{LEAST_DIGITS, PoseError, Solver, rate_digits};
+use crate::solve::{LEAST_DIGITS, Solver, rate_digits};
 use crate::study::{Drive, Formulation};
 use std::ops::ControlFlow;
 
@@ -39,7 +39,6 @@ pub(super) struct Run<'a, const N: usize> {
     sensitivities: Vec<Sensitivity>,
     /// Of the solver.
     pub(super) work: Work,
-    error_bound: Option<PoseError>,
     /// Of reading.
     tally: WorkCounter,
 }
@@ -101,7 +100,6 @@ impl<'a, const N: usize> Run<'a, N> {
             toggles,
             sensitivities: Vec::new(),
             work: Work::default(),
-            error_bound: None,
             tally: WorkCounter::default(),
         }
     }
@@ -117,7 +115,6 @@ impl<'a, const N: usize> Run<'a, N> {
             columns: self.columns,
             stations: self.stations,
             sensitivities: self.sensitivities,
-            error_bound: self.error_bound,
             work: self.work + self.tally.work(),
         })
     }
@@ -126,9 +123,6 @@ impl<'a, const N: usize> Run<'a, N> {
         let (suspension, plan) = (self.suspension, self.plan);
         let drive_law = DriveLaw::of(suspension, plan)?;
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-        if let Some(allowed) = plan.accuracy {
-            solver = solver.with_accuracy(allowed);
-        }
         let prover = plan.certify.then(|| Prover::new(suspension));
         for (i, rack) in plan.racks.iter().enumerate() {
             let drive = plan.drive.in_kernel();
@@ -165,7 +159,6 @@ impl<'a, const N: usize> Run<'a, N> {
             }
         }
         self.work = solver.work();
-        self.error_bound = plan.accuracy.map(|_| solver.error_bound());
         Ok(())
     }
 

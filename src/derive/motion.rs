@@ -127,43 +127,28 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// The configuration in a solved pose, as a series along `motion`, with the factors of its Jacobian if
-    /// there was a need for them (a series beyond its constant part, or `linearise`). `known` are these
-    /// factors, where they are there already. `None` where the Jacobian is singular.
-    #[expect(clippy::too_many_arguments, reason = "a solver's state, part by part")]
+    /// Whether configurations take the factors of the Jacobian.
+    pub(crate) fn takes_factors(&self) -> bool {
+        N > 1 || self.is_steered()
+    }
+
+    /// The configuration in a solved pose, as a series along `motion`, from the factors of its Jacobian; they
+    /// may be missing where there is no need for them ([`DesignSeries::takes_factors`]).
     pub(crate) fn configuration<'a>(
         &'a self,
         mechanism: &'a Mechanism,
-        closure: &Closure<f64>,
-        design: &[Vector3<f64>],
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-        known: Option<&Lu6<f64>>,
+        factors: Option<&Lu6<f64>>,
         work: &WorkCounter,
-        linearise: bool,
-    ) -> Option<Factorised<'a, N>> {
-        let mut series = pose.map(Jet::constant);
-        let mut factors = None;
-        if N > 1 || linearise || self.steered.is_some() {
-            let point = motion.value_point();
-            let lu = match known {
-                Some(factors) => *factors,
-                None => {
-                    let at = Configuration {
-                        mechanism,
-                        design,
-                        pose: *pose,
-                        rack: point.rack,
-                        steering: None,
-                    };
-                    work.note(|w| w.factorisations += 1);
-                    Lu6::new(closure.jacobian(&at, point.driver()), 1.0)?
-                }
-            };
-            work.note(|w| w.right_hand_sides += N as u64 - 1);
-            series = self.series(mechanism, &lu, pose, motion);
-            factors = Some(lu);
-        }
+    ) -> Configuration<'a, Jet<f64, N>> {
+        let series = match factors {
+            Some(lu) if N > 1 => {
+                work.note(|w| w.right_hand_sides += N as u64 - 1);
+                self.series(mechanism, lu, pose, motion)
+            }
+            _ => pose.map(Jet::constant),
+        };
         let mut configuration = Configuration {
             mechanism,
             design: &self.design,
@@ -171,12 +156,12 @@ impl<const N: usize> DesignSeries<N> {
             rack: motion.rack,
             steering: None,
         };
-        if let (Some(_), Some(lu)) = (&self.steered, &factors) {
+        if let (Some(_), Some(lu)) = (&self.steered, factors) {
             work.note(|w| w.right_hand_sides += N as u64);
             let twist = twist_by_rack(&configuration, &self.closure, motion.driver(), lu);
             configuration.steering = Some(twist);
         }
-        Some((configuration, factors))
+        configuration
     }
 
     /// The pose as a series along `motion`.

@@ -167,6 +167,20 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
+    /// As [`Configuration::point`], for one that does not stand on a rocker; inlined.
+    #[inline(always)]
+    pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
+        match self.mechanism.body(id) {
+            Body::Chassis | Body::Rack => self.grounded(id),
+            Body::StrutRod(top) => {
+                let top = self.designed(top);
+                top + self.pose.rotation.apply(self.designed(id) - top)
+            }
+            Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
+            Body::Knuckle | Body::Rocker(_) => self.carried(id),
+        }
+    }
+
     /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
     #[inline]
     fn point_apart(&self, id: PointId) -> Vector3<T> {

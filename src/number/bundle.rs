@@ -38,6 +38,11 @@ pub trait SimdReal: Real {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Whether the mask is set in every lane.
     fn all(mask: Self::Mask) -> bool;
+    /// Whether the mask is set in some lane.
+    #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        !Self::all(!mask)
+    }
     /// Whether the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
     /// The number, or NaN for one that is not finite.

@@ -2,7 +2,7 @@
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
-use super::figure::{brief, figure, figures};
+use super::figure::{figure, figures};
 use super::station_label::StationLabel;
 use super::table::{Cell, Column, Table};
 use crate::curves::{Curves, Station, Status};
@@ -23,9 +23,6 @@ pub struct SolveSummary {
     completeness: Completeness,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
-    /// Where less than full double precision was asked for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    accuracy: Option<Accuracy>,
     /// Where there is a pose at least.
     #[serde(default)]
     condition: Option<ConditionSummary>,
@@ -44,16 +41,6 @@ struct FailedStation {
     place: StationLabel,
     status: String,
     reason: String,
-}
-
-/// What poses may be off by, and what they are off by at most.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Accuracy {
-    asked_length: Option<f64>,
-    asked_angle_deg: Option<f64>,
-    bound_length: f64,
-    length_unit: String,
-    bound_angle_deg: f64,
 }
 
 /// The range of a column over the motion.
@@ -103,20 +90,6 @@ impl SolveSummary {
             completeness: Completeness::of(curves),
             failed: failed.collect(),
             outputs: outputs.collect(),
-            accuracy: study
-                .accuracy
-                .zip(curves.error_bound)
-                .map(|(asked, bound)| {
-                    // An accuracy that is not asked for is infinite, which JSON does not know.
-                    let finite = |v: f64| v.is_finite().then_some(v);
-                    Accuracy {
-                        asked_length: finite(asked.length),
-                        asked_angle_deg: finite(asked.angle.to_degrees()),
-                        bound_length: bound.length,
-                        length_unit: study.suspension.length_unit.symbol().to_owned(),
-                        bound_angle_deg: bound.angle.to_degrees(),
-                    }
-                }),
             condition: ConditionSummary::of(curves, drive),
             certificate: CertificateSummary::of(study, curves),
             work: curves.work,
@@ -173,18 +146,9 @@ impl SolveSummary {
 
     /// How many stations were solved, and what became of the others, in words.
     pub fn headline(&self) -> String {
-        let accuracy = self.accuracy.as_ref().map_or_else(String::new, |a| {
-            format!(
-                ", poses within {} {} and {} deg",
-                brief(a.bound_length),
-                a.length_unit,
-                brief(a.bound_angle_deg)
-            )
-        });
-        let solved = self.completeness.headline().unwrap_or_else(|| {
+        self.completeness.headline().unwrap_or_else(|| {
             let solved = self.stations - self.failed.len();
             format!("{solved} of {} stations solved", self.stations)
-        });
-        solved + &accuracy
+        })
     }
 }

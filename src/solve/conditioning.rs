@@ -104,7 +104,22 @@ impl Solver<'_> {
         pose: &Pose<f64>,
         point: &MotionPoint<f64>,
     ) -> Conditioning {
-        match self.formed_condition(pose, point) {
+        let motion = MotionPoint {
+            drive: point.drive,
+            value: Jet::<f64, 1>::constant(point.value),
+            rack: Jet::constant(point.rack),
+        };
+        let known = self.closed_form_series(pose, &motion);
+        self.condition_from(known.map(|(_, condition)| condition), pose, point)
+    }
+
+    fn condition_from(
+        &self,
+        estimate: Option<f64>,
+        pose: &Pose<f64>,
+        point: &MotionPoint<f64>,
+    ) -> Conditioning {
+        match estimate {
             // Written so that NaN is computed anew.
             Some(number) if number < Conditioning::ESTIMATED => Conditioning {
                 number,
@@ -122,18 +137,21 @@ impl Solver<'_> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<(Configuration<'a, Jet<f64, N>>, Conditioning), Failure> {
-        let estimated = || self.estimated_conditioning(pose, &motion.value_point());
-        if let Some(series) = self.formed_series(design_series, pose, motion) {
+        let is_simple = !design_series.is_steered();
+        if let Some((series, estimate)) = is_simple
+            .then(|| self.closed_form_series(pose, motion))
+            .flatten()
+        {
             return Ok((
                 design_series.at(self.mechanism(), series, motion.rack),
-                estimated(),
+                self.condition_from(Some(estimate), pose, &motion.value_point()),
             ));
         }
         let (configuration, factors) =
             self.factorised_series(design_series, pose, motion, false)?;
         let condition = match factors {
             Some(lu) => Conditioning::of(&lu, self.size()),
-            None => estimated(),
+            None => self.conditioning(pose, &motion.value_point()),
         };
         Ok((configuration, condition))
     }

@@ -3,7 +3,6 @@
 //! The [`Solver`] walks from the design position to every station; a [`Batch`] does the same for as many
 //! designs as a processor has lanes.
 
-mod accuracy;
 pub(crate) mod cause;
 pub(crate) mod closed_form;
 mod conditioning;
@@ -12,13 +11,12 @@ mod path;
 mod tracker;
 pub(crate) mod trial;
 
-pub use accuracy::PoseError;
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
 pub use tracker::{
-    Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose, LaneRates,
-    Visit,
+    Acceptance, Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose,
+    LaneRates, Rejection, Tracked, Visit,
 };
 
 /// Whether poses of this mechanism come from a closed form; else from six equations.

@@ -3,8 +3,9 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{Accuracy, MemberName, Number, Selection, Text, Values, Whole};
+use super::value::{MemberName, Number, Selection, Text, Values, Whole};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
@@ -146,8 +147,8 @@ pub struct Time {
 pub struct Solver {
     /// `knuckle_pose` or `point_coordinates`.
     pub formulation: Option<Text>,
-    /// What poses may be off by.
-    pub accuracy: Option<Spanned<Accuracy>>,
+    /// Was what poses may be off by: refused, with a sentence.
+    pub accuracy: Option<Spanned<IgnoredAny>>,
 }
 
 /// `[outputs]`

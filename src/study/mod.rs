@@ -44,7 +44,6 @@ use crate::build::BuildParameter;
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Vector3;
-use crate::solve::PoseError;
 
 /// A study, resolved and validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,8 +62,6 @@ pub struct Study {
     pub motion: Motion,
     /// How poses are found.
     pub formulation: Formulation,
-    /// What poses may be off by; full double precision where the study does not say.
-    pub accuracy: Option<PoseError>,
     /// What is asked for.
     pub outputs: Outputs,
     /// The optimisation, if the study has one.

@@ -74,7 +74,7 @@ fn resolve(
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
     let formulation = solver::formulation(&file, &suspension, &mut problems);
-    let accuracy = solver::accuracy(&file, formulation, &suspension, &mut problems);
+    solver::refuse_accuracy(&file, &mut problems);
     let outputs = outputs::outputs(&file, &suspension, &mut problems);
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
@@ -119,12 +119,9 @@ fn resolve(
         .zip(outputs)
         .zip(optimise)
         .zip(sweep)
-        .zip(accuracy)
         .zip(setup.zip(tolerance));
-    let (
-        (((((motion, formulation), outputs), (optimise, curves)), sweep), accuracy),
-        (setup, tolerance),
-    ) = problems.finish(resolved)?;
+    let (((((motion, formulation), outputs), (optimise, curves)), sweep), (setup, tolerance)) =
+        problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -138,7 +135,6 @@ fn resolve(
         suspension,
         motion,
         formulation,
-        accuracy,
         outputs,
         optimise,
         sweep,

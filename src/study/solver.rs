@@ -3,13 +3,11 @@
 use super::error::Problems;
 use super::file::File;
 use super::names::choose;
-use super::value::{Accuracy, Number, Selection, Text};
+use super::value::{Selection, Text};
 use super::{Drive, Formulation, Motion, Order, Outputs};
 use crate::attia::Strut;
 use crate::characteristics::Quantity;
 use crate::model::Suspension;
-use crate::number::Vector3;
-use crate::solve::PoseError;
 use std::ops::Range as Span;
 
 impl Formulation {
@@ -56,55 +54,14 @@ pub fn formulation(
     Some(formulation)
 }
 
-/// What poses may be off by; the inner `None` is full double precision.
-pub fn accuracy(
-    file: &File,
-    formulation: Option<Formulation>,
-    suspension: &Suspension,
-    problems: &mut Problems,
-) -> Option<Option<PoseError>> {
-    let Some(written) = &file.solver.accuracy else {
-        return Some(None);
-    };
-    if formulation == Some(Formulation::PointCoordinates) {
-        let message = "the formulation in point coordinates has no accuracy to choose";
-        problems.add(written.span(), message);
-        return None;
+/// Refuses to give up accuracy.
+pub fn refuse_accuracy(file: &File, problems: &mut Problems) {
+    if let Some(accuracy) = &file.solver.accuracy {
+        let message = "poses always have full double precision: less saved no time, so accuracy is no longer a \
+                       choice";
+        let error = problems.add(accuracy.span(), message);
+        error.help("leave accuracy out");
     }
-    let unbounded = f64::INFINITY;
-    let (length, angle, place) = match written.get_ref() {
-        Accuracy::Length(length) => (*length, unbounded, written.span()),
-        Accuracy::Parts(parts) => {
-            let of = |part: &Option<Number>| part.as_ref().map_or(unbounded, |n| n.value);
-            let place = parts.length.as_ref().or(parts.angle.as_ref());
-            let place = place.map_or(written.span(), |n| n.span.clone());
-            (of(&parts.length), of(&parts.angle), place)
-        }
-    };
-    let size = suspension.size();
-    let coordinate_scale = |far: f64, p: &Vector3<f64>| far.max(p.norm());
-    let coordinate_scale = suspension.design.iter().fold(size, coordinate_scale);
-    let finest = PoseError::of_rounding(coordinate_scale, size);
-    let unit = suspension.length_unit.symbol();
-    let message = if !(length > 0.0 && angle > 0.0) {
-        "expected an accuracy above 0".to_owned()
-    } else if length == unbounded && angle == unbounded {
-        "expected a length, or { length, angle } with one of them at least".to_owned()
-    } else if length < 2.0 * finest.length || angle.to_radians() < 2.0 * finest.angle {
-        format!(
-            "finer than double precision can promise for this suspension ({:.1e} {unit}, {:.1e} deg)",
-            2.0 * finest.length,
-            2.0 * finest.angle.to_degrees()
-        )
-    } else {
-        return Some(Some(PoseError {
-            length,
-            angle: angle.to_radians(),
-        }));
-    };
-    let error = problems.add(place, message);
-    error.help("without accuracy, poses have full double precision");
-    None
 }
 
 /// Refuses what the formulation or the drive cannot give.
@@ -170,16 +127,7 @@ fn check_certificate(
              is rounded before a pose is found",
             "drive = \"arm_angle\" has them",
         ),
-        (Formulation::KnucklePose, _) => {
-            if let Some(accuracy) = &file.solver.accuracy {
-                let message = "certify = true proves poses in full double precision, which accuracy \
-                               in [solver] gives up";
-                let error = problems.add(certify.span(), message);
-                error.help("leave out one of them");
-                error.related(accuracy.span(), "less is asked for here");
-            }
-            return;
-        }
+        (Formulation::KnucklePose, _) => return,
     };
     problems.add(certify.span(), message).help(help);
 }

@@ -144,53 +144,6 @@ impl<'de> Visitor<'de> for ValuesVisitor {
     }
 }
 
-/// A length, or a length and an angle, or one of them.
-#[derive(Clone, Debug)]
-pub enum Accuracy {
-    /// A length.
-    Length(f64),
-    /// Each by its name.
-    Parts(AccuracyParts),
-}
-
-/// `{ length, angle }`
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AccuracyParts {
-    /// In the study's unit.
-    pub length: Option<Number>,
-    /// In degrees.
-    pub angle: Option<Number>,
-}
-
-impl<'de> Deserialize<'de> for Accuracy {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(AccuracyVisitor)
-    }
-}
-
-struct AccuracyVisitor;
-
-impl<'de> Visitor<'de> for AccuracyVisitor {
-    type Value = Accuracy;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a length or { length, angle }")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Accuracy, E> {
-        FiniteVisitor.visit_f64(value).map(Accuracy::Length)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Accuracy, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Accuracy, A::Error> {
-        AccuracyParts::deserialize(MapAccessDeserializer::new(map)).map(Accuracy::Parts)
-    }
-}
-
 /// All, none, or those named.
 #[derive(Clone, Debug)]
 pub enum Selection {

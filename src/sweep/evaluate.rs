@@ -6,8 +6,8 @@
 
 use super::Stations;
 use super::aligned::Aligned;
-use super::careful::Careful;
-use super::lanes::LaneSolver;
+use super::lanes::{LaneSolver, NotInLanes};
+use super::one_by_one::OneByOne;
 use crate::characteristics::Quantity;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
@@ -149,20 +149,20 @@ impl Block {
 /// Evaluates blocks of designs. One for each thread.
 ///
 /// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
-/// sailing, and everything else, one by one by the careful path. Which of the two depends on the design
+/// sailing, and everything else, one by one. Which of the two depends on the design
 /// alone.
 pub struct Evaluator<'a> {
     points: usize,
-    lanes: Option<LaneSolver<'a>>,
-    careful: ByDepth<'a>,
-    /// Designs of the block left to the careful path, by number.
+    lanes: Result<LaneSolver<'a>, NotInLanes>,
+    one_by_one: ByDepth<'a>,
+    /// Designs of the block left to be solved one by one, by number.
     left: Vec<usize>,
 }
 
 /// The pose's derivatives that values take.
 enum ByDepth<'a> {
-    Positions(Box<Careful<'a, 1>>),
-    Rates(Box<Careful<'a, 2>>),
+    Positions(Box<OneByOne<'a, 1>>),
+    Rates(Box<OneByOne<'a, 2>>),
 }
 
 impl<'a> Evaluator<'a> {
@@ -175,7 +175,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
     }
 
-    /// As [`Evaluator::new`], in lanes of a width, or by the careful path alone.
+    /// As [`Evaluator::new`], in lanes of a width, or one by one alone.
     pub fn with_width(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -183,31 +183,53 @@ impl<'a> Evaluator<'a> {
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
         let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
-        let careful = match depth {
-            0 => ByDepth::Positions(Box::new(Careful::new(suspension, stations, quantities)?)),
-            _ => ByDepth::Rates(Box::new(Careful::new(suspension, stations, quantities)?)),
+        let one_by_one = match depth {
+            0 => ByDepth::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+            _ => ByDepth::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
         };
         Ok(Evaluator {
             points: suspension.design.len(),
-            lanes: width.and_then(|w| LaneSolver::new(suspension, stations, quantities, w)),
-            careful,
+            lanes: match width {
+                Some(width) => LaneSolver::new(suspension, stations, quantities, width),
+                None => Err(NotInLanes::Asked),
+            },
+            one_by_one,
             left: Vec::new(),
         })
     }
 
+    /// Why no design is solved in lanes; `None` where most are.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        self.lanes.as_ref().err().copied()
+    }
+
+    /// Leaves every pose to the continuation: more slowly to the same values, for comparison.
+    pub fn by_continuation(self) -> Self {
+        Evaluator {
+            lanes: Err(NotInLanes::Asked),
+            one_by_one: match self.one_by_one {
+                ByDepth::Positions(solver) => {
+                    ByDepth::Positions(Box::new(solver.by_continuation()))
+                }
+                ByDepth::Rates(solver) => ByDepth::Rates(Box::new(solver.by_continuation())),
+            },
+            ..self
+        }
+    }
+
     /// Evaluates designs given as the points of one after the other, in the kernel's frame. Returns how
-    /// many were left to the careful path.
+    /// many were left to be solved one by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {
         let count = designs.len() / self.points;
         block.clear(count);
         self.left.clear();
         match &mut self.lanes {
-            Some(lanes) => lanes.evaluate(designs, block, &mut self.left),
-            None => self.left.extend(0..count),
+            Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
+            Err(_) => self.left.extend(0..count),
         }
-        match &mut self.careful {
-            ByDepth::Positions(careful) => careful.evaluate(designs, &self.left, block),
-            ByDepth::Rates(careful) => careful.evaluate(designs, &self.left, block),
+        match &mut self.one_by_one {
+            ByDepth::Positions(solver) => solver.evaluate(designs, &self.left, block),
+            ByDepth::Rates(solver) => solver.evaluate(designs, &self.left, block),
         }
         self.left.len()
     }
@@ -237,7 +259,7 @@ mod tests {
         .unwrap()
     }
 
-    /// The values of the careful path are those of `hardpoint solve`, to the bit, and a design's do not depend on its
+    /// Values found one by one are those of `hardpoint solve`, to the bit, and a design's do not depend on its
     /// neighbours, nor on what the evaluator did before.
     #[test]
     fn values_are_those_of_the_curves_whatever_the_neighbours() {

@@ -1,7 +1,7 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
-//! For programs that move many designs at once, such as a descent from several starts: the four angles by
-//! every hardpoint coordinate, or a sum of their squared deviations over all stations with its gradient. The
+//! For programs that move many designs at once, such as a descent from several starts: quantities by every
+//! hardpoint coordinate, or a sum of their squared deviations over all stations with its gradient. The
 //! second costs one adjoint a pose, the first one for each angle.
 //!
 //! Jacobians are handed over pose by pose, not kept: 864 bytes a pose for a strut, so that to write those of
@@ -11,12 +11,12 @@ use super::Stations;
 use super::aligned::Aligned;
 use super::lanes::gather;
 use crate::characteristics::{
-    ByDirections, Characteristic, Constants, Inputs, LaneReader, LaneWheels,
+    ByDirections, Constants, LaneInputs, LaneReader, LaneWheels, Quantity,
 };
 use crate::derive::{Gradient, Seeds};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Batch, LaneAdjoint, LaneMembers, LanePose, Visit};
+use crate::solve::{Acceptance, Batch, LaneAdjoint, LaneMembers, LanePose, Visit};
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -114,22 +114,23 @@ impl Jacobians<'_> {
 }
 
 impl<'a> Gradients<'a> {
-    /// Of these angles; `None` where they, or the mechanism, cannot be differentiated in lanes
+    /// Of these quantities; `None` where they, or the mechanism, cannot be differentiated in lanes
     /// ([`LaneReader::has_gradients`]; the drive must be the travel).
     pub fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
-        angles: &[Characteristic],
+        quantities: &[Quantity],
         width: Width,
     ) -> Option<Self> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let (drive, racks) = (stations.drive, &stations.racks);
         (drive == Drive::Travel).then_some(())?;
         let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks)?;
+        batch.is_complete().then_some(())?;
         let constants = Constants::of(suspension);
-        let reader = LaneReader::new(mechanism, &batch, constants, angles.to_vec())?;
+        let reader = LaneReader::new(mechanism, &batch, constants, quantities.to_vec())?;
         reader.has_gradients().then_some(())?;
-        let (angles, points) = (angles.len(), design.len());
+        let (angles, points) = (quantities.len(), design.len());
         Some(Gradients {
             width,
             batch,
@@ -170,7 +171,7 @@ impl<'a> Gradients<'a> {
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
     /// `wanted` angle by angle and station by station. Which designs were right is known from then on.
     pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) -> Deviations<'_> {
-        let all = self.reader.characteristics().len() * self.stations.count();
+        let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
         self.evaluate(designs, Task::Deviations(wanted));
@@ -186,7 +187,7 @@ impl<'a> Gradients<'a> {
         });
     }
 
-    /// Whether a design of the last evaluation is right; if not, it is one for the careful path.
+    /// Whether a design of the last evaluation is right; if not, it is to be solved one by one.
     pub fn is_right(&self, design: usize) -> bool {
         self.right[design]
     }
@@ -237,7 +238,7 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             members: &members,
             inputs: reader.inputs(&wheels),
             rack: like,
-            right: design.is_regular(),
+            right: like.everywhere(),
             count: stations.count(),
             first: 0,
             task: self.task,
@@ -249,7 +250,7 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             reading.first = stations.number(rack, 0);
             reading.rack = like.lit(stations.racks[rack]);
             let solved = batch.solve(&design, rack, &mut history, &mut reading);
-            reading.right = reading.right & solved;
+            reading.right = reading.right & solved.everywhere();
             rack += 1;
         }
         let solved = reading.right;
@@ -282,7 +283,7 @@ struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r LaneMembers<B>,
-    inputs: Inputs<B>,
+    inputs: LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
@@ -297,12 +298,12 @@ struct Differentiating<'r, 't, B: SimdReal> {
 
 impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
         let station = self.first + station;
         let right = self
             .reader
             .read(self.wheels, at, self.rack, false, &mut self.inputs);
-        let angles = self.reader.characteristics().len();
+        let angles = self.reader.quantities().len();
         let zero = self.rack.zero();
         let rates = at.rates();
         self.right = self.right & right & at.knows(&rates);
@@ -329,6 +330,7 @@ impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
             };
             let row = &mut Row(row);
             let mut by = ByDirections::default();
+            let mut seeds = Seeds::new(&configuration, row);
             while angle < end {
                 let weight = match self.task {
                     Task::Jacobians(_) => zero.one(),
@@ -340,11 +342,16 @@ impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
                         weighted + weighted
                     }
                 };
-                self.reader
-                    .differentiate(angle, weight, &self.inputs, &mut by);
+                self.reader.differentiate(
+                    angle,
+                    weight,
+                    &self.inputs,
+                    &mut by,
+                    &configuration,
+                    &mut seeds,
+                );
                 angle += 1;
             }
-            let mut seeds = Seeds::new(&configuration, row);
             by.seed(self.wheels, &self.inputs, &mut seeds);
             let wrench = seeds.wrench();
             adjoint.subtract(&wrench, row);

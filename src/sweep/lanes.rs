@@ -2,10 +2,38 @@
 
 use super::Stations;
 use super::evaluate::{Block, SIDE_BY_SIDE};
-use crate::characteristics::{Characteristic, Constants, Inputs, LaneReader, LaneWheels, Quantity};
+use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Batch, LanePose, Visit};
+use crate::solve::{Acceptance, Batch, LanePose, Visit};
+
+/// Why no design of a sweep is solved in SIMD lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotInLanes {
+    /// Nobody asked for lanes.
+    Asked,
+    /// The drive, or the study's own design, is not one for the tracker.
+    Mechanism,
+    /// Two stations coincide, or one is out of all reach.
+    Stations,
+    /// Something that is asked for cannot be read there.
+    Reading,
+}
+
+impl NotInLanes {
+    /// The reason as the end of a sentence.
+    pub fn describe(self) -> &'static str {
+        match self {
+            NotInLanes::Asked => "as it was asked for",
+            NotInLanes::Mechanism => {
+                "since the drive, or the study's own design, is not one that the tracker takes (a linkage by its \
+                 arm's angle, a design next to a singularity or far from the origin)"
+            }
+            NotInLanes::Stations => "since two stations coincide, or one is out of all reach",
+            NotInLanes::Reading => "since something that is asked for cannot be read in lanes",
+        }
+    }
+}
 
 /// Solves as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
@@ -17,26 +45,24 @@ pub(super) struct LaneSolver<'a> {
 }
 
 impl<'a> LaneSolver<'a> {
-    /// A solver of these quantities; `None` where they, or the mechanism, cannot be had in lanes.
+    /// A solver of these quantities, or why they cannot be had in lanes.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
         quantities: &[Quantity],
         width: Width,
-    ) -> Option<Self> {
+    ) -> Result<Self, NotInLanes> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-        let characteristics: Vec<Characteristic> = quantities
-            .iter()
-            .map(|quantity| match quantity {
-                Quantity::Characteristic(c) => Some(*c),
-                _ => None,
-            })
-            .collect::<Option<_>>()?;
         let (drive, racks) = (stations.drive, &stations.racks);
-        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks)?;
+        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks);
+        let batch = batch.ok_or(NotInLanes::Mechanism)?;
+        if !batch.is_complete() {
+            return Err(NotInLanes::Stations);
+        }
         let constants = Constants::of(suspension);
-        let reader = LaneReader::new(mechanism, &batch, constants, characteristics)?;
-        Some(LaneSolver {
+        let reader = LaneReader::new(mechanism, &batch, constants, quantities.to_vec());
+        let reader = reader.ok_or(NotInLanes::Reading)?;
+        Ok(LaneSolver {
             width,
             batch,
             reader,
@@ -45,7 +71,7 @@ impl<'a> LaneSolver<'a> {
         })
     }
 
-    /// Evaluates the designs of a block; the numbers of those left to the careful path are added to
+    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to
     /// `left`.
     pub(super) fn evaluate(
         &mut self,
@@ -102,7 +128,7 @@ impl SimdTask for Evaluation<'_, '_> {
                 wheels: &wheels,
                 inputs: reader.inputs(&wheels),
                 rack: like,
-                right: design.is_regular(),
+                right: like.everywhere(),
                 count: stations.count(),
                 first: 0,
                 design_station: stations.design(),
@@ -114,7 +140,7 @@ impl SimdTask for Evaluation<'_, '_> {
                 reading.first = stations.number(rack, 0);
                 reading.rack = like.lit(stations.racks[rack]);
                 let solved = batch.solve(&design, rack, &mut history, &mut reading);
-                reading.right = reading.right & solved;
+                reading.right = reading.right & solved.everywhere();
                 rack += 1;
             }
             let solved = reading.right;
@@ -154,11 +180,11 @@ pub(super) fn gather<B: SimdReal>(
     }
 }
 
-/// Reads the characteristics off the poses of a group.
+/// Reads the quantities off the poses of a group.
 struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
-    inputs: Inputs<B>,
+    inputs: LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
@@ -173,7 +199,7 @@ struct Reading<'r, B: SimdReal> {
 
 impl<B: SimdReal> Visit<B> for Reading<'_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();

@@ -6,7 +6,6 @@
 //! number of threads, in one run, in shards or resumed.
 
 mod aligned;
-mod careful;
 mod effects;
 mod evaluate;
 mod front;
@@ -14,6 +13,7 @@ mod gradients;
 mod in_order;
 mod lanes;
 mod moments;
+mod one_by_one;
 mod or_null;
 mod plan;
 mod record;
@@ -28,6 +28,7 @@ pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};
 pub use gradients::{Deviations, Gradients, Jacobians, Wanted};
 pub use in_order::in_order;
+pub use lanes::NotInLanes;
 pub use moments::{BinnedSums, LevelSums, Moments, SaltelliSums};
 pub use plan::{NotBegun, SweepPlan, Worker};
 pub use record::{

@@ -128,7 +128,6 @@ fn plan(problem: &Problem) -> Plan {
     let mut study = problem.study.clone();
     study.suspension = problem.assembler.suspension().clone();
     study.formulation = Formulation::KnucklePose;
-    study.accuracy = None;
     study.outputs.characteristics = problem.characteristics.clone();
     study.outputs.points.clear();
     study.outputs.knuckle = false;

@@ -291,3 +291,77 @@ pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
 pub(crate) fn middles(jacobian: &Jacobian) -> Square {
     jacobian.map(|row| row.map(Interval::middle))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Topology;
+    use crate::number::Jet;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// What the certificate rests on: along any line through the pose's twelve numbers, the rack and the drive,
+    /// every closure equation is a polynomial of second degree. A row that is not has a third derivative.
+    #[test]
+    fn every_row_of_every_topology_is_quadratic() {
+        // Numbers in [-1, 1) with nothing special about them: a linear congruential sequence.
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        for topology in Topology::ALL {
+            let study = Study::from_text("row.toml", topology.template, Path::new("."));
+            let suspension = study.expect("a template is valid").suspension;
+            let (mechanism, size) = (&suspension.mechanism, suspension.size());
+            let design: Vec<_> = suspension
+                .design
+                .iter()
+                .map(|p| p.map(Jet::constant))
+                .collect();
+            let closure = Closure::<Jet<f64, 4>>::new(mechanism, &design);
+            let mut seen = [false; 7];
+            for trial in 0..20 {
+                let mut along = |value: f64, unit: f64| {
+                    Jet([value + 0.3 * unit * random(), unit * random(), 0.0, 0.0])
+                };
+                let origin = suspension.design[mechanism.origin.0];
+                let mut vector = |v: Vector3<f64>, unit: f64| {
+                    Vector3::new(along(v.x, unit), along(v.y, unit), along(v.z, unit))
+                };
+                let pose = Pose {
+                    origin: vector(origin, size),
+                    rotation: Matrix3 {
+                        columns: Matrix3::identity(0.0)
+                            .columns
+                            .map(|column| vector(column, 1.0)),
+                    },
+                };
+                let rack = along(0.0, size);
+                let driver = match trial % 2 == 1 && !mechanism.arms.is_empty() {
+                    false => Driver::Travel(along(0.0, size)),
+                    true => Driver::ArmAngle {
+                        sine: along(0.0, 1.0),
+                        cosine: along(1.0, 1.0),
+                    },
+                };
+                let at = Configuration {
+                    mechanism,
+                    design: &design,
+                    pose,
+                    rack,
+                    steering: None,
+                };
+                for (row, residual) in closure.residuals(&at, driver).into_iter().enumerate() {
+                    let third = residual[3].abs();
+                    assert!(third < 1e-12 * size, "{}: equation {row}", topology.name);
+                    seen[row] = seen[row] || residual[1] != 0.0;
+                }
+                seen[6] = true;
+            }
+            assert!(seen.iter().all(|row| *row), "{}: {seen:?}", topology.name);
+        }
+    }
+}

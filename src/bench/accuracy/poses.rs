@@ -10,7 +10,7 @@ use crate::mechanism::{Configuration, Pose, Work};
 use crate::model::Drive;
 use crate::number::{DoubleDouble, Vector3};
 use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
-use crate::solve::{PoseError, Solver, StationOrder};
+use crate::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -348,60 +348,45 @@ fn read(subject: &Subject<'_>, pose: &Pose<f64>) -> f64 {
     })
 }
 
-/// Poses as the program finds them, every check on the way included; first in full double precision,
-/// then with ever less asked for.
+/// Poses as the program finds them, every check on the way included.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let station_order = StationOrder::through(&subject.travels);
     let read = |pose: &Pose<f64>| read(subject, pose);
-    let mut found = Vec::new();
-    for metres in [0.0, 1e-9, 1e-7, 1e-5, 1e-3] {
-        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-        if metres > 0.0 {
-            solver = solver.with_accuracy(PoseError {
-                length: in_length_units(metres, subject),
-                angle: f64::INFINITY,
-            });
-        }
-        let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
-            let visited = solver.for_each_pose(
-                Drive::Travel,
-                &station_order,
-                subject.rack,
-                |_, station, pose| {
-                    if let Ok(pose) = pose {
-                        visit(station, pose);
-                    }
-                    ControlFlow::Continue(())
-                },
-            );
-            visited.expect("the design was solved before");
-            solver.work()
-        };
-        let mut error = 0.0_f64;
-        let before =
-            run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
-        let after = run(&mut |_, _| ());
-        let evaluations = |work: Work| work.closed_form_evaluations + work.newton_iterations;
-        let count = evaluations(after) - evaluations(before);
-        let time = clock.time(subject.travels.len(), || {
-            let mut sum = 0.0;
-            run(&mut |_, pose| sum += read(pose));
-            sum
-        });
-        found.push(Measurement {
-            family: Family::Pose,
-            method: "hardpoint solve".to_owned(),
-            setting: match metres {
-                0.0 => "default".to_owned(),
-                _ => format!("accuracy {metres:.0e} m"),
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
+        let visited = solver.for_each_pose(
+            Drive::Travel,
+            &station_order,
+            subject.rack,
+            |_, station, pose| {
+                if let Ok(pose) = pose {
+                    visit(station, pose);
+                }
+                ControlFlow::Continue(())
             },
-            time,
-            error,
-            evaluations: Some(count as f64 / subject.travels.len() as f64),
-        });
-    }
-    Ok(found)
+        );
+        visited.expect("the design was solved before");
+        solver.work()
+    };
+    let mut error = 0.0_f64;
+    let before = run(&mut |station, pose| error = error.max(subject.error(station, read(pose))));
+    let after = run(&mut |_, _| ());
+    let evaluations = |work: Work| work.closed_form_evaluations + work.newton_iterations;
+    let count = evaluations(after) - evaluations(before);
+    let time = clock.time(subject.travels.len(), || {
+        let mut sum = 0.0;
+        run(&mut |_, pose| sum += read(pose));
+        sum
+    });
+    Ok(vec![Measurement {
+        family: Family::Pose,
+        method: "hardpoint solve".to_owned(),
+        setting: "default".to_owned(),
+        time,
+        error,
+        evaluations: Some(count as f64 / subject.travels.len() as f64),
+    }])
 }
 
 /// The seed paper's fifteen equations.

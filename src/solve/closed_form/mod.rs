@@ -38,8 +38,8 @@ use crate::mechanism::DesignFault;
 use crate::mechanism::Pose;
 use crate::model::Mechanism;
 use crate::number::Jet;
-use crate::number::Real;
 use crate::number::{Matrix3, Vector3};
+use crate::number::{Real, SimdReal};
 
 /// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
 /// u x t0.
@@ -350,24 +350,31 @@ impl State<f64> {
             self.ga = 0.0;
         }
     }
+}
 
-    /// Whether the closed form loses no more than four digits here: the squared sines between steering
-    /// arm and steering plane, and between steering axis and rack joint, and the margin of the upper end,
-    /// are what it divides by.
-    #[inline]
-    pub(crate) fn is_ordinary(&self) -> bool {
-        let gram = self.n.norm_squared();
-        self.toggle_square > 1e-4 * self.tie_squared
-            && self.upper_margin > 1e-3
-            && gram > 1e-4 * self.dd * self.g.norm_squared()
+/// The least squared sine of an angle that the closed form divides by.
+const LEAST: f64 = 0.0625;
+/// The least margin of the upper end, a sine as well.
+const LEAST_UPPER: f64 = 0.25;
+
+impl<B: SimdReal> State<B> {
+    /// Where the closed form is well conditioned: nothing that it divides by is small. False for NaN.
+    #[inline(always)]
+    pub(crate) fn is_well_conditioned(&self) -> B::Mask {
+        let least = self.ga.lit(LEAST);
+        let [a, b, c] = self.squares();
+        (a.1 * least).less(a.0)
+            & (b.1 * least).less(b.0)
+            & (c.1 * least).less(c.0)
+            & self.ga.lit(LEAST_UPPER).less(self.upper_margin)
     }
 }
 
-impl State<Jet<f64, 2>> {
+impl<const N: usize> State<Jet<f64, N>> {
     /// The state without its derivatives.
     #[inline]
     pub(crate) fn now(&self) -> State<f64> {
-        let vector = |v: Vector3<Jet<f64, 2>>| v.map(|c| c[0]);
+        let vector = |v: Vector3<Jet<f64, N>>| v.map(|c| c[0]);
         State {
             ball_joint: vector(self.ball_joint),
             d: vector(self.d),
@@ -392,14 +399,6 @@ impl State<Jet<f64, 2>> {
 }
 
 impl<T: Real> State<T> {
-    /// What may not vanish on a path: distance from the tie rod's toggle (as a square), and of the upper end
-    /// from where it can no longer be reached (the length of a strut from the foot of the ball joint's
-    /// perpendicular to the mount, or a lever of the upper arm).
-    #[inline]
-    pub(crate) fn margins(&self) -> [T; 2] {
-        [self.toggle_square, self.upper_margin]
-    }
-
     /// The squares that the closed form divides by or takes the root of, each with what makes it the
     /// squared sine of an angle: of the steering arm against the plane through steering axis and rack
     /// joint, of the rack joint and of the steering arm against the steering axis.
@@ -417,7 +416,8 @@ impl<T: Real> State<T> {
         self.toggle_square
     }
 
-    /// The margin of the upper end (see [`State::margins`]).
+    /// The margin of the upper end: how far it is from where it can no longer be reached (the length of a strut
+    /// from the foot of the ball joint's perpendicular to the mount, or a lever of the upper arm).
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin

@@ -11,7 +11,7 @@
 //! where the bracket has only the coefficients below d_k in it; the pose along the motion is its own series
 //! at d(s).
 
-use super::ClosedForm;
+use super::{ClosedForm, State};
 use crate::derive::MotionPoint;
 use crate::mechanism::Pose;
 use crate::model::Drive;
@@ -19,36 +19,42 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle.
-    /// `None` where the series does not exist.
+    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle, and
+    /// the state it starts in. `None` where the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Option<Pose<Jet<f64, N>>> {
+    ) -> Option<(Pose<Jet<f64, N>>, State<f64>)> {
         if motion.rack.0[1..].iter().any(|c| *c != 0.0) {
             return None;
         }
         let design_series = self.map(Jet::constant);
-        let series = match motion.drive {
+        let (series, state) = match motion.drive {
             Drive::ArmAngle => {
                 let (sine, cosine) = motion.value.scaled(0.5).sin_cos();
-                design_series.pose(&design_series.at_half_tangent(sine / cosine, motion.rack))
+                let state = design_series.at_half_tangent(sine / cosine, motion.rack);
+                (design_series.pose(&state), state)
             }
             Drive::Travel => {
-                let state = design_series.at_half_tangent(Jet::variable(tangent), motion.rack);
+                let mut variable = Jet::constant(tangent);
+                if N > 1 {
+                    variable.0[1] = 1.0;
+                }
+                let state = design_series.at_half_tangent(variable, motion.rack);
                 let rise = design_series.travel(&state);
                 let mut along = Jet::constant(0.0);
                 for k in 1..N {
                     let known = composed(rise, along)[k];
                     along.0[k] = (motion.value[k] - known) / rise[1];
                 }
-                design_series.pose(&state).map(|c| composed(c, along))
+                let pose = design_series.pose(&state).map(|c| composed(c, along));
+                (pose, state)
             }
         };
         let origin = series.origin;
         let is_finite = origin.x.0.iter().all(|c| c.is_finite());
-        is_finite.then_some(series)
+        is_finite.then(|| (series, state.now()))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Following the closure equations with steps small enough that Newton's method cannot leave the branch.
 
-use super::{FactorisedPose, PathPoint, Solver};
+use super::{PathPoint, Solver};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
 use crate::mechanism::Driver;
@@ -10,7 +10,6 @@ use crate::mechanism::Pose;
 use crate::mechanism::Work;
 use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
 use crate::number::Jet;
-use crate::solve::PoseError;
 use crate::solve::continuation::{Moving, PathEnd};
 
 /// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
@@ -70,13 +69,6 @@ impl Solver<'_> {
                     }
                 }
             }
-        }
-        if let Some(factors) = lu {
-            self.settled = Some(FactorisedPose {
-                pose,
-                point: *to,
-                factors,
-            });
         }
         Ok(pose)
     }
@@ -161,19 +153,8 @@ impl Solver<'_> {
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
-            // What a correction leaves shrinks faster than the corrections did.
-            let left = correction * (correction / last);
-            let left = PoseError {
-                length: 2.0 * left,
-                angle: left / self.size,
-            };
-            let modest = iteration > 0 && left.times_in(self.error_budget.allowed) >= 1.0;
-            if modest {
-                self.error_budget.note(left);
-            }
             // Rounding level: the corrections no longer shrink.
-            if modest
-                || correction <= rounding
+            if correction <= rounding
                 || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
                 let settled = Pose {

@@ -2,11 +2,8 @@
 //!
 //! A mechanism has many assemblies; the one meant is the one reached from the design position by moving
 //! it. So every pose is found by walking: the rack first, at zero travel, then the drive, station by
-//! station outward. A step is taken by the closed form where there is one and nothing is close to
-//! changing (slope, toggle), else by following the closure equations with steps small enough that
-//! Newton's method cannot leave the branch.
-
-mod closed_step;
+//! station outward. The tracker walks as far as its guards let it; from the last station that it accepts
+//! the closure equations are followed with steps small enough that Newton's method cannot leave the branch.
 
 mod follow;
 mod series;
@@ -16,9 +13,9 @@ pub use crate::mechanism::{DesignFault, Failure};
 pub(crate) use follow::predict;
 pub use stations::StationOrder;
 
-use super::accuracy::{ErrorBudget, PoseError};
 use super::closed_form::ClosedForm;
 use super::continuation::{Curve, Moving};
+use super::tracker::{PoseTracker, Rejection, TrackedPoses};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::linear::lu::{Lu6, Matrix6};
 use crate::mechanism::Closure;
@@ -26,9 +23,7 @@ use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{DEGENERATE, ROUNDING};
 use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism, PointId};
-use crate::number::Jet;
 use crate::number::{Matrix3, Vector3};
-use closed_step::ClosedFormPredictor;
 use std::ops::ControlFlow;
 
 /// Sizes whose eighth powers, and their inverses, are ordinary doubles.
@@ -41,39 +36,16 @@ pub struct Solver<'m> {
     design: Vec<Vector3<f64>>,
     pub(crate) closure: Closure<f64>,
     form: Option<ClosedForm<f64>>,
-    /// The same over series.
-    series: Option<ClosedForm<Jet<f64, 2>>>,
+    tracker: Option<PoseTracker<'m>>,
+    /// What the tracker found at the last visit.
+    tracked: TrackedPoses,
     /// For the predictor of the step-by-step path; made when first needed.
     design_series: Option<DesignSeries<3>>,
     lifted_is_current: bool,
     size: f64,
     /// The largest coordinate, at least the size: what positions are rounded at.
     coordinate_scale: f64,
-    /// The last pose that Newton's method settled at, with its factors.
-    settled: Option<FactorisedPose>,
-    /// The last pose that is one of the closed form's.
-    formed: Option<ClosedFormPose>,
     pub(crate) work: WorkCounter,
-    error_budget: ErrorBudget,
-}
-
-/// A pose whose Jacobian is factorised already.
-#[derive(Clone, Copy, Debug)]
-struct FactorisedPose {
-    pose: Pose<f64>,
-    point: MotionPoint<f64>,
-    factors: Lu6<f64>,
-}
-
-/// A pose of the closed form.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ClosedFormPose {
-    pose: Pose<f64>,
-    point: MotionPoint<f64>,
-    /// Tangent of half the arm's angle.
-    tangent: f64,
-    /// About its condition number; not known in the design position.
-    condition: Option<f64>,
 }
 
 /// A pose with the motion point it was found at.
@@ -84,26 +56,24 @@ pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 pub(crate) struct PathPoint {
     point: MotionPoint<f64>,
     pose: Pose<f64>,
-    quick: Option<ClosedFormPredictor>,
 }
 
 impl<'m> Solver<'m> {
-    /// A solver for this mechanism, at first for this design.
+    /// A solver for this mechanism, at first for this design. Others should be near it: where they are not, they
+    /// are solved all the same, but more slowly.
     pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
         let mut solver = Solver {
             mechanism,
             design: design.to_vec(),
             closure: Closure::new(mechanism, design),
             form: None,
-            series: None,
+            tracker: Some(PoseTracker::new(mechanism, design)),
+            tracked: TrackedPoses::default(),
             design_series: None,
             lifted_is_current: false,
             size: 1.0,
             coordinate_scale: 1.0,
-            settled: None,
-            formed: None,
             work: WorkCounter::default(),
-            error_budget: ErrorBudget::default(),
         };
         solver.prepare(design)?;
         Ok(solver)
@@ -120,8 +90,6 @@ impl<'m> Solver<'m> {
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
         self.lifted_is_current = false;
-        self.settled = None;
-        self.formed = None;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -138,7 +106,6 @@ impl<'m> Solver<'m> {
         }
         self.closure.prepare(self.mechanism, design);
         self.form = ClosedForm::of(self.mechanism, design)?;
-        self.series = self.form.as_ref().map(|form| form.map(Jet::constant));
         Ok(())
     }
 
@@ -163,15 +130,10 @@ impl<'m> Solver<'m> {
         self.mechanism
     }
 
-    /// Asks for less than full double precision: poses that are off by no more than this.
-    pub fn with_accuracy(mut self, allowed: PoseError) -> Self {
-        self.error_budget = ErrorBudget::new(allowed);
+    /// Leaves every pose to the continuation: more slowly to the same poses, for comparison.
+    pub fn by_continuation(mut self) -> Self {
+        self.tracker = None;
         self
-    }
-
-    /// A bound on the error of every pose found so far.
-    pub fn error_bound(&self) -> PoseError {
-        self.error_budget.bound(self.coordinate_scale, self.size)
     }
 
     /// What was done since the solver was made.
@@ -207,44 +169,61 @@ impl<'m> Solver<'m> {
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
-        let start = self.rack_placed(drive, rack)?;
-        for side in [&station_order.up, &station_order.down] {
-            let mut place = start;
+        let design = self.start(drive)?;
+        let mut tracked = std::mem::take(&mut self.tracked);
+        tracked.clear(station_order);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.track(&self.design, drive, station_order, rack, &mut tracked);
+        }
+        self.note_tracked(&tracked);
+        let mut placed = None;
+        'sides: for side in station_order.sides() {
+            let mut last: Option<Result<PathPoint, Failure>> = None;
             for &station in side {
-                if let Ok(from) = place {
-                    let value = station_order.values[station];
-                    place = self.advance(
-                        &from,
-                        MotionPoint {
-                            value,
-                            ..from.point
-                        },
-                    );
-                }
-                let found = place.as_ref().map(|at| &at.pose).map_err(|f| *f);
-                self.formed = place.ok().and_then(|at| {
-                    let quick = at.quick?;
-                    // Newton's pose agrees with the closed form's to less than all digits.
-                    let is_design = at.point.value == 0.0 && at.point.rack == 0.0;
-                    // Near a fold rates lose digits: there the factors of the Jacobian tell how many.
-                    let is_steep =
-                        at.point.drive == Drive::Travel && quick.slope.abs() * self.size > STEEP;
-                    if quick.before.is_none() && !is_design || is_steep {
-                        return None;
+                let point = MotionPoint {
+                    drive,
+                    value: station_order.values()[station],
+                    rack,
+                };
+                let here = match tracked.poses[station] {
+                    Ok(pose) => Ok(PathPoint { point, pose }),
+                    Err(_) => {
+                        let from = last.unwrap_or_else(|| {
+                            *placed.get_or_insert_with(|| self.displaced(&design, rack))
+                        });
+                        from.and_then(|from| self.advance(&from, point))
                     }
-                    Some(ClosedFormPose {
-                        pose: at.pose,
-                        point: at.point,
-                        tangent: quick.tangent,
-                        condition: quick.condition,
-                    })
-                });
+                };
+                last = Some(here);
+                let found = here.as_ref().map(|at| &at.pose).map_err(|f| *f);
                 if visit(self, station, found).is_break() {
-                    return Ok(());
+                    break 'sides;
                 }
             }
         }
+        self.tracked = tracked;
         Ok(())
+    }
+
+    /// Why the tracker left a station of the last visit to the continuation; `None` where it did not.
+    pub fn rejection(&self, station: usize) -> Option<Rejection> {
+        self.tracked.poses.get(station)?.err()
+    }
+
+    fn note_tracked(&self, tracked: &TrackedPoses) {
+        let poses = tracked.poses.iter().filter(|pose| pose.is_ok()).count() as u64;
+        let rounds = tracked.rounds;
+        self.work.note(|w| match self.form {
+            Some(_) => {
+                w.closed_form_solves += poses;
+                w.closed_form_evaluations += 2 * rounds;
+            }
+            None => {
+                w.newton_iterations += rounds;
+                w.factorisations += rounds;
+                w.right_hand_sides += 2 * rounds;
+            }
+        });
     }
 
     /// The place at zero drive with the rack displaced.
@@ -254,16 +233,16 @@ impl<'m> Solver<'m> {
         rack: f64,
     ) -> Result<Result<PathPoint, Failure>, DesignFault> {
         let start = self.start(drive)?;
-        Ok(match rack {
-            0.0 => Ok(start),
-            _ => self.advance(
-                &start,
-                MotionPoint {
-                    rack,
-                    ..start.point
-                },
-            ),
-        })
+        Ok(self.displaced(&start, rack))
+    }
+
+    /// The place at zero drive with the rack displaced, from the design position.
+    fn displaced(&mut self, design: &PathPoint, rack: f64) -> Result<PathPoint, Failure> {
+        let point = MotionPoint {
+            rack,
+            ..design.point
+        };
+        self.advance(design, point)
     }
 
     /// Pose and motion point at zero drive with the rack displaced.
@@ -297,7 +276,6 @@ impl<'m> Solver<'m> {
         let place = PathPoint {
             point: *from,
             pose: *pose,
-            quick: None,
         };
         self.follow(&place, to)
     }
@@ -330,23 +308,14 @@ impl<'m> Solver<'m> {
     }
 
     /// The design position, if the drive can move the mechanism from there.
-    fn start(&mut self, drive: Drive) -> Result<PathPoint, DesignFault> {
+    fn start(&self, drive: Drive) -> Result<PathPoint, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
             .ok_or(DesignFault::Singular)?;
         debug_assert!(lu.determinant().is_finite());
-        self.settled = Some(FactorisedPose {
-            pose,
-            point,
-            factors: lu,
-        });
-        Ok(PathPoint {
-            point,
-            pose,
-            quick: self.quick_from(&pose, &point),
-        })
+        Ok(PathPoint { point, pose })
     }
 
     pub(crate) fn configuration<'a>(
@@ -364,16 +333,7 @@ impl<'m> Solver<'m> {
     }
 
     pub(crate) fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {
-        match self.factors_at(pose, point) {
-            Some(factors) => Some(*factors),
-            None => self.factorised(pose, point).map(|(_, lu)| lu),
-        }
-    }
-
-    /// The factors of the Jacobian, where they are known.
-    fn factors_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&Lu6<f64>> {
-        let settled = self.settled.as_ref()?;
-        (settled.pose == *pose && settled.point == *point).then_some(&settled.factors)
+        self.factorised(pose, point).map(|(_, lu)| lu)
     }
 
     /// The Jacobian and its factors.
@@ -388,23 +348,12 @@ impl<'m> Solver<'m> {
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
+    /// The place at `to`, followed from another.
     fn advance(&mut self, from: &PathPoint, to: MotionPoint<f64>) -> Result<PathPoint, Failure> {
         if to == from.point {
             return Ok(*from);
         }
-        match self.step_by_closed_form(from, &to) {
-            Some(place) => Ok(place),
-            None => {
-                let pose = self.follow(from, &to)?;
-                Ok(PathPoint {
-                    point: to,
-                    pose,
-                    quick: self.quick_from(&pose, &to),
-                })
-            }
-        }
+        let pose = self.follow(from, &to)?;
+        Ok(PathPoint { point: to, pose })
     }
 }
-
-/// Slope of the half tangent by the travel, in sizes, beyond which a fold is near.
-const STEEP: f64 = 50.0;

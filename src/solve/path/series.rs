@@ -1,12 +1,22 @@
 //! What is known of a pose once it is found: its derivatives, its condition, the loads it carries.
+//!
+//! All of it depends on the pose and the motion alone, not on how the pose was found or what was visited before.
 
-use super::{ClosedFormPose, Solver};
+use super::Solver;
 use crate::derive::Factorised;
 use crate::derive::Linearised;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Failure;
 use crate::mechanism::{Configuration, Pose};
-use crate::number::Jet;
+use crate::model::Drive;
+use crate::number::{Jet, Vector3};
+use crate::solve::tracker::{FARTHEST, STEEPEST};
+
+/// How many sizes from the origin the closed form keeps its accuracy.
+const FAR: f64 = 1e3;
+/// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
+/// closed form is not used.
+const SAME: f64 = 1e-9;
 
 impl Solver<'_> {
     /// The configuration in a pose found by this solver, as a power series along the motion.
@@ -16,8 +26,11 @@ impl Solver<'_> {
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<Configuration<'a, Jet<f64, N>>, Failure> {
-        if let Some(series) = self.formed_series(design_series, pose, motion) {
-            return Ok(design_series.at(self.mechanism, series, motion.rack));
+        if N > 1
+            && !design_series.is_steered()
+            && let Some((series, _)) = self.closed_form_series(pose, motion)
+        {
+            return Ok(design_series.at(self.mechanism(), series, motion.rack));
         }
         let (configuration, _) = self.factorised_series(design_series, pose, motion, false)?;
         Ok(configuration)
@@ -32,52 +45,69 @@ impl Solver<'_> {
         motion: &MotionPoint<Jet<f64, N>>,
         linearise: bool,
     ) -> Result<Factorised<'a, N>, Failure> {
-        let known = self.factors_at(pose, &motion.value_point());
-        design_series
-            .configuration(
-                self.mechanism,
-                &self.closure,
-                &self.design,
-                pose,
-                motion,
-                known,
-                &self.work,
-                linearise,
-            )
-            .ok_or(Failure::Singular)
+        let factors = if linearise || design_series.takes_factors() {
+            let factors = self.factorise(pose, &motion.value_point());
+            Some(factors.ok_or(Failure::Singular)?)
+        } else {
+            None
+        };
+        let configuration =
+            design_series.configuration(self.mechanism, pose, motion, factors.as_ref(), &self.work);
+        Ok((configuration, factors))
     }
 
-    /// The series of a pose that the closed form gave, by the closed form.
-    pub(crate) fn formed_series<const N: usize>(
+    /// The series of a pose by the closed form, with about its condition number; `None` where there is no closed
+    /// form, or it does not give this pose, or is one
+    /// that the tracker would not vouch for.
+    pub(crate) fn closed_form_series<const N: usize>(
         &self,
-        design_series: &DesignSeries<N>,
         pose: &Pose<f64>,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Option<Pose<Jet<f64, N>>> {
-        if N == 1 || design_series.is_steered() {
+    ) -> Option<(Pose<Jet<f64, N>>, f64)> {
+        let form = self.form.as_ref()?;
+        if self.coordinate_scale >= FAR * self.size {
             return None;
         }
-        let formed = self.formed_at(pose, &motion.value_point())?;
+        let tangent = form.half_tangent(pose);
+        // False for NaN.
+        let is_near = tangent.abs() < FARTHEST;
+        let (series, state) = is_near.then(|| form.pose_series(tangent, motion))??;
         self.work.note(|w| {
             w.closed_form_evaluations += 1;
             w.right_hand_sides += N as u64 - 1;
         });
-        self.form.as_ref()?.pose_series(formed.tangent, motion)
-    }
-
-    /// What the closed form knows of a pose that it gave.
-    fn formed_at(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<&ClosedFormPose> {
-        let formed = self.formed.as_ref()?;
-        (formed.pose == *pose && formed.point == *point).then_some(formed)
-    }
-
-    /// About the condition number of a pose that the closed form gave, where it is known.
-    pub(crate) fn formed_condition(
-        &self,
-        pose: &Pose<f64>,
-        point: &MotionPoint<f64>,
-    ) -> Option<f64> {
-        self.formed_at(pose, point)?.condition
+        // The path may have passed a toggle: then the closed form speaks of another assembly.
+        let turned = series.rotation.columns.iter().zip(pose.rotation.columns);
+        let turned: f64 = turned
+            .map(|(a, b)| (a.map(|c| c[0]) - b).norm_squared())
+            .sum();
+        let moved = (series.origin.map(|c| c[0]) - pose.origin).norm_squared();
+        let size = self.size;
+        let is_same = moved + turned * size * size <= (SAME * size).powi(2);
+        if !(is_same && state.is_well_conditioned()) {
+            return None;
+        }
+        let velocity = form.velocity(&state, tangent);
+        let rate = match motion.drive {
+            Drive::ArmAngle => None,
+            Drive::Travel => {
+                let tangent_rate = 0.5 * (1.0 + tangent * tangent) * velocity.arm_angle;
+                let rise = velocity.rise.abs();
+                // False for NaN.
+                let is_steady = tangent_rate.abs() * size <= STEEPEST * rise;
+                let rate = velocity.ball_joint.norm() + velocity.turn.norm() * size;
+                Some(is_steady.then_some(rate / rise)?)
+            }
+        };
+        let condition = form.condition(&state, size, rate);
+        // The value is the pose, whatever the order of the series.
+        let mut with_pose = pose.map(Jet::constant);
+        with_pose.origin = with_constant(series.origin, pose.origin);
+        let columns = series.rotation.columns.iter().zip(pose.rotation.columns);
+        for (column, (series, value)) in with_pose.rotation.columns.iter_mut().zip(columns) {
+            *column = with_constant(*series, value);
+        }
+        Some((with_pose, condition))
     }
 
     /// As [`Solver::configuration_series`], ready for sensitivities.
@@ -91,4 +121,20 @@ impl Solver<'_> {
         let factors = factors.ok_or(Failure::Singular)?;
         Ok(design_series.linearised(configuration, factors, motion, &self.work))
     }
+}
+
+/// The series with another constant part.
+fn with_constant<const N: usize>(
+    series: Vector3<Jet<f64, N>>,
+    value: Vector3<f64>,
+) -> Vector3<Jet<f64, N>> {
+    let part = |mut series: Jet<f64, N>, value: f64| {
+        series.0[0] = value;
+        series
+    };
+    Vector3::new(
+        part(series.x, value.x),
+        part(series.y, value.y),
+        part(series.z, value.z),
+    )
 }

@@ -2,8 +2,8 @@
 
 use super::route::{Leg, RouteStep};
 use super::{
-    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
-    within_half,
+    Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
+    Tracked, Visit, weighted, within_half,
 };
 use crate::derive::Gradient;
 use crate::mechanism::{Configuration, Wrench};
@@ -133,7 +133,11 @@ impl<B: SimdReal> LaneAdjoint<B> for Adjoint<'_, B> {
 
 /// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
 /// one. Beyond, a fold is near: rounding grows with the slope, and in rates with its cube.
-const STEEPEST: f64 = 3.0;
+pub(crate) const STEEPEST: f64 = 3.0;
+/// The farthest the arm may be turned, as a tangent of half the angle,
+pub(crate) const FARTHEST: f64 = 0.7;
+/// and in one step.
+const LONGEST: f64 = 0.1;
 /// Pairs of corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 4;
 
@@ -187,23 +191,25 @@ impl ByArm {
         Members::of(&self.roles, &design.form, design.design)
     }
 
-    /// Visits every place; says which lanes are right throughout.
+    /// Visits every place.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a batch's state, part by part")]
     pub(crate) fn track<B: SimdReal>(
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
         places: &[RouteStep],
         tolerance: f64,
+        start: Acceptance<B>,
         history: &mut [B],
         visit: &mut impl Visit<B>,
-    ) -> B::Mask {
+    ) -> Tracked<B> {
         let form = &design.form;
         let like = form.like();
         let zero = like.zero();
         let tolerance = like.lit(tolerance);
 
-        let mut sound = like.everywhere();
+        let mut tracked = Tracked::start(start);
         let slope = like.lit(self.slope);
         let mut last = [BranchGuard {
             tangent: zero,
@@ -212,14 +218,11 @@ impl ByArm {
         }; 2];
         history[0] = zero;
         for (number, place) in places.iter().enumerate() {
+            let mut accepted = tracked.legs[place.leg.side()];
             let target = like.lit(place.value);
             let rack = like.lit(place.rack);
-            // By the arm angle there is nothing to solve: every residual will do.
-            let (mut tangent, mut slope_here, tolerance) = match drive {
-                Drive::ArmAngle => {
-                    let tangent = like.lit((0.5 * place.value).tan());
-                    (tangent, zero, like.lit(f64::INFINITY))
-                }
+            let (predicted, mut slope_here) = match drive {
+                Drive::ArmAngle => (like.lit((0.5 * place.value).tan()), zero),
                 Drive::Travel => {
                     let tangent = weighted::<1, _, B>(&place.prediction, history, 0, like);
                     let tangent = tangent + like.lit(self.slope * place.along_slope);
@@ -227,21 +230,35 @@ impl ByArm {
                         Some(stencil) => weighted::<1, _, B>(stencil, history, 0, like),
                         None => slope,
                     };
-                    (tangent, slope, tolerance)
+                    (tangent, slope)
                 }
             };
+            // What other places are predicted from must be a number even where nothing was found.
+            if !B::any(accepted.lanes()) {
+                history[number] = predicted;
+                continue;
+            }
+            let mut tangent = predicted;
             let mut settled = zero.less(zero);
             let mut round = 1;
             loop {
                 // Two at a time: a correction is always needed, and a branch that cannot be foreseen
-                // would cost more than the second. A lane that has settled stays where it is.
-                let missed = form.travel(&form.at_half_tangent(tangent, rack)) - target;
+                // would cost more than the second. A lane that has settled stays where it is. By the arm angle
+                // there is nothing to solve.
+                let mut missed = zero;
+                if drive == Drive::Travel {
+                    missed = form.travel(&form.at_half_tangent(tangent, rack)) - target;
+                }
                 let step = B::select(settled, zero, -(missed * slope_here));
                 let corrected = tangent + step;
                 let state = form.at_half_tangent(corrected, rack);
-                let miss = form.travel(&state) - target;
+                let mut miss = zero;
+                if drive == Drive::Travel {
+                    miss = form.travel(&state) - target;
+                }
                 settled = miss.abs().less(tolerance);
-                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                tracked.rounds += 1;
+                if round < MOST_ROUNDS && !B::all(settled | !accepted.lanes()) {
                     slope_here = B::select(settled, slope_here, step / (miss - missed));
                     let next = corrected - miss * slope_here;
                     tangent = B::select(settled, corrected, next);
@@ -249,12 +266,12 @@ impl ByArm {
                     continue;
                 }
                 let tangent = corrected;
-                history[number] = tangent;
-                sound = sound & settled & BranchGuard::is_sound(&state, tangent);
+                accepted.require(settled, Rejection::NotSettled);
+                BranchGuard::check(&state, tangent, &mut accepted);
                 if place.leg == Leg::Rack {
                     let watch = BranchGuard::start(&state, tangent, slope);
                     if number > 0 {
-                        sound = sound & watch.continues(&last[0]);
+                        watch.check_step(&last[0], &mut accepted);
                     }
                     last = [watch; 2];
                 } else {
@@ -262,9 +279,12 @@ impl ByArm {
                     let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
                     let ahead = watch.rate + (watch.rate - before.rate);
                     let is_flat = ahead.abs().less(like.lit(self.steepest));
-                    sound = sound & watch.continues(&before) & is_flat;
+                    accepted.require(is_flat, Rejection::FoldNear);
+                    watch.check_step(&before, &mut accepted);
                     last[place.leg.side()] = watch;
                 }
+                history[number] = B::select(accepted.lanes(), tangent, predicted);
+                tracked.set(place.leg, accepted);
                 if let Some(station) = place.station {
                     let pose = ArmPose {
                         roles: &self.roles,
@@ -273,12 +293,12 @@ impl ByArm {
                         tangent,
                         drive,
                     };
-                    visit.pose(station, &pose);
+                    visit.pose(station, &pose, accepted);
                 }
                 break;
             }
         }
-        sound
+        tracked
     }
 }
 
@@ -293,14 +313,6 @@ struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// The least squared sine of an angle that the closed form divides by.
-    const LEAST: f64 = 0.0625;
-    /// The least margin of the upper end, a sine as well.
-    const LEAST_UPPER: f64 = 0.25;
-    /// The farthest the arm may be turned, as a tangent of half the angle, and in one step.
-    const FARTHEST: f64 = 0.7;
-    const LONGEST: f64 = 0.1;
-
     /// At the first place.
     #[inline(always)]
     fn start(state: &State<B>, tangent: B, rate: B) -> Self {
@@ -318,24 +330,23 @@ impl<B: SimdReal> BranchGuard<B> {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
-    /// Whether the closed form is well conditioned here. False for NaN.
+    /// Accepts lanes where the closed form is well conditioned. Rejects NaN.
     #[inline(always)]
-    fn is_sound(state: &State<B>, tangent: B) -> B::Mask {
-        let least = tangent.lit(Self::LEAST);
-        let [a, b, c] = state.squares();
-        (a.1 * least).less(a.0)
-            & (b.1 * least).less(b.0)
-            & (c.1 * least).less(c.0)
-            & tangent.lit(Self::LEAST_UPPER).less(state.upper_margin())
-            & tangent.abs().less(tangent.lit(Self::FARTHEST))
+    fn check(state: &State<B>, tangent: B, accepted: &mut Acceptance<B>) {
+        accepted.require(state.is_well_conditioned(), Rejection::IllConditioned);
+        let is_near = tangent.abs().less(tangent.lit(FARTHEST));
+        accepted.require(is_near, Rejection::TurnedFar);
     }
 
-    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    /// Accepts lanes where nothing changed so much since the place before that it could have vanished on the
+    /// way.
     #[inline(always)]
-    fn continues(&self, before: &Self) -> B::Mask {
+    fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
+        let is_steady =
+            within_half(self.rate, before.rate) & within_half(self.margin, before.margin);
+        accepted.require(is_steady, Rejection::ChangedTooMuch);
         let step = (self.tangent - before.tangent).abs();
-        within_half(self.rate, before.rate)
-            & within_half(self.margin, before.margin)
-            & step.less(self.tangent.lit(Self::LONGEST))
+        let is_short = step.less(self.tangent.lit(LONGEST));
+        accepted.require(is_short, Rejection::TurnedFar);
     }
 }

@@ -32,8 +32,8 @@
 
 use super::route::{Leg, RouteStep};
 use super::{
-    InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Visit, weighted,
-    within_half,
+    Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
+    Tracked, Visit, weighted, within_half,
 };
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
@@ -59,7 +59,7 @@ const LEAST_PIVOT: f64 = 1e-3;
 const LARGEST_CORRECTION: f64 = 0.02;
 /// The farthest the knuckle may turn in one step, as a tangent of half the angle. Together with the bounds on
 /// the determinants this keeps Newton's method on the branch it is on: see `tests/lanes.rs`, where every lane is
-/// compared with the careful path.
+/// compared with the continuation.
 const LONGEST: f64 = 0.1;
 /// The least turn of the knuckle by the rack displaced by one size, squared: the steering axis is that of the
 /// turn.
@@ -547,32 +547,35 @@ impl ByLinkage {
         })
     }
 
-    /// Visits every place; says which lanes are right throughout.
+    /// Visits every place.
     #[inline(always)]
     pub(crate) fn track<B: SimdReal>(
         &self,
         linkage: &LinkageDesign<'_, B>,
         places: &[RouteStep],
         tolerance: f64,
+        start: Acceptance<B>,
         history: &mut [B],
         visit: &mut impl Visit<B>,
-    ) -> B::Mask {
+    ) -> Tracked<B> {
         let zero = linkage.design[0].x.zero();
         let tolerance = zero.lit(tolerance);
         let largest = zero.lit(LARGEST_CORRECTION);
         let inverse_size = zero.lit(1.0 / self.size);
         let room = RefCell::new(Linear::unformed(self, zero));
-        let mut sound = zero.everywhere();
-        // Stencils that look at nothing look here, times zero: what another group has left may be NaN.
+        let mut tracked = Tracked::start(start);
+        // Unused stencil entries point at place 0 with weight 0; place 0 is cleared, since 0 times NaN is NaN.
         history[..UNKNOWNS].fill(zero);
         let mut last = [BranchGuard {
             turned: Vector3::new(zero, zero, zero),
             determinants: [zero; 2],
         }; 2];
         for (number, place) in places.iter().enumerate() {
+            let mut accepted = tracked.legs[place.leg.side()];
             let rack = zero.lit(place.rack);
             let travel = zero.lit(place.value);
             let driver = Driver::Travel(travel);
+            let first = UNKNOWNS * number;
             let mut unknowns = [zero; UNKNOWNS];
             for k in 0..UNKNOWNS {
                 let slope =
@@ -580,8 +583,14 @@ impl ByLinkage {
                 unknowns[k] = weighted::<UNKNOWNS, _, B>(&place.prediction, history, k, zero)
                     + zero.lit(slope);
             }
+            let predicted = unknowns;
+            // What other places are predicted from must be a number even where nothing was found.
+            if !B::any(accepted.lanes()) {
+                history[first..first + UNKNOWNS].copy_from_slice(&predicted);
+                continue;
+            }
             let mut settled = zero.less(zero);
-            let mut close = sound;
+            let mut close = settled;
             let mut determinants = [zero; 2];
             let mut round = 1;
             loop {
@@ -617,22 +626,27 @@ impl ByLinkage {
                     B::select(settled, determinants[1], s),
                 ];
                 settled = settled | small;
-                if round < MOST_ROUNDS && !B::all(settled | !sound) {
+                tracked.rounds += 1;
+                if round < MOST_ROUNDS && !B::all(settled | !accepted.lanes()) {
                     round += 1;
                     continue;
                 }
-                let first = UNKNOWNS * number;
-                history[first..first + UNKNOWNS].copy_from_slice(&unknowns);
                 let [_, _, _, x, y, z] = unknowns;
                 let watch = BranchGuard {
                     turned: Vector3::new(x, y, z),
                     determinants,
                 };
-                sound = sound & settled & close & watch.is_sound(&self.determinants);
+                accepted.require(settled, Rejection::NotSettled);
+                accepted.require(close, Rejection::ChangedTooMuch);
+                watch.check(&self.determinants, &mut accepted);
                 let side = place.leg.side();
                 if number > 0 {
-                    sound = sound & watch.continues(&last[side]);
+                    watch.check_step(&last[side], &mut accepted);
                 }
+                for k in 0..UNKNOWNS {
+                    history[first + k] = B::select(accepted.lanes(), unknowns[k], predicted[k]);
+                }
+                tracked.set(place.leg, accepted);
                 match place.leg {
                     Leg::Rack => last = [watch; 2],
                     _ => last[side] = watch,
@@ -646,12 +660,12 @@ impl ByLinkage {
                         linear: &room,
                         is_linear: Cell::new(false),
                     };
-                    visit.pose(station, &pose);
+                    visit.pose(station, &pose, accepted);
                 }
                 break;
             }
         }
-        sound
+        tracked
     }
 }
 
@@ -702,21 +716,25 @@ struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Whether the Jacobian is about as well conditioned as in the base design. False for NaN.
+    /// Accepts lanes where the Jacobian is about as well conditioned as in the base design. Rejects NaN.
     #[inline(always)]
-    fn is_sound(&self, base: &[f64; 2]) -> B::Mask {
+    fn check(&self, base: &[f64; 2], accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
-        a.lit(LEAST * base[0].abs()).less(a.abs()) & s.lit(LEAST * base[1].abs()).less(s.abs())
+        let is_conditioned =
+            a.lit(LEAST * base[0].abs()).less(a.abs()) & s.lit(LEAST * base[1].abs()).less(s.abs());
+        accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
-    /// Whether nothing changed so much since the place before that it could have vanished on the way.
+    /// Accepts lanes where nothing changed so much since the place before that it could have vanished on the
+    /// way.
     #[inline(always)]
-    fn continues(&self, before: &Self) -> B::Mask {
+    fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
-        let longest = a.lit(LONGEST);
-        within_half(a, before.determinants[0])
-            & within_half(s, before.determinants[1])
-            & is_less(self.turned - before.turned, longest)
+        let is_steady =
+            within_half(a, before.determinants[0]) & within_half(s, before.determinants[1]);
+        accepted.require(is_steady, Rejection::ChangedTooMuch);
+        let is_short = is_less(self.turned - before.turned, a.lit(LONGEST));
+        accepted.require(is_short, Rejection::TurnedFar);
     }
 }
 

@@ -1,26 +1,31 @@
 //! Many designs at a time, one in each lane.
 //!
-//! What the careful path ([`Solver`](crate::solve::Solver)) does for one design, this does for as many as fit
-//! into SIMD registers, provided that nothing is close to changing. A mechanism with a closed form has one
-//! unknown ([`arm`]), any other one six ([`linkage`]). Along the travel the unknowns are predicted from the
-//! places visited; nearly always one correction is all it takes to get to rounding, elsewhere further steps
-//! follow. A lane is frozen once it has converged, so it does not matter what its neighbours still do.
+//! All ordinary poses come from here: those of a sweep, a design in each lane, and those of a single design,
+//! which fills the lanes with itself. A mechanism with a closed form has one unknown ([`arm`]), any other one
+//! six ([`linkage`]). Along the travel the unknowns are predicted from the places visited; nearly always one
+//! correction is all it takes to get to rounding, elsewhere further steps follow. A lane is frozen once it has
+//! converged, so it does not matter what its neighbours still do.
 //!
-//! A lane is *lost*, and its design left to the careful path, where
+//! Guards decide at every place which lanes are accepted. One that is not is rejected with a reason
+//! ([`Rejection`]) from there on to the end of its leg, up or down, and the continuation
+//! ([`Solver`](crate::solve::Solver)) takes over from the last station before. A lane is rejected where
 //!
 //! - a rod has no length, or the iteration does not settle,
 //! - the mechanism is less than well conditioned,
 //! - what may not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
 //!   the next: it could vanish in between. Of several factors that is their product, which vanishes with any,
 //! - the mechanism turns far, in one step or from the design position,
-//! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel,
-//! - what is read is not well known: the axis of a knuckle that the rack hardly turns, or about an axis that
-//!   lies flat, the angles of a wheel on its side, a rocker close to its toggle.
+//! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel.
 //!
-//! So a lane is either right or lost; which of the two depends on its own design alone.
+//! Readers of poses reject what is not well known there: the axis of a knuckle that the rack hardly turns, or
+//! about an axis that lies flat, the angles of a wheel on its side, a rocker close to its toggle.
+//!
+//! So a lane is either right or rejected; which of the two depends on its own design alone.
 
+mod acceptance;
 mod arm;
 mod linkage;
+mod poses;
 mod route;
 
 use super::closed_form::{Carried, Members, Roles};
@@ -30,9 +35,12 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::SimdReal;
 use crate::number::Vector3;
+pub use acceptance::{Acceptance, Rejection};
 use arm::{ArmDesign, ByArm};
+pub(crate) use arm::{FARTHEST, STEEPEST};
 use linkage::{ByLinkage, LinkageDesign};
-use route::{Route, Stencil};
+pub(crate) use poses::{PoseTracker, TrackedPoses};
+use route::{Leg, Route, Stencil};
 
 /// A way to solve designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
@@ -58,8 +66,44 @@ enum Method {
 
 /// What is read off the poses.
 pub trait Visit<B: SimdReal> {
-    /// A pose. Lanes that are lost hold anything, NaN included.
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>);
+    /// A pose. Lanes that are not accepted hold anything, NaN included. Stations that no lane is accepted at
+    /// are not visited.
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
+}
+
+/// What the tracker says at the end of its way.
+#[derive(Clone, Copy)]
+pub struct Tracked<B: SimdReal> {
+    /// Which lanes are accepted to the end, above the design position and below.
+    pub legs: [Acceptance<B>; 2],
+    /// Rounds of corrections, of all lanes together.
+    pub rounds: u64,
+}
+
+impl<B: SimdReal> Tracked<B> {
+    /// Before the first place, every lane accepted.
+    #[inline(always)]
+    fn start(accepted: Acceptance<B>) -> Self {
+        Tracked {
+            legs: [accepted; 2],
+            rounds: 0,
+        }
+    }
+
+    /// Takes down what is accepted at a place.
+    #[inline(always)]
+    fn set(&mut self, leg: Leg, accepted: Acceptance<B>) {
+        match leg {
+            Leg::Rack => self.legs = [accepted; 2],
+            _ => self.legs[leg.side()] = accepted,
+        }
+    }
+
+    /// The lanes that are accepted at every station.
+    #[inline(always)]
+    pub fn everywhere(&self) -> B::Mask {
+        self.legs[0].lanes() & self.legs[1].lanes()
+    }
 }
 
 /// The constants of a design in each lane.
@@ -96,12 +140,6 @@ pub struct KnucklePoint<B>(KnuckleVector<B>);
 pub struct LaneMembers<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
-    /// Whether all rods have a length.
-    #[inline(always)]
-    pub fn is_regular(&self) -> B::Mask {
-        self.distinct
-    }
-
     /// A vector of the knuckle in the design position.
     #[inline(always)]
     pub fn vector(&self, designed: Vector3<B>) -> KnuckleVector<B> {
@@ -201,7 +239,7 @@ const LONGEST_STEP: f64 = 0.02;
 /// How far anything may be from its length, in parts of the reach: a few roundings. Rates beside a fold feel
 /// whatever is left a thousandfold.
 const TOLERANCE: f64 = 1e-15;
-/// Rods shorter than this part of the reach are left to the careful path.
+/// Rods shorter than this part of the reach are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// How many sizes from the origin accuracy is kept.
 const FAR: f64 = 100.0;
@@ -233,11 +271,16 @@ impl<'a> Batch<'a> {
             routes: racks
                 .iter()
                 .map(|rack| Route::through(station_order, *rack, longest, LONGEST_STEP * size))
-                .collect::<Option<_>>()?,
+                .collect(),
             distinct: mechanism.lengths().collect(),
             shortest: (SHORTEST_LENGTH * coordinate_scale).powi(2),
             tolerance: TOLERANCE * coordinate_scale,
         })
+    }
+
+    /// Whether it visits every station: two may not coincide, and none be out of all reach.
+    pub fn is_complete(&self) -> bool {
+        self.routes.iter().all(|route| route.is_complete)
     }
 
     /// What drives.
@@ -295,8 +338,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Visits every station with the rack at its `rack`-th place; says which lanes are right throughout.
-    /// The design must be of this batch.
+    /// Visits every station with the rack at its `rack`-th place. The design must be of this batch.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -304,18 +346,25 @@ impl<'a> Batch<'a> {
         rack: usize,
         history: &mut [B],
         visit: &mut impl Visit<B>,
-    ) -> B::Mask {
+    ) -> Tracked<B> {
         let places = &self.routes[rack].places;
-        let sound = match (&self.way, &design.form) {
-            (Method::Arm(way), Form::Arm(form)) => {
-                way.track(form, self.drive, places, self.tolerance, history, visit)
-            }
+        let mut accepted = Acceptance::everywhere(design.origin.x);
+        accepted.require(design.distinct, Rejection::NoLength);
+        match (&self.way, &design.form) {
+            (Method::Arm(way), Form::Arm(form)) => way.track(
+                form,
+                self.drive,
+                places,
+                self.tolerance,
+                accepted,
+                history,
+                visit,
+            ),
             (Method::Linkage(way), Form::Linkage(form)) => {
-                way.track(form, places, self.tolerance, history, visit)
+                way.track(form, places, self.tolerance, accepted, history, visit)
             }
             _ => unreachable!("a design of another batch"),
-        };
-        design.distinct & sound
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use crate::solve::StationOrder;
 const NEIGHBOURS: usize = 8;
 /// and slopes: a slope corrects what a prediction misses, so it need not be as good.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Nothing takes so many steps to get to: it is for the careful path to say so.
-const MOST_STEPS: f64 = 1e4;
+/// Nothing takes so many steps to get to: it is for the continuation to say so.
+const MOST_STEPS: f64 = 1e3;
 /// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
@@ -63,17 +63,21 @@ pub(crate) struct RouteStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
+    /// Whether every station lies on it: not those at a value that another one has already, nor those out of
+    /// all reach.
+    pub is_complete: bool,
 }
 
 impl Route {
-    /// The way through the stations of a march with the rack displaced, in steps of the drive and of the
-    /// rack no longer than these; `None` if two stations coincide or one is out of all reach.
+    /// The way through the stations with the rack displaced, in steps of the drive and of the rack no longer
+    /// than these.
     pub(crate) fn through(
         station_order: &StationOrder,
         rack: f64,
         longest: f64,
         longest_of_rack: f64,
-    ) -> Option<Route> {
+    ) -> Route {
+        let mut is_complete = true;
         let mut design_station = None;
         let mut stations: Vec<(f64, Option<usize>, Leg, f64)> = Vec::new();
         for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(station_order.sides()) {
@@ -82,12 +86,16 @@ impl Route {
                 let value = station_order.values()[station];
                 if value == before {
                     if value != 0.0 || design_station.is_some() {
-                        return None;
+                        is_complete = false;
+                    } else {
+                        design_station = Some(station);
                     }
-                    design_station = Some(station);
                     continue;
                 }
-                let steps = steps(before, value, longest)?;
+                let Some(steps) = steps(before, value, longest) else {
+                    is_complete = false;
+                    break;
+                };
                 let step = (value - before) / steps.len() as f64;
                 let last = steps.len() - 1;
                 for (k, place) in steps.into_iter().enumerate() {
@@ -111,7 +119,12 @@ impl Route {
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
         if rack != 0.0 {
-            let steps = steps(0.0, rack, longest_of_rack)?;
+            let Some(steps) = steps(0.0, rack, longest_of_rack) else {
+                return Route {
+                    places,
+                    is_complete: false,
+                };
+            };
             let step = rack / steps.len() as f64;
             for (k, displaced) in steps.into_iter().enumerate() {
                 places.push(at_zero(displaced, step, k + 1));
@@ -137,7 +150,10 @@ impl Route {
             });
             visited.add(value);
         }
-        Some(Route { places })
+        Route {
+            places,
+            is_complete,
+        }
     }
 }
 
@@ -239,7 +255,7 @@ mod tests {
     #[test]
     fn stencils_reproduce_polynomials() {
         let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
-        let route = Route::through(&station_order, 0.0, 0.3, 1.0).unwrap();
+        let route = Route::through(&station_order, 0.0, 0.3, 1.0);
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
@@ -260,7 +276,7 @@ mod tests {
     #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
         let station_order = StationOrder::through(&[-2.0, 0.0, 1.0, 0.1]);
-        let route = Route::through(&station_order, 0.25, 0.5, 0.1).unwrap();
+        let route = Route::through(&station_order, 0.25, 0.5, 0.1);
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
@@ -269,9 +285,13 @@ mod tests {
         assert_eq!(racks[3], 0.25);
         assert_eq!(route.places[3].station, Some(1));
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
-        assert!(Route::through(&StationOrder::through(&[1.0, 1.0]), 0.0, 0.5, 1.0).is_none());
+        assert!(route.is_complete);
+        let incomplete = |values: &[f64], rack: f64| {
+            !Route::through(&StationOrder::through(values), rack, 0.5, 1.0).is_complete
+        };
+        assert!(incomplete(&[1.0, 1.0], 0.0));
         // Out of all reach.
-        assert!(Route::through(&StationOrder::through(&[1e12]), 0.0, 0.5, 1.0).is_none());
-        assert!(Route::through(&StationOrder::through(&[1.0]), 1e12, 0.5, 1.0).is_none());
+        assert!(incomplete(&[1e12], 0.0));
+        assert!(incomplete(&[1.0], 1e12));
     }
 }

@@ -1,4 +1,4 @@
-//! Designs one at a time, by the careful path.
+//! Designs one at a time, with every check on the way.
 
 use super::Stations;
 use super::evaluate::{Block, FailedStation};
@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::ControlFlow;
 
 /// One design at a time. `N` coefficients of a pose's series at every station.
-pub(super) struct Careful<'a, const N: usize> {
+pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     constants: Constants,
@@ -25,7 +25,7 @@ pub(super) struct Careful<'a, const N: usize> {
     with_slope: DesignSeries<2>,
 }
 
-impl<'a, const N: usize> Careful<'a, N> {
+impl<'a, const N: usize> OneByOne<'a, N> {
     /// A solver of these quantities. An error says why the suspension's own design cannot be solved.
     pub(super) fn new(
         suspension: &'a Suspension,
@@ -38,7 +38,7 @@ impl<'a, const N: usize> Careful<'a, N> {
             .fold(Slots::default(), |slots, q| slots.with(q.reads()));
         let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
         let steering_axis = slots.contain_steering_axis();
-        Ok(Careful {
+        Ok(OneByOne {
             stations,
             quantities,
             constants: Constants::of(suspension),
@@ -49,6 +49,12 @@ impl<'a, const N: usize> Careful<'a, N> {
             design_series: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
             with_slope: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
         })
+    }
+
+    /// Leaves every pose to the continuation.
+    pub(super) fn by_continuation(mut self) -> Self {
+        self.solver = self.solver.by_continuation();
+        self
     }
 
     /// Evaluates the designs of these numbers.
@@ -77,7 +83,7 @@ impl<'a, const N: usize> Careful<'a, N> {
         design: &[Vector3<f64>],
         block: &mut Block,
     ) -> Result<(), DesignFault> {
-        let Careful {
+        let OneByOne {
             stations,
             quantities,
             constants,

@@ -1,0 +1,188 @@
+//! Quantities at stations with their gradients by the hardpoints, of several designs at a time.
+//!
+//! Designs are differentiated in SIMD lanes as far as the tracker vouches for them and what is asked for can be
+//! differentiated there; what is left goes one by one through the adjoint of the closure equations. Which of the
+//! two depends on the design alone.
+
+mod one_by_one;
+
+use crate::characteristics::Quantity;
+use crate::mechanism::{DesignFault, Failure};
+use crate::model::{PointId, Suspension};
+use crate::number::{Vector3, Width};
+use crate::sweep::{Gradients, Stations};
+use one_by_one::OneByOne;
+
+/// Why a design has no values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unsolved {
+    /// The design itself.
+    Fault(DesignFault),
+    /// A station, by its number; further ones may fail as well.
+    Station(usize, Failure),
+}
+
+/// Values and gradients of some designs, in the kernel's frame, in radians and length units.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluated {
+    quantities: usize,
+    stations: usize,
+    points: usize,
+    /// `[design][quantity][station]`
+    values: Vec<f64>,
+    /// `[design][quantity][station][point]`
+    gradients: Vec<Vector3<f64>>,
+    /// By design.
+    outcomes: Vec<Result<(), Unsolved>>,
+}
+
+impl Evaluated {
+    fn clear(&mut self, designs: usize, quantities: usize, stations: usize, points: usize) {
+        let all = designs * quantities * stations;
+        (self.quantities, self.stations, self.points) = (quantities, stations, points);
+        self.values.clear();
+        self.values.resize(all, f64::NAN);
+        self.gradients.clear();
+        let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
+        self.gradients.resize(all * points, unknown);
+        self.outcomes.clear();
+        self.outcomes.resize(designs, Ok(()));
+    }
+
+    /// Whether a design was solved, and if not, why. Its values are NaN then.
+    pub fn outcome(&self, design: usize) -> Result<(), &Unsolved> {
+        self.outcomes[design].as_ref().map(|()| ())
+    }
+
+    /// The value of a quantity of a design at a station; NaN where it has none.
+    pub fn value(&self, design: usize, quantity: usize, station: usize) -> f64 {
+        self.values[self.place(design, quantity, station)]
+    }
+
+    /// Its derivatives by every hardpoint, in the order of the design's points.
+    pub fn gradient(&self, design: usize, quantity: usize, station: usize) -> &[Vector3<f64>] {
+        let first = self.place(design, quantity, station) * self.points;
+        &self.gradients[first..first + self.points]
+    }
+
+    fn place(&self, design: usize, quantity: usize, station: usize) -> usize {
+        (design * self.quantities + quantity) * self.stations + station
+    }
+
+    fn put(&mut self, design: usize, quantity: usize, station: usize, value: f64) {
+        let place = self.place(design, quantity, station);
+        self.values[place] = value;
+    }
+
+    fn put_gradient(&mut self, place: (usize, usize, usize), id: PointId, by: Vector3<f64>) {
+        let place = self.place(place.0, place.1, place.2) * self.points + id.0;
+        self.gradients[place] = by;
+    }
+
+    fn forget(&mut self, design: usize, why: Unsolved) {
+        let all = self.quantities * self.stations;
+        let first = design * all;
+        self.values[first..first + all].fill(f64::NAN);
+        let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
+        self.gradients[first * self.points..(first + all) * self.points].fill(unknown);
+        self.outcomes[design] = Err(why);
+    }
+}
+
+/// Evaluates quantities at stations with their gradients.
+pub struct GradientEvaluator<'a> {
+    stations: &'a Stations,
+    quantities: &'a [Quantity],
+    points: usize,
+    lanes: Option<Gradients<'a>>,
+    one_by_one: ByOrder<'a>,
+}
+
+/// The pose's derivatives that values take.
+enum ByOrder<'a> {
+    Positions(Box<OneByOne<'a, 1>>),
+    Rates(Box<OneByOne<'a, 2>>),
+}
+
+impl<'a> GradientEvaluator<'a> {
+    /// For designs like that of a suspension, in lanes of a width, or one by one alone.
+    ///
+    /// # Errors
+    /// Why the suspension's own design cannot be solved.
+    pub fn new(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+        width: Option<Width>,
+    ) -> Result<Self, DesignFault> {
+        let rates = quantities.iter().any(|q| q.rate_order() > 0);
+        Ok(GradientEvaluator {
+            stations,
+            quantities,
+            points: suspension.design.len(),
+            lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
+            one_by_one: match rates {
+                false => {
+                    ByOrder::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?))
+                }
+                true => ByOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+            },
+        })
+    }
+
+    /// Leaves out gradients by any but these points where that saves work; they are not to be used.
+    #[must_use]
+    pub fn with_sensitivities_to(mut self, points: &[PointId]) -> Self {
+        match &mut self.one_by_one {
+            ByOrder::Positions(one) => one.differentiate_by(points),
+            ByOrder::Rates(one) => one.differentiate_by(points),
+        }
+        self
+    }
+
+    /// Designs that are evaluated side by side.
+    pub fn at_once(&self) -> usize {
+        self.lanes.as_ref().map_or(1, Gradients::at_once)
+    }
+
+    /// Evaluates designs given as the points of one after the other; returns how many were left to be solved one
+    /// by one.
+    pub fn evaluate(&mut self, designs: &[Vector3<f64>], into: &mut Evaluated) -> usize {
+        let points = self.points;
+        let count = designs.len() / points;
+        into.clear(count, self.quantities.len(), self.stations.count(), points);
+        let at_once = self.at_once();
+        let mut left = 0;
+        for first in (0..count).step_by(at_once) {
+            let together = at_once.min(count - first);
+            let group = &designs[first * points..(first + together) * points];
+            if let Some(lanes) = &mut self.lanes {
+                lanes.jacobians(group, |found| {
+                    for design in 0..together {
+                        for quantity in 0..into.quantities {
+                            let place = (first + design, quantity, found.station());
+                            into.put(place.0, quantity, place.2, found.value(design, quantity));
+                            for id in (0..points).map(PointId) {
+                                into.put_gradient(place, id, found.gradient(design, quantity, id));
+                            }
+                        }
+                    }
+                });
+            }
+            for (number, design) in group.chunks_exact(points).enumerate() {
+                if self.lanes.as_ref().is_some_and(|l| l.is_right(number)) {
+                    continue;
+                }
+                left += 1;
+                let solved = match &mut self.one_by_one {
+                    ByOrder::Positions(one) => one.evaluate(design, first + number, into),
+                    ByOrder::Rates(one) => one.evaluate(design, first + number, into),
+                };
+                if let Err(why) = solved {
+                    into.forget(first + number, why);
+                }
+            }
+        }
+        left
+    }
+}

@@ -1,0 +1,105 @@
+//! Which lanes the tracker vouches for, and why it does not vouch for the others.
+
+use crate::number::{MOST_LANES, SimdReal};
+
+/// Why the tracker does not vouch for a pose. Continuation takes over from the last one it does vouch for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Rejection {
+    /// A rod or an axis is too short to have a direction.
+    NoLength,
+    /// Newton's method did not settle.
+    NotSettled,
+    /// What the equations are divided by is too small.
+    IllConditioned,
+    /// The slope of the path, or what may not vanish, changed by more than half (or doubled) in one step.
+    ChangedTooMuch,
+    /// The mechanism turned too far in one step, or from the design position.
+    TurnedFar,
+    /// The path is as steep as beside a fold.
+    FoldNear,
+    /// The pose is right, but what is read off it is not well known there.
+    ReadingUncertain,
+    /// The station lies nowhere on the way: out of all reach, or where another one lies.
+    NotOnTheWay,
+}
+
+impl Rejection {
+    /// Every reason.
+    pub const ALL: [Rejection; 8] = [
+        Rejection::NoLength,
+        Rejection::NotSettled,
+        Rejection::IllConditioned,
+        Rejection::ChangedTooMuch,
+        Rejection::TurnedFar,
+        Rejection::FoldNear,
+        Rejection::ReadingUncertain,
+        Rejection::NotOnTheWay,
+    ];
+
+    /// What it says, for tables.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Rejection::NoLength => "a rod or axis is too short to have a direction",
+            Rejection::NotSettled => "Newton's method did not settle",
+            Rejection::IllConditioned => "the equations are ill-conditioned",
+            Rejection::ChangedTooMuch => "the equations changed too much in one step",
+            Rejection::TurnedFar => "the mechanism turned far",
+            Rejection::FoldNear => "a fold is near",
+            Rejection::ReadingUncertain => "what is read is not well known",
+            Rejection::NotOnTheWay => "the station is out of reach or doubled",
+        }
+    }
+
+    /// The number that stands for it in a lane; 0 stands for none.
+    fn code(self) -> f64 {
+        1.0 + self as u8 as f64
+    }
+
+    fn of_code(code: f64) -> Option<Rejection> {
+        Rejection::ALL.into_iter().find(|r| r.code() == code)
+    }
+}
+
+/// Which lanes have passed every guard so far, and which guard each of the others failed first.
+#[derive(Clone, Copy)]
+pub struct Acceptance<B: SimdReal> {
+    accepted: B::Mask,
+    reason: B,
+}
+
+impl<B: SimdReal> Acceptance<B> {
+    /// Of every lane.
+    #[inline(always)]
+    pub fn everywhere(like: B) -> Self {
+        Acceptance {
+            accepted: like.everywhere(),
+            reason: like.zero(),
+        }
+    }
+
+    /// Rejects the lanes where the mask is not set, for this reason.
+    #[inline(always)]
+    pub fn require(&mut self, mask: B::Mask, otherwise: Rejection) {
+        let failing = self.accepted & !mask;
+        self.reason = B::select(failing, self.reason.lit(otherwise.code()), self.reason);
+        self.accepted = self.accepted & mask;
+    }
+
+    /// The lanes that are accepted.
+    #[inline(always)]
+    pub fn lanes(&self) -> B::Mask {
+        self.accepted
+    }
+
+    /// Why each lane is rejected.
+    #[inline(always)]
+    pub fn reasons(&self) -> [Option<Rejection>; MOST_LANES] {
+        let mut codes = [0.0; MOST_LANES];
+        self.reason.store(&mut codes);
+        let mut reasons = [None; MOST_LANES];
+        for (reason, code) in reasons.iter_mut().zip(codes) {
+            *reason = Rejection::of_code(code);
+        }
+        reasons
+    }
+}

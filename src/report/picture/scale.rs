@@ -106,7 +106,7 @@ mod tests {
         let scale = Scale::showing([0.0, 0.06].into_iter(), 5.0, [0.0, 100.0]);
         assert_eq!((scale.power(), &*scale.ticks()[1].1), (0, "0.02"));
         let scale = Scale::showing([-2.5e7, 0.0].into_iter(), 5.0, [0.0, 100.0]);
-        assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}30"));
+        assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}25"));
     }
 
     #[test]

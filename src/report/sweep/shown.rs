@@ -134,7 +134,7 @@ mod tests {
         };
         let record: SweepRecord = serde_json::from_value(serde_json::json!({
             "form": 1, "version": "", "digest": "", "study": "", "topology": "", "length_unit": "mm",
-            "method": "grid", "seed": null, "designs": 7700, "shard": null, "drive": "travel_mm",
+            "method": "grid", "seed": null, "designs": 7700, "blocks_of_part": 1024, "drive": "travel_mm",
             "stations": 2, "variables": [variable(7), variable(11), variable(100)], "outputs": [],
             "targets": [], "curves": false, "format": "csv"
         }))

@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         None => std::io::stdout().write_all(study.as_bytes())?,
     }
     note(&format!(
-        "{shown}: {} of {} hardpoints\n{notes}",
+        "{shown}: {} hardpoints of {}\n{notes}",
         imported.hardpoints.len(),
         imported.topology.name
     ));

@@ -1,5 +1,6 @@
 //! Points out to other tools and back: the same doubles; and files as they should not be.
 
+mod commands;
 mod hostile;
 mod round_trips;
 mod schema;

@@ -1,0 +1,160 @@
+//! The commands as a user meets them.
+
+use assert_cmd::Command;
+use hardpoint::model::Topology;
+use std::path::{Path, PathBuf};
+
+fn hardpoint(arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    command.args(arguments);
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn sample(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    path.to_str().unwrap().to_owned()
+}
+
+fn path(directory: &tempfile::TempDir, name: &str) -> (PathBuf, String) {
+    let path = directory.path().join(name);
+    let text = path.to_str().unwrap().to_owned();
+    (path, text)
+}
+
+#[test]
+fn a_table_goes_out_and_comes_back_on_the_command_line() {
+    let directory = tempfile::tempdir().unwrap();
+    let (table_path, table) = path(&directory, "points.csv");
+    let (_, study) = path(&directory, "back.toml");
+    let exported = hardpoint(&["export", &sample("macpherson_front.toml"), "--to", "csv"])
+        .assert()
+        .success();
+    std::fs::write(&table_path, &exported.get_output().stdout).unwrap();
+    let import = [
+        "import",
+        &table,
+        "--topology",
+        "macpherson",
+        "--out",
+        &study,
+    ];
+    let said = hardpoint(&import).assert().success();
+    assert!(text(&said.get_output().stderr).contains("9 hardpoints of macpherson"));
+    hardpoint(&["check", &study]).assert().success();
+    // A file that is there is not written over, and a wrong topology is refused by what is missing.
+    hardpoint(&import).assert().code(2);
+    let refused = hardpoint(&["import", &table, "--topology", "five_link"])
+        .assert()
+        .code(2);
+    assert!(text(&refused.get_output().stderr).contains("missing for five_link"));
+    assert!(refused.get_output().stdout.is_empty());
+}
+
+#[test]
+fn rounding_says_what_it_costs() {
+    let study = sample("macpherson_front.toml");
+    let rounded = hardpoint(&["export", &study, "--to", "csv", "--round", "10"])
+        .assert()
+        .success();
+    let said = text(&rounded.get_output().stderr);
+    assert!(said.contains("rounded to 10 mm: misfit"), "{said}");
+    for line in text(&rounded.get_output().stdout).lines().skip(1) {
+        for cell in line
+            .split(',')
+            .skip(1)
+            .take(3)
+            .filter(|cell| !cell.is_empty())
+        {
+            assert_eq!(cell.parse::<f64>().unwrap() % 10.0, 0.0, "{line}");
+        }
+    }
+    hardpoint(&["export", &study, "--to", "xlsx"])
+        .assert()
+        .code(2);
+    hardpoint(&["export", &study, "--to", "csv", "--round", "0"])
+        .assert()
+        .code(2);
+}
+
+#[test]
+fn designs_stand_side_by_side() {
+    let directory = tempfile::tempdir().unwrap();
+    let (out_path, out) = path(&directory, "compare");
+    let [a, b] = ["macpherson_solve.toml", "double_wishbone_solve.toml"].map(sample);
+    let said = hardpoint(&["compare", &a, &b, "--out", &out, "--format", "csv"])
+        .assert()
+        .success();
+    let tables = text(&said.get_output().stdout);
+    assert!(
+        tables.starts_with("table,output,of,at_design,min,max,largest_difference,at\n"),
+        "{tables}"
+    );
+    assert!(
+        tables.contains("figures,camber_deg,macpherson_solve,"),
+        "{tables}"
+    );
+    let csv = std::fs::read_to_string(out_path.join("comparison.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 42);
+    let page = std::fs::read_to_string(out_path.join("report.html")).unwrap();
+    assert!(page.contains("Content-Security-Policy") && page.contains("double_wishbone_solve"));
+    // The same study twice: no difference anywhere.
+    let same = hardpoint(&["compare", &a, &a, "--out", "-"])
+        .assert()
+        .success();
+    let csv = text(&same.get_output().stdout);
+    let difference = csv
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|name| name.contains(" - "));
+    for line in csv.lines().skip(1) {
+        assert_eq!(
+            line.split(',').nth(difference.unwrap()),
+            Some("0.0"),
+            "{line}"
+        );
+    }
+    hardpoint(&["compare", &a]).assert().code(2);
+}
+
+#[test]
+fn studies_come_from_standard_input() {
+    let template = Topology::named("macpherson").unwrap().template;
+    let solved = hardpoint(&["solve", "-", "--out", "-"])
+        .write_stdin(template)
+        .assert()
+        .success();
+    assert!(text(&solved.get_output().stdout).starts_with("travel_mm,"));
+    let refused = hardpoint(&["check", "-"])
+        .write_stdin("[suspension]\n")
+        .assert()
+        .code(2);
+    assert!(text(&refused.get_output().stderr).contains("stdin"));
+}
+
+#[test]
+fn shells_editors_and_man_get_theirs() {
+    for shell in ["bash", "zsh", "fish"] {
+        let printed = hardpoint(&["completions", shell]).assert().success();
+        assert!(
+            text(&printed.get_output().stdout).contains("assemblies"),
+            "{shell}"
+        );
+    }
+    let page = hardpoint(&["man"]).assert().success();
+    assert!(text(&page.get_output().stdout).contains("HARDPOINT IMPORT"));
+    let schema = hardpoint(&["schema"]).assert().success();
+    let schema: serde_json::Value = serde_json::from_slice(&schema.get_output().stdout).unwrap();
+    assert_eq!(schema["required"][0], "suspension");
+    let new = hardpoint(&["new", "macpherson", "--with", "pushrod"])
+        .assert()
+        .code(2);
+    assert!(text(&new.get_output().stderr).contains("its strut is the spring"));
+}

@@ -6,6 +6,9 @@ use super::table::{Cell, Column, Table};
 use crate::model::LengthUnit;
 use serde::Serialize;
 
+/// Points by name, and the sign of each axis.
+pub type NamedPoints = (Vec<(String, [f64; 3])>, [f64; 3]);
+
 /// A design that is compared.
 #[derive(Clone, Debug)]
 pub struct Compared {
@@ -18,7 +21,7 @@ pub struct Compared {
     /// The unit of its lengths.
     pub unit: LengthUnit,
     /// Its hardpoints in the kernel's frame, in `unit`, and the signs that lead to its own axes.
-    pub points: Option<(Vec<(String, [f64; 3])>, [f64; 3])>,
+    pub points: Option<NamedPoints>,
 }
 
 /// The largest part of a length by which two stations may differ and be the same.

@@ -28,7 +28,7 @@ mod tolerance_summary;
 mod tuning_summary;
 
 pub use accuracy::remarks;
-pub use comparison::{Compared, ComparedOutput, Comparison};
+pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;

@@ -49,9 +49,9 @@ impl Evaluated {
         self.outcomes.resize(designs, Ok(()));
     }
 
-    /// Whether a design was solved, and if not, why. Its values are NaN then.
-    pub fn outcome(&self, design: usize) -> Result<(), &Unsolved> {
-        self.outcomes[design].as_ref().map(|()| ())
+    /// Why a design was not solved, its values NaN; `None` where it was.
+    pub fn unsolved(&self, design: usize) -> Option<&Unsolved> {
+        self.outcomes[design].as_ref().err()
     }
 
     /// The value of a quantity of a design at a station; NaN where it has none.

@@ -2,8 +2,10 @@
 
 mod reference;
 mod same_as_design;
+mod set_up;
 #[path = "../support/mod.rs"]
 mod support;
+mod tolerance;
 
 use hardpoint::build::{Assembler, BuildParameter, Member};
 use hardpoint::model::Axis;

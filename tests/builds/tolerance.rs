@@ -1,0 +1,217 @@
+//! Scatter: the linear answer, the builds, the yields.
+
+use super::{assembler, parameter, plan, study};
+use hardpoint::build::{Rest, built_curves};
+use hardpoint::study::Study;
+use hardpoint::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+
+fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.unwrap().install(run)
+}
+
+fn problem(study: &Study) -> Problem<'_> {
+    Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
+}
+
+fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
+    let drawn = problem.drawn().unwrap();
+    let expansion = Expansion::of(problem).unwrap();
+    let builds = monte_carlo(problem, &drawn, |_| ()).unwrap();
+    (drawn, expansion, builds)
+}
+
+/// Where the linear answer says it holds its standard deviation is the builds', to 2 % and four standard errors.
+#[test]
+fn first_order_is_the_monte_carlo_where_it_says_so() {
+    for (name, travel) in [
+        (
+            "double_wishbone_tolerance",
+            "motion.travel=[-30.0,0.0,30.0]",
+        ),
+        ("macpherson_tolerance", "motion.travel=[-60.0,0.0,60.0]"),
+    ] {
+        let study = study(
+            name,
+            &["tolerance.builds=3000", travel, "tolerance.aligned=false"],
+        );
+        let problem = problem(&study);
+        let (drawn, expansion, builds) = built(&problem);
+        let mut looked_at = 0;
+        for cell in 0..problem.cells() {
+            let (linear, spread) = (expansion.variance[cell].sqrt(), &builds.spreads[cell]);
+            assert!(spread.count == 3000 && spread.mean != drawn[cell]);
+            if expansion.holds(cell) == Some(true) {
+                let off = (spread.sigma - linear).abs();
+                assert!(
+                    off < 0.02 * linear + 4.0 * spread.sigma_error,
+                    "{name} {cell}: {spread:?} {linear}"
+                );
+                let [shift, _] = expansion.second[cell];
+                let mean = spread.mean - drawn[cell] - shift - expansion.shift[cell];
+                let error = spread.sigma / (spread.count as f64).sqrt();
+                assert!(mean.abs() < 4.5 * error, "{name} {cell}: {mean} {error}");
+                looked_at += 1;
+            }
+            let shares: f64 = (0..problem.tolerance.scatter.len())
+                .map(|c| expansion.part(&problem, cell, c))
+                .sum();
+            assert!((shares / expansion.variance[cell] - 1.0).abs() < 1e-12);
+            // Percentiles of what is nearly normal.
+            let [_, _, low, middle, high, ..] = spread.percentiles;
+            assert!(low < middle && middle < high);
+            let width = (high - low) / (2.0 * 1.6449 * spread.sigma);
+            assert!((width - 1.0).abs() < 0.06, "{name} {cell}: {width}");
+        }
+        assert!(looked_at >= 6);
+    }
+}
+
+/// The second-order part is half the second derivative times the variance: against differences of order four.
+#[test]
+fn second_order_tells_where_the_linear_answer_does_not_hold() {
+    let study = study(
+        "macpherson_tolerance",
+        &[
+            "tolerance.aligned=false",
+            "motion.travel=[0.0, 20.0]",
+            "tolerance.bands=[]",
+            "tolerance.scatter=[{length=\"tie_rod\",sigma=12.0}]",
+            "outputs.characteristics=[\"camber\",\"toe\"]",
+        ],
+    );
+    let problem = problem(&study);
+    let expansion = Expansion::of(&problem).unwrap();
+    let assembler = assembler(&study);
+    let length = parameter(&assembler, "tie_rod", None);
+    let h = 2.0;
+    let curves = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|step| {
+        let mut parts = assembler.drawn().clone();
+        parts.change(&assembler.suspension().mechanism, length, step * h);
+        let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
+        built_curves(&assembler, &built, &plan(&study), &[])
+            .unwrap()
+            .curves
+    });
+    for output in 0..2 {
+        for station in 0..2 {
+            let value = |k: usize| {
+                curves[k].stations[station].values[output]
+                    .unwrap()
+                    .to_radians()
+            };
+            let bend = (16.0 * (value(1) + value(3)) - value(0) - value(4) - 30.0 * value(2))
+                / (12.0 * h * h);
+            let [shift, growth] = expansion.second[problem.cell(output, station)];
+            let expected = 0.5 * bend * 144.0;
+            assert!(
+                (shift - expected).abs() < 1e-3 * expected.abs(),
+                "{shift} {expected}"
+            );
+            // Of one normal number the variance grows by twice the square of the shift.
+            assert!((growth - 2.0 * shift * shift).abs() < 1e-12 * growth);
+        }
+    }
+    assert_eq!(expansion.holds(problem.cell(0, 0)), Some(false));
+}
+
+/// Aligned builds have the drawn toe and camber at rest, to rounding, and the same scatter elsewhere by both ways.
+#[test]
+fn aligned_builds_have_the_drawn_toe_and_camber() {
+    let study = study(
+        "macpherson_tolerance",
+        &["tolerance.builds=2000", "motion.travel=[-60.0,0.0,60.0]"],
+    );
+    let problem = problem(&study);
+    let (_, expansion, builds) = built(&problem);
+    for output in 0..2 {
+        let at_rest = problem.cell(output, problem.stations.design());
+        assert!(builds.spreads[at_rest].sigma < 1e-13);
+        assert!(expansion.variance[at_rest].sqrt() < 1e-13);
+        for station in 0..problem.stations.count() {
+            let cell = problem.cell(output, station);
+            let (linear, spread) = (expansion.variance[cell].sqrt(), &builds.spreads[cell]);
+            if station != problem.stations.design() {
+                let off = (spread.sigma - linear).abs();
+                assert!(off < 0.02 * linear + 4.0 * spread.sigma_error);
+            }
+        }
+    }
+    assert_eq!(builds.rejected(), 0);
+}
+
+/// Two planted tolerances that dominate the yield come first, and half of each lifts the yield as predicted.
+#[test]
+fn the_tolerances_that_cost_the_yield_are_named_first() {
+    let scatter = |tie_rod: f64, leg: f64| {
+        format!(
+            "tolerance.scatter=[{{hardpoints=[\"lower_arm_front\",\"lower_arm_rear\",\"upper_arm_rear\"],sigma=0.01}},\
+             {{length=\"tie_rod\",sigma={tie_rod}}},{{length=\"upper_arm_rear\",sigma=0.01}},\
+             {{length=\"upper_arm_front\",sigma={leg}}}]"
+        )
+    };
+    let run = |tie_rod: f64, leg: f64| {
+        let study = study(
+            "double_wishbone_tolerance",
+            &[
+                "tolerance.builds=4000",
+                "motion.travel=[0.0]",
+                &scatter(tie_rod, leg),
+                "tolerance.bands=[{characteristic=\"toe\",at=0.0,between=[-0.25,0.25]},\
+                 {characteristic=\"camber\",at=0.0,between=[-2.1,-1.9]}]",
+            ],
+        );
+        let problem = problem(&study);
+        let (drawn, expansion, builds) = built(&problem);
+        rank(&problem, &expansion, &builds, &drawn).unwrap()
+    };
+    let yields = run(0.3, 0.8);
+    let before = yields.all.monte_carlo;
+    let first: Vec<usize> = yields.ranking[..2].iter().map(|r| r.contributor).collect();
+    // The tie rod and the front leg, after three hardpoints.
+    assert!(
+        first.contains(&3) && first.contains(&5),
+        "{:?}",
+        yields.ranking
+    );
+    for ranking in &yields.ranking[..2] {
+        let after = match ranking.contributor {
+            3 => run(0.15, 0.8),
+            _ => run(0.3, 0.4),
+        };
+        let lifted = after.all.monte_carlo;
+        assert!(lifted > before + 0.02);
+        assert!(
+            (lifted - ranking.halved).abs() < 0.015,
+            "{lifted} {ranking:?} {before}"
+        );
+    }
+    // A point that hardly adds to anything may be looser.
+    let loose = yields.ranking.iter().filter(|r| r.may_be_looser).count();
+    assert!(loose >= 1, "{:?}", yields.ranking);
+}
+
+/// The same bits for any number of threads, with builds that cannot be put together among them.
+#[test]
+fn results_are_the_same_on_any_number_of_threads() {
+    let study = study(
+        "macpherson_tolerance",
+        &[
+            "tolerance.builds=1500",
+            "tolerance.aligned=false",
+            "motion.travel=[0.0,20.0]",
+            "tolerance.scatter=[{length=\"tie_rod\",sigma=60.0}]",
+            "tolerance.bands=[]",
+        ],
+    );
+    let problem = problem(&study);
+    let drawn = problem.drawn().unwrap();
+    let one = on_threads(1, || monte_carlo(&problem, &drawn, |_| ()).unwrap());
+    let three = on_threads(3, || monte_carlo(&problem, &drawn, |_| ()).unwrap());
+    assert_eq!(one.spreads, three.spreads);
+    assert!(one.rejected() > 0, "{:?}", one.rejects);
+    assert_eq!(one.rejected(), three.rejected());
+    assert_eq!(one.spreads[0].count + one.rejected(), 1500);
+    let (_, first, reject) = &one.rejects["out_of_reach"];
+    assert!(*first < 1500 && reject.to_string().contains("cannot reach"));
+}

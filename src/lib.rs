@@ -35,6 +35,7 @@
 //! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
 //! | [`curves`] | a plan carried out over a motion |
 //! | [`mod@evaluate`] | quantities at stations with their gradients, of several designs at a time |
+//! | [`axle`] | both wheels: roll on a plane ground, steering, springs |
 //! | [`sweep`] | many designs on all cores, in constant memory |
 //! | [`optimise`] | targets as bounded least squares, and their minimum |
 //! | [`tolerance`] | what manufacturing scatter does, and which tolerance is worth money |
@@ -63,6 +64,7 @@
 
 pub mod analyse;
 pub mod attia;
+pub mod axle;
 pub mod bench;
 pub mod build;
 pub mod characteristics;

@@ -183,6 +183,7 @@ impl Trial {
                 certify: true,
                 loads: Vec::new(),
             },
+            axle: None,
             optimise: None,
             sweep: None,
             setup: None,

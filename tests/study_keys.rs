@@ -19,6 +19,21 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
     ("wheel", "[wheel]", "[wheel]\nbogus = 1"),
     ("vehicle", "[vehicle]", "[vehicle]\nbogus = 1"),
+    (
+        "axle",
+        "right = \"mirrored\"",
+        "bogus = 1\nright = \"mirrored\"",
+    ),
+    ("axle.right", "\"mirrored\"", "{ bogus = 1 }"),
+    ("steering", "[steering]", "[steering]\nbogus = 1"),
+    ("spring", "[spring]", "[spring]\nbogus = 1"),
+    ("bump_stop", "[bump_stop]", "[bump_stop]\nbogus = 1"),
+    (
+        "anti_roll_bar",
+        "[anti_roll_bar]",
+        "[anti_roll_bar]\nbogus = 1",
+    ),
+    ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
     ("motion", "[motion]", "[motion]\nbogus = 1"),
     (
         "motion.travel (every range)",
@@ -74,6 +89,18 @@ topology = "macpherson"
 seat = { body = "knuckle", position = [0.0, 0.0, 0.0] }
 [wheel]
 [vehicle]
+[axle]
+right = "mirrored"
+[steering]
+c_factor = 1.0
+[spring]
+[bump_stop]
+gap = 1.0
+force_curve = []
+[anti_roll_bar]
+rate = 1.0
+[tyre]
+rate = 1.0
 [motion]
 travel = { from = 0.0, to = 1.0, steps = 2 }
 [solver]

@@ -272,7 +272,7 @@ impl<const N: usize> WheelReading<N> {
 impl Slot {
     /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
     #[inline(always)]
-    pub(super) fn push<T: Real, G: crate::derive::Gradient<T> + ?Sized>(
+    pub(crate) fn push<T: Real, G: crate::derive::Gradient<T> + ?Sized>(
         self,
         seed: Vector3<T>,
         at: &Configuration<T>,

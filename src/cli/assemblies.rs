@@ -29,6 +29,7 @@ const MOST_UNDECIDED: usize = 3;
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    super::axle::refuse(&study, path, "assemblies")?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
             return Err(Stop::wrong_input(format!(

@@ -33,6 +33,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             Study::from_text("macpherson.toml", strut.template, Path::new(""))?
         }
     };
+    super::axle::refuse(&study, path, "bench")?;
     let stop = |reason: Unmeasurable| match reason {
         Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
         other => Stop::wrong_input(format!("{}: {other}", path.display())),

@@ -19,6 +19,9 @@ use crate::sweep::{Evaluator, NotInLanes, SweepPlan};
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
+    if let Some(axle) = &study.axle {
+        return super::axle::check(arguments, &study, axle);
+    }
     let plan = Plan::of(&study);
 
     let fault = |fault: DesignFault| design_fault(&study, path, &fault);

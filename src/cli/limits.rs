@@ -18,6 +18,7 @@ use std::ops::ControlFlow;
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
+    super::axle::refuse(&study, path, "limits")?;
     let suspension = &study.suspension;
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;

@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes, progress. The only place that knows clap.
 
 mod assemblies;
+mod axle;
 mod bench;
 mod check;
 mod compare;

@@ -23,6 +23,7 @@ const MOST_DIRECTIONS: usize = 2;
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    super::axle::refuse(&study, path, "optimise")?;
     let Some(optimise) = &study.optimise else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [optimise] section, which says what may move and what is wanted",

@@ -12,6 +12,7 @@ use crate::study::{Drive, Study};
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    super::axle::refuse(&study, path, "setup")?;
     let Some(setup) = &study.setup else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [setup] section, which says what may be adjusted and what is wanted",

@@ -14,6 +14,9 @@ use crate::study::Study;
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    if let Some(axle) = &study.axle {
+        return super::axle::solve(arguments, &study, axle);
+    }
     let plan = Plan::of(&study);
     let suspension = &study.suspension;
     let curves = curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;

@@ -25,6 +25,7 @@ const WAIT: Duration = Duration::from_millis(200);
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
+    super::axle::refuse(&study, path, "sweep")?;
     let Some(sweep) = &study.sweep else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [sweep] section, which says which designs are looked at",

@@ -28,7 +28,7 @@ impl Axis {
 }
 
 /// Which side of the car the wheel is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// Left wheel.
     Left,
@@ -131,6 +131,12 @@ impl Frame {
         let mut all = FrameConvention::ALL.into_iter().flat_map(both);
         all.find(|(convention, side)| Frame::new(*convention, *side) == *self)
             .expect("a frame is made of a convention and a side")
+    }
+
+    /// The frame of the other wheel in the same axes: its mirror image.
+    pub fn of_other_side(self) -> Self {
+        let [x, y, z] = self.signs;
+        Frame { signs: [x, -y, z] }
     }
 
     /// The sign of one coordinate: kernel = sign x study, and the other way round.

@@ -14,6 +14,7 @@ mod dual;
 mod interval;
 mod jet;
 mod lanes;
+mod tape;
 mod twin;
 mod vector;
 
@@ -23,6 +24,7 @@ pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
+pub use tape::{Tape, Tracked};
 pub use twin::Unrolled2;
 pub use vector::{Matrix3, Vector3};
 

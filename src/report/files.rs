@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::study::Drive;
 
 /// A CSV file in memory.
-fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
+pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail, and every record is written with its header's length.
     write(&mut writer).expect("records of one length");

@@ -4,6 +4,7 @@
 //! [`pictures`] are made of that alone.
 
 mod accuracy;
+mod axle;
 mod comparison;
 mod completeness;
 mod curve_table;
@@ -28,6 +29,7 @@ mod tolerance_summary;
 mod tuning_summary;
 
 pub use accuracy::remarks;
+pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_sensitivities_csv};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

@@ -3,7 +3,7 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{MemberName, Number, Selection, Text, Values, Whole};
+use super::value::{MemberName, Number, RightWheel, Selection, Text, Values, Whole};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -24,6 +24,18 @@ pub struct File {
     /// `[vehicle]`
     #[serde(default)]
     pub vehicle: Vehicle,
+    /// `[axle]`
+    pub axle: Option<Spanned<Axle>>,
+    /// `[steering]`
+    pub steering: Option<Spanned<Steering>>,
+    /// `[spring]`
+    pub spring: Option<Spanned<Spring>>,
+    /// `[bump_stop]`
+    pub bump_stop: Option<Spanned<BumpStop>>,
+    /// `[anti_roll_bar]`
+    pub anti_roll_bar: Option<Spanned<Rate>>,
+    /// `[tyre]`
+    pub tyre: Option<Spanned<Rate>>,
     /// `[motion]`
     pub motion: Spanned<Motion>,
     /// `[solver]`
@@ -105,6 +117,65 @@ pub struct Vehicle {
     pub brakes: Option<Text>,
     /// `shafts` or `carrier`.
     pub drive_torque: Option<Text>,
+    /// Mass that the axle carries, kg.
+    pub sprung_mass: Option<Number>,
+    /// Mass of the axle itself, kg.
+    pub unsprung_mass: Option<Number>,
+}
+
+/// `[axle]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axle {
+    /// `"mirrored"`, or what differs from the mirror image.
+    pub right: Spanned<RightWheel>,
+}
+
+/// `[axle.right]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnRight {
+    /// Hardpoints that are not the mirror image of the left ones.
+    #[serde(default)]
+    pub hardpoints: BTreeMap<Text, Coordinates>,
+}
+
+/// `[steering]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steering {
+    /// Rack displacement along +y per turn of the steering wheel to the left.
+    pub c_factor: Number,
+}
+
+/// `[spring]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// Force per length.
+    pub rate: Option<Number>,
+    /// Force in the design position.
+    pub force: Option<Number>,
+    /// Pairs of length and force.
+    pub force_curve: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+}
+
+/// `[bump_stop]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BumpStop {
+    /// How far the spring is shortened from the design position when the stop is met.
+    pub gap: Number,
+    /// Pairs of compression and force.
+    pub force_curve: Spanned<Vec<Spanned<Vec<Number>>>>,
+}
+
+/// `[anti_roll_bar]` and `[tyre]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rate {
+    /// Torque per angle, or force per length.
+    pub rate: Number,
 }
 
 /// `[motion]`
@@ -123,6 +194,18 @@ pub struct Motion {
     pub angle_unit: Option<Text>,
     /// Displacements of the rack along +y.
     pub rack: Option<Spanned<Values>>,
+    /// Mean travels of an axle's wheel centres.
+    pub heave: Option<Spanned<Values>>,
+    /// Roll angles of the body, degrees.
+    pub roll: Option<Spanned<Values>>,
+    /// Travels of the left wheel.
+    pub travel_left: Option<Spanned<Values>>,
+    /// Travels of the right wheel.
+    pub travel_right: Option<Spanned<Values>>,
+    /// Angles of the steering wheel, degrees.
+    pub steering_wheel_angle: Option<Spanned<Values>>,
+    /// `plane` or `pads`.
+    pub ground: Option<Text>,
     /// The drive as a function of time.
     pub time: Option<Spanned<Time>>,
 }

@@ -7,6 +7,7 @@
 //! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
 //! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
 
+mod axle;
 mod axle_forces;
 mod curve_file;
 mod designs_file;
@@ -35,6 +36,7 @@ mod targets;
 mod tolerance;
 mod value;
 
+pub use axle::AxleStudy;
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 pub use schema::schema;
@@ -72,6 +74,9 @@ pub struct Study {
     pub setup: Option<Setup>,
     /// The tolerances, if the study has them.
     pub tolerance: Option<Tolerance>,
+    /// What is asked of both wheels, if the study is of an axle; `suspension` then is its left wheel, and
+    /// `motion` and `outputs` are empty.
+    pub axle: Option<AxleStudy>,
 }
 
 /// What drives the mechanism.

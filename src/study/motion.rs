@@ -66,6 +66,19 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
+impl Motion {
+    /// The design position alone.
+    pub(super) fn still() -> Self {
+        Motion {
+            drive: Drive::Travel,
+            values: vec![0.0],
+            rack: vec![0.0],
+            rack_moves: false,
+            time: None,
+        }
+    }
+}
+
 /// The motion, if nothing is wrong with it.
 pub fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
     let place = section.span();
@@ -224,7 +237,7 @@ fn time_law(
 }
 
 /// The values, in the unit they are written in.
-fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
+pub fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
         Values::Range(r) => range(&r.from, &r.to, &r.steps, problems),

@@ -73,7 +73,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
     })
 }
 
-fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
+pub fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
     let orders = [
         ("position", Order::Position),
         ("velocity", Order::Velocity),
@@ -86,7 +86,7 @@ fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
 }
 
 /// What each name stands for; each may stand there once.
-fn distinct<T>(
+pub fn distinct<T>(
     names: &[Text],
     problems: &mut Problems,
     mut resolve: impl FnMut(&Text, &mut Problems) -> Option<T>,
@@ -103,7 +103,7 @@ fn distinct<T>(
 }
 
 /// The hardpoints of the study, extra points left out.
-fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
+pub fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
     let mechanism = &suspension.mechanism;
     let points = mechanism.points.iter().enumerate();
     points

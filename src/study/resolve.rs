@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Motion, Study, edit, file, motion, optimise, outputs, overrides, parse, setup, solver, source,
-    suspension, sweep, tolerance,
+    Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
+    source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -65,17 +65,31 @@ fn resolve(
     let mut problems = Problems::new(source.clone());
 
     let suspension = suspension::suspension(&file, &mut problems);
-    let motion = motion::motion(&file.motion, &mut problems);
+    let of_axle = file.axle.is_some();
+    let motion = match of_axle {
+        true => Some(Motion::still()),
+        false => motion::motion(&file.motion, &mut problems),
+    };
     // Without a suspension there are no names that the rest could be right or wrong about.
     let Some(suspension) = suspension else {
         return problems.finish(None);
+    };
+    let axle = match of_axle {
+        true => axle::axle(&file, &suspension, &mut problems).map(Some),
+        false => {
+            axle::refuse_without_axle(&file, &mut problems);
+            Some(None)
+        }
     };
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
     let formulation = solver::formulation(&file, &suspension, &mut problems);
     solver::refuse_accuracy(&file, &mut problems);
-    let outputs = outputs::outputs(&file, &suspension, &mut problems);
+    let outputs = match of_axle {
+        true => Some(axle::no_corner_outputs()),
+        false => outputs::outputs(&file, &suspension, &mut problems),
+    };
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
     }
@@ -86,16 +100,19 @@ fn resolve(
     };
     let optimise = match &file.optimise {
         None => Some((None, Vec::new())),
+        // Said already.
+        Some(_) if of_axle => None,
         Some(section) => optimise::optimise(section, &context, &mut problems)
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };
     let sweep = match &file.sweep {
         None => Some(None),
+        Some(_) if of_axle => None,
         Some(section) => {
             sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
         }
     };
-    if let (Some(section), Some(outputs)) = (&file.sweep, &outputs) {
+    if let (false, Some(section), Some(outputs)) = (of_axle, &file.sweep, &outputs) {
         let has_targets = file.optimise.is_some();
         if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
             let message = "there is nothing to keep of each design: expected characteristics or points in \
@@ -105,10 +122,12 @@ fn resolve(
     }
     let setup = match &file.setup {
         None => Some(None),
+        Some(_) if of_axle => None,
         Some(section) => setup::setup(section, &context, &mut problems).map(Some),
     };
     let tolerance = match &file.tolerance {
         None => Some(None),
+        Some(_) if of_axle => None,
         Some(section) => {
             let adjusted = setup.as_ref().and_then(Option::as_ref);
             tolerance::tolerance(section, adjusted, &context, &mut problems).map(Some)
@@ -119,9 +138,11 @@ fn resolve(
         .zip(outputs)
         .zip(optimise)
         .zip(sweep)
-        .zip(setup.zip(tolerance));
-    let (((((motion, formulation), outputs), (optimise, curves)), sweep), (setup, tolerance)) =
-        problems.finish(resolved)?;
+        .zip(setup.zip(tolerance).zip(axle));
+    let (
+        ((((motion, formulation), outputs), (optimise, curves)), sweep),
+        ((setup, tolerance), axle),
+    ) = problems.finish(resolved)?;
     Ok(Study {
         name: path
             .file_stem()
@@ -140,6 +161,7 @@ fn resolve(
         sweep,
         setup,
         tolerance,
+        axle,
     })
 }
 

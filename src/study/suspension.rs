@@ -200,7 +200,7 @@ fn bodies(
     sound.then_some(())
 }
 
-fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
+pub fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
     match coordinates.get_ref().as_slice() {
         [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
         other => {
@@ -356,7 +356,7 @@ fn optional<T: Clone>(
 }
 
 /// The number, if it is given; `None` if it is wrong.
-fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
+pub fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
     match number {
         Some(number) => above_zero(number, problems).map(Some),
         None => Some(None),

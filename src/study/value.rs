@@ -144,6 +144,39 @@ impl<'de> Visitor<'de> for ValuesVisitor {
     }
 }
 
+/// What `right` of `[axle]` is.
+#[derive(Debug)]
+pub enum RightWheel {
+    /// A word.
+    Word(String),
+    /// `[axle.right]`
+    Own(super::file::OwnRight),
+}
+
+impl<'de> Deserialize<'de> for RightWheel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(RightWheelVisitor)
+    }
+}
+
+struct RightWheelVisitor;
+
+impl<'de> Visitor<'de> for RightWheelVisitor {
+    type Value = RightWheel;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("\"mirrored\" or a table [axle.right]")
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<RightWheel, E> {
+        Ok(RightWheel::Word(word.to_owned()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RightWheel, A::Error> {
+        super::file::OwnRight::deserialize(MapAccessDeserializer::new(map)).map(RightWheel::Own)
+    }
+}
+
 /// All, none, or those named.
 #[derive(Clone, Debug)]
 pub enum Selection {

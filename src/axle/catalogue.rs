@@ -1,0 +1,382 @@
+//! The catalogue of axle quantities: name, unit, sign, formula, source, one function each.
+//!
+//! Beside these every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel, but
+//! for the corner's `roll_centre_height`, which gives way to the axle's.
+
+use super::formulas::{loads, roll, steering};
+use super::state::State;
+use super::unit::Unit;
+use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
+use crate::model::Side;
+use crate::number::Scalar;
+
+/// What a study must give for a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// `[wheel] radius`
+    WheelRadius,
+    /// `[vehicle] wheelbase`
+    Wheelbase,
+    /// `[steering] c_factor`
+    CFactor,
+    /// `[spring]`, and a spring or strut in the topology.
+    Spring,
+    /// `[anti_roll_bar]`, and a bar with its drop link in the topology.
+    AntiRollBar,
+    /// `[tyre] rate`
+    TyreRate,
+    /// `[vehicle] sprung_mass`
+    SprungMass,
+    /// `[vehicle] unsprung_mass`
+    UnsprungMass,
+}
+
+/// What the catalogue says of a quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Name in studies and column names.
+    pub name: &'static str,
+    /// Kind of quantity.
+    pub unit: Unit,
+    /// When it is positive.
+    pub positive: &'static str,
+    /// The formula.
+    pub formula: &'static str,
+    /// Where the definition comes from.
+    pub source: &'static str,
+    /// What a study must give for it.
+    pub needs: &'static [Need],
+    /// Derivatives by travel and rack that the value is made of.
+    pub rate_order: usize,
+    /// Whether it takes derivatives by the rack.
+    pub by_rack: bool,
+}
+
+/// Why a quantity has no value in a position that is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Void {
+    /// A quotient of differences of steer angles, straight ahead.
+    StraightAhead,
+    /// The meeting point of normals that are parallel.
+    ParallelNormals,
+    /// A derivative along roll where the wheels stand on pads of different heights.
+    NoPlane,
+    /// A rocker at a toggle, or beyond it.
+    Toggle,
+    /// The formula divides by nothing here.
+    NotFinite,
+}
+
+impl Void {
+    /// The reason in words.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Void::StraightAhead => {
+                "below 0.02 rad of mean steer it is a quotient of two angles that vanish"
+            }
+            Void::ParallelNormals => {
+                "the normals to the velocities of the contact points are all but parallel"
+            }
+            Void::NoPlane => "the wheels stand on pads of different heights, not on a plane",
+            Void::Toggle => "a rocker it moves with is at a toggle",
+            Void::NotFinite => "its formula divides by zero there",
+        }
+    }
+}
+
+const ANGLE: Unit = Unit::Corner(CornerUnit::Angle);
+const LENGTH: Unit = Unit::Corner(CornerUnit::Length);
+const PERCENT: Unit = Unit::Corner(CornerUnit::Percent);
+const RATIO: Unit = Unit::Corner(CornerUnit::Ratio);
+
+const ISO: &str = "ISO 8855";
+const VELOCITIES: &str = "velocities of the contact points; agrees with the statics of the links";
+const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
+
+/// The catalogue: variant, name, unit, what is positive, formula, source, needs, order of rates, by rack,
+/// function, reason for which it may have no value.
+macro_rules! catalogue {
+    (wheel { $($wheel:ident, $wname:literal, $wunit:expr, $wpositive:literal, $wformula:literal,
+        $wsource:expr, [$($wneed:ident),*], $worder:literal, $wfunction:expr;)* }
+     axle { $($axle:ident, $name:literal, $unit:expr, $positive:literal, $formula:literal,
+        $source:expr, [$($need:ident),*], $order:literal, $rack:literal, $function:expr, $void:expr;)* }
+    ) => {
+        /// A quantity that each wheel has, beside the wheel characteristics.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum WheelQuantity {
+            $(#[doc = concat!("`", $wname, "`: ", $wformula)] $wheel,)*
+        }
+
+        /// A quantity of the axle as a whole.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum AxleQuantity {
+            $(#[doc = concat!("`", $name, "`: ", $formula)] $axle,)*
+        }
+
+        impl WheelQuantity {
+            /// All of them.
+            pub const ALL: &'static [WheelQuantity] = &[$(WheelQuantity::$wheel),*];
+
+            /// The catalogue's entry.
+            pub fn info(self) -> &'static Info {
+                match self {
+                    $(WheelQuantity::$wheel => &Info {
+                        name: $wname, unit: $wunit, positive: $wpositive, formula: $wformula,
+                        source: $wsource, needs: &[$(Need::$wneed),*], rate_order: $worder,
+                        by_rack: false,
+                    },)*
+                }
+            }
+
+            /// The value at one wheel.
+            pub fn evaluate<T: Scalar>(self, state: &State<T>, side: Side) -> T {
+                match self {
+                    $(WheelQuantity::$wheel => $wfunction(state, side),)*
+                }
+            }
+        }
+
+        impl AxleQuantity {
+            /// All of them.
+            pub const ALL: &'static [AxleQuantity] = &[$(AxleQuantity::$axle),*];
+
+            /// The catalogue's entry.
+            pub fn info(self) -> &'static Info {
+                match self {
+                    $(AxleQuantity::$axle => &Info {
+                        name: $name, unit: $unit, positive: $positive, formula: $formula,
+                        source: $source, needs: &[$(Need::$need),*], rate_order: $order,
+                        by_rack: $rack,
+                    },)*
+                }
+            }
+
+            /// The value.
+            pub fn evaluate<T: Scalar>(self, state: &State<T>) -> T {
+                match self {
+                    $(AxleQuantity::$axle => $function(state),)*
+                }
+            }
+
+            /// Why it may have no value in some positions.
+            fn possible_void(self) -> Option<Void> {
+                match self {
+                    $(AxleQuantity::$axle => $void,)*
+                }
+            }
+        }
+    };
+}
+
+catalogue! {
+    wheel {
+        Steer, "steer", ANGLE, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", ISO, [], 0, steering::steer;
+        CamberToRoad, "camber_to_road", ANGLE, "top of the wheel outboard", "-asin(a.n)", ISO, [], 0, roll::camber_to_road;
+        JackingCoefficient, "jacking_coefficient", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", VELOCITIES, [WheelRadius], 1, roll::jacking_coefficient;
+        SideForceJacking, "side_force_jacking", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", VELOCITIES, [WheelRadius], 1, roll::side_force_jacking;
+        RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], 1, roll::roll_camber;
+        RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], 1, roll::roll_camber_to_road;
+        WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bar", VIRTUAL_WORK, [WheelRadius, Spring], 1, loads::wheel_load;
+        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of a level pad, the spring alone", VIRTUAL_WORK, [WheelRadius, Spring], 2, loads::wheel_rate;
+        SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [Spring], 0, loads::spring_force;
+        WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], 1, steering::roll_steer;
+    }
+    axle {
+        Track, "track", LENGTH, "always", "e.(C_l - C_r), contact points", ISO, [WheelRadius], 0, false, roll::track, None;
+        TrackChange, "track_change", LENGTH, "wider than in the design position", "track - track(design)", ISO, [WheelRadius], 0, false, roll::track_change, None;
+        RollAngle, "roll_angle", ANGLE, "right wheel in jounce, as in a left turn", "phi, of the body against the ground", ISO, [WheelRadius], 0, false, roll::roll_angle, None;
+        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], 1, false, roll::roll_centre_height, Some(Void::ParallelNormals);
+        RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], 1, false, roll::roll_centre_lateral, Some(Void::ParallelNormals);
+        ForceRollCentreHeight, "force_roll_centre_height", LENGTH, "above the ground", "track (j_l + j_r)/4: equal side forces", "SAE J670, the point at which a side force causes no roll", [WheelRadius], 1, false, roll::force_roll_centre_height, None;
+        RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi", VELOCITIES, [WheelRadius], 2, false, roll::roll_centre_migration_vertical, Some(Void::ParallelNormals);
+        RollCentreMigrationLateral, "roll_centre_migration_lateral", Unit::LengthPerAngle, "moves to the left with the roll angle", "d roll_centre_lateral/d phi", VELOCITIES, [WheelRadius], 2, false, roll::roll_centre_migration_lateral, Some(Void::ParallelNormals);
+        ForceRollCentreMigration, "force_roll_centre_migration", Unit::LengthPerAngle, "rises with the roll angle", "d force_roll_centre_height/d phi", VELOCITIES, [WheelRadius], 2, false, roll::force_roll_centre_migration, None;
+        JackingForceRatio, "jacking_force_ratio", RATIO, "lifts in a left turn", "(j_r - j_l)/2: equal side forces", VELOCITIES, [WheelRadius], 1, false, roll::jacking_force_ratio, None;
+        MeanSteer, "mean_steer", ANGLE, "to the left", "(steer_l + steer_r)/2", ISO, [], 0, false, steering::mean_steer, None;
+        AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal, ideal where the inner spin axis meets the other axle's line, seen from above", ISO, [Wheelbase], 0, false, steering::ackermann_error, None;
+        Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], 0, false, steering::ackermann, Some(Void::StraightAhead);
+        AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], 0, false, steering::ackermann_by_inner, Some(Void::StraightAhead);
+        AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], 0, false, steering::ackermann_by_cotangents, Some(Void::StraightAhead);
+        TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], 0, false, steering::turning_circle, Some(Void::StraightAhead);
+        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn the same way", "2 pi/(c d mean_steer/d rack), local", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], 1, true, steering::steering_ratio, None;
+        RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], 1, false, steering::axle_roll_steer, None;
+        BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [AntiRollBar], 0, false, loads::bar_torque, None;
+        RollMoment, "roll_moment", Unit::Torque, "resists a positive roll angle", "track (F_r - F_l)/2", VIRTUAL_WORK, [WheelRadius, Spring], 1, false, loads::roll_moment, None;
+        RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig: body level, equal opposite travels on level pads, phi of the line through both contact points", "K&C rigs", [WheelRadius, Spring], 2, false, loads::roll_stiffness, None;
+        RollStiffnessOnRoad, "roll_stiffness_on_road", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, mean travel held", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, loads::roll_stiffness_on_road, None;
+        RollStiffnessAtLoad, "roll_stiffness_at_load", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, the sum of the wheel loads held", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, loads::roll_stiffness_at_load, None;
+        RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, with the tyre in series where [tyre] gives its rate", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, loads::ride_rate, None;
+        RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, Spring, SprungMass], 2, false, loads::ride_frequency, None;
+        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel rate + tyre rate)/unsprung mass)/(2 pi)", "natural frequency of the wheels, the body held", [WheelRadius, Spring, TyreRate, UnsprungMass], 2, false, loads::wheel_hop_frequency, None;
+    }
+}
+
+/// Anything that has a value in a state of an axle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// A wheel characteristic of one wheel.
+    Corner(Side, Characteristic),
+    /// A further quantity of one wheel.
+    Wheel(Side, WheelQuantity),
+    /// A quantity of the axle.
+    Axle(AxleQuantity),
+}
+
+impl Quantity {
+    /// The quantities of a name, left before right; empty where there is none. `roll_steer` is of the wheels
+    /// and of the axle.
+    pub fn named(name: &str) -> Vec<Quantity> {
+        let sides = [Side::Left, Side::Right];
+        let mut found = Vec::new();
+        if let Some(c) =
+            Characteristic::named(name).filter(|c| *c != Characteristic::RollCentreHeight)
+        {
+            found.extend(sides.map(|side| Quantity::Corner(side, c)));
+        }
+        if let Some(q) = WheelQuantity::ALL.iter().find(|q| q.info().name == name) {
+            found.extend(sides.map(|side| Quantity::Wheel(side, *q)));
+        }
+        let own = |q: &&AxleQuantity| q.info().name == name;
+        found.extend(
+            AxleQuantity::ALL
+                .iter()
+                .find(own)
+                .map(|q| Quantity::Axle(*q)),
+        );
+        found
+    }
+
+    /// Every name a study may ask for.
+    pub fn names() -> Vec<&'static str> {
+        let corner = Characteristic::ALL.iter().map(|c| c.info().name);
+        let wheel = WheelQuantity::ALL.iter().map(|q| q.info().name);
+        let axle = AxleQuantity::ALL.iter().map(|q| q.info().name);
+        let mut names: Vec<_> = corner.chain(wheel).chain(axle).collect();
+        let mut seen = std::collections::HashSet::new();
+        names.retain(|name| seen.insert(*name));
+        names
+    }
+
+    /// Name in columns, without the unit.
+    pub fn name(self) -> String {
+        let of_side = |side: Side, name: &str| format!("{}_{name}", side.name());
+        match self {
+            Quantity::Corner(side, c) => of_side(side, c.info().name),
+            Quantity::Wheel(side, q) => of_side(side, q.info().name),
+            Quantity::Axle(q) => q.info().name.to_owned(),
+        }
+    }
+
+    /// Kind of quantity.
+    pub fn unit(self) -> Unit {
+        match self {
+            Quantity::Corner(_, c) => Unit::Corner(c.info().unit),
+            Quantity::Wheel(_, q) => q.info().unit,
+            Quantity::Axle(q) => q.info().unit,
+        }
+    }
+
+    /// When it is positive.
+    pub fn positive(self) -> &'static str {
+        match self {
+            Quantity::Corner(_, c) => c.info().positive,
+            Quantity::Wheel(_, q) => q.info().positive,
+            Quantity::Axle(q) => q.info().positive,
+        }
+    }
+
+    /// Derivatives by travel and rack that the value is made of.
+    pub fn rate_order(self) -> usize {
+        match self {
+            Quantity::Corner(_, c) => c.info().reads_rates() as usize,
+            Quantity::Wheel(_, q) => q.info().rate_order,
+            Quantity::Axle(q) => q.info().rate_order,
+        }
+    }
+
+    /// Whether derivatives by the rack are taken.
+    pub fn takes_rack(self) -> bool {
+        matches!(self, Quantity::Axle(q) if q.info().by_rack)
+    }
+
+    /// What of each wheel it reads beside position and carrier.
+    pub fn reads(self) -> &'static [Slot] {
+        const SPRING: &[Slot] = &[Slot::SpringLength];
+        const SPRING_AND_BAR: &[Slot] = &[Slot::SpringLength, Slot::BarAngle];
+        let by_needs = |needs: &[Need]| match needs.contains(&Need::Spring) {
+            true => SPRING_AND_BAR,
+            false => &[],
+        };
+        match self {
+            Quantity::Corner(_, c) => c.info().reads,
+            Quantity::Wheel(_, WheelQuantity::SpringForce | WheelQuantity::WheelRate) => SPRING,
+            Quantity::Wheel(_, q) => by_needs(q.info().needs),
+            Quantity::Axle(AxleQuantity::BarTorque) => &[Slot::BarAngle],
+            Quantity::Axle(q) => by_needs(q.info().needs),
+        }
+    }
+
+    /// What a study must give for it, beside the needs of a wheel characteristic.
+    pub fn needs(self) -> &'static [Need] {
+        match self {
+            Quantity::Corner(..) => &[],
+            Quantity::Wheel(_, q) => q.info().needs,
+            Quantity::Axle(q) => q.info().needs,
+        }
+    }
+
+    /// The value.
+    pub fn evaluate<T: Scalar>(self, state: &State<T>) -> T {
+        match self {
+            Quantity::Corner(side, c) => {
+                let inputs = state.readings[side as usize].inputs(state.setup.constants);
+                c.evaluate(&inputs)
+            }
+            Quantity::Wheel(side, q) => q.evaluate(state, side),
+            Quantity::Axle(q) => q.evaluate(state),
+        }
+    }
+
+    /// Whether it is a derivative along a motion on a plane ground.
+    fn is_of_the_plane(self) -> bool {
+        matches!(
+            self,
+            Quantity::Wheel(
+                _,
+                WheelQuantity::RollCamber
+                    | WheelQuantity::RollCamberToRoad
+                    | WheelQuantity::WheelRollSteer
+            ) | Quantity::Axle(
+                AxleQuantity::RollSteer
+                    | AxleQuantity::RollCentreMigrationVertical
+                    | AxleQuantity::RollCentreMigrationLateral
+                    | AxleQuantity::ForceRollCentreMigration
+                    | AxleQuantity::RollStiffnessOnRoad
+                    | AxleQuantity::RollStiffnessAtLoad
+            )
+        )
+    }
+
+    /// The value in a state, or why there is none.
+    pub fn value(self, state: &State<f64>) -> Result<f64, Void> {
+        let is_void = |void: &Void| match void {
+            Void::StraightAhead => steering::is_straight_ahead(state),
+            Void::ParallelNormals => roll::normals_are_parallel(state),
+            Void::NoPlane => !state.is_on_plane(),
+            _ => false,
+        };
+        let plane = self.is_of_the_plane().then_some(Void::NoPlane);
+        let own = match self {
+            Quantity::Axle(q) => q.possible_void(),
+            _ => None,
+        };
+        let void = plane.into_iter().chain(own).find(is_void);
+        match void {
+            Some(void) => Err(void),
+            None => {
+                let value = self.evaluate(state);
+                value.is_finite().then_some(value).ok_or(Void::NotFinite)
+            }
+        }
+    }
+}

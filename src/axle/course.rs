@@ -1,0 +1,129 @@
+//! The stations of an axle's motion: a grid of what the study moves.
+
+use super::solver::Placement;
+
+/// What moves, and how. Lengths in the study's unit, angles in radians, the rack towards the left wheel's
+/// outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// What the wheels do.
+    pub wheels: WheelMotion,
+    /// Displacements of the rack.
+    pub racks: Vec<f64>,
+    /// Whether results have a column for the rack.
+    pub shows_rack: bool,
+    /// Angles of the steering wheel that make these displacements, where the study gives angles.
+    pub steering_wheel: Option<Vec<f64>>,
+}
+
+/// What the wheels do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WheelMotion {
+    /// Equal travels on level pads.
+    Heave(Vec<f64>),
+    /// Roll on a plane ground at some heave: every combination.
+    Roll {
+        /// Mean travels of the wheel centres.
+        heave: Vec<f64>,
+        /// Roll angles.
+        roll: Vec<f64>,
+    },
+    /// Travels of both wheels: every combination.
+    Travels {
+        /// Of the left wheel.
+        left: Vec<f64>,
+        /// Of the right wheel.
+        right: Vec<f64>,
+        /// Whether the ground is a plane.
+        on_plane: bool,
+    },
+}
+
+impl Course {
+    /// Whether results have a column for the roll angle.
+    pub fn shows_roll(&self) -> bool {
+        !matches!(
+            self.wheels,
+            WheelMotion::Heave(_)
+                | WheelMotion::Travels {
+                    on_plane: false,
+                    ..
+                }
+        )
+    }
+
+    /// Whether results have a column for heave.
+    pub fn shows_heave(&self) -> bool {
+        !matches!(self.wheels, WheelMotion::Travels { .. })
+    }
+
+    /// Number of stations.
+    pub fn stations(&self) -> usize {
+        let wheels = match &self.wheels {
+            WheelMotion::Heave(values) => values.len(),
+            WheelMotion::Roll { heave, roll } => heave.len().saturating_mul(roll.len()),
+            WheelMotion::Travels { left, right, .. } => left.len().saturating_mul(right.len()),
+        };
+        wheels.saturating_mul(self.racks.len())
+    }
+
+    /// The stations: rack by rack, then heave by heave, roll angles running fastest; of two travels the right
+    /// one.
+    pub fn placements(&self) -> Vec<Placement> {
+        let mut placements = Vec::with_capacity(self.stations());
+        for rack in self.racks.iter().copied() {
+            let travels = |travels: [f64; 2], on_plane: bool| Placement::Travels {
+                travels,
+                rack,
+                on_plane,
+            };
+            match &self.wheels {
+                WheelMotion::Heave(values) => {
+                    placements.extend(values.iter().map(|z| travels([*z; 2], false)));
+                }
+                WheelMotion::Roll { heave, roll } => {
+                    for heave in heave.iter().copied() {
+                        let at = |roll: &f64| Placement::Roll {
+                            heave,
+                            roll: *roll,
+                            rack,
+                        };
+                        placements.extend(roll.iter().map(at));
+                    }
+                }
+                WheelMotion::Travels {
+                    left,
+                    right,
+                    on_plane,
+                } => {
+                    for l in left {
+                        placements.extend(right.iter().map(|r| travels([*l, *r], *on_plane)));
+                    }
+                }
+            }
+        }
+        placements
+    }
+
+    /// The position of which a run says "design": everything at zero.
+    pub fn design(&self) -> Placement {
+        match self.wheels {
+            WheelMotion::Roll { .. } => Placement::Roll {
+                heave: 0.0,
+                roll: 0.0,
+                rack: 0.0,
+            },
+            _ => Placement::Travels {
+                travels: [0.0; 2],
+                rack: 0.0,
+                on_plane: false,
+            },
+        }
+    }
+
+    /// The angle of the steering wheel at a station of this number.
+    pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
+        let per_rack = self.stations() / self.racks.len();
+        Some(self.steering_wheel.as_ref()?[station / per_rack])
+    }
+}

@@ -1,0 +1,414 @@
+//! Curves of an axle: every quantity at every station.
+
+use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
+use super::state::Motion;
+use super::{Axle, Course, Quantity, Void, WheelMotion};
+use crate::characteristics::Slot;
+use crate::curves::Status;
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, LengthUnit, PointId, Side};
+use crate::solve::{LEAST_DIGITS, rate_digits};
+
+/// What of an axle is computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxlePlan {
+    /// The stations.
+    pub course: Course,
+    /// Quantities, in the order asked.
+    pub quantities: Vec<Quantity>,
+    /// Whether derivatives along the motions are reported.
+    pub derivatives: bool,
+    /// Hardpoints by which gradients are formed; empty for none.
+    pub sensitivities: Vec<PointId>,
+}
+
+/// A column of values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleColumn {
+    /// Name with unit.
+    pub name: String,
+    /// Of what.
+    pub quantity: Quantity,
+    /// Along which motion it is the derivative, if it is one.
+    pub by: Option<Motion>,
+    /// Unit alone; empty for a plain number.
+    pub unit: String,
+    /// What a value in radians, length units and newtons is multiplied by to be printed.
+    pub factor: f64,
+}
+
+/// A station with its values, as they are printed.
+#[derive(Clone, Debug)]
+pub struct AxleStation {
+    /// What was asked for.
+    pub placement: Placement,
+    /// What was found.
+    pub placed: Result<Placed, AxleFailure>,
+    /// Word of the `status` column.
+    pub status: &'static str,
+    /// A value for each column, or why there is none.
+    pub values: Vec<Result<f64, Void>>,
+    /// Condition number of the worse wheel.
+    pub condition: Option<f64>,
+}
+
+/// The derivative of a column by a hardpoint coordinate, as printed per length unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxleSensitivity {
+    /// Index of the station.
+    pub station: usize,
+    /// Index of the column.
+    pub column: usize,
+    /// The side whose hardpoint moves; both where the right one is the mirror image.
+    pub side: Option<Side>,
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// The derivative.
+    pub value: f64,
+}
+
+/// Curves of an axle.
+#[derive(Clone, Debug)]
+pub struct AxleCurves {
+    /// What each value is.
+    pub columns: Vec<AxleColumn>,
+    /// In the order of the course.
+    pub stations: Vec<AxleStation>,
+    /// Station by station.
+    pub sensitivities: Vec<AxleSensitivity>,
+}
+
+impl AxlePlan {
+    /// Highest derivative by travel and rack that is read of a wheel.
+    pub fn degree(&self) -> usize {
+        let orders = self.quantities.iter().map(|q| q.rate_order());
+        let along = usize::from(self.derivatives);
+        // On a plane, a derivative by the design moves the travels too.
+        let by_design = usize::from(!self.sensitivities.is_empty() && self.is_on_plane());
+        orders.max().unwrap_or(0) + along.max(by_design)
+    }
+
+    fn is_on_plane(&self) -> bool {
+        self.course.shows_roll()
+    }
+
+    /// The motions along which derivatives are reported, with the name and unit of each.
+    fn motions(&self, length: LengthUnit) -> Vec<(Motion, &'static str, String, f64)> {
+        if !self.derivatives {
+            return Vec::new();
+        }
+        let per_length = || format!("per_{}", length.symbol());
+        let by_length = |motion, name| (motion, name, per_length(), 1.0);
+        let roll = (
+            Motion::Roll,
+            "roll",
+            "per_deg".to_owned(),
+            1.0_f64.to_radians(),
+        );
+        let mut motions = match &self.course.wheels {
+            WheelMotion::Heave(_) => vec![by_length(Motion::Heave, "heave")],
+            WheelMotion::Roll { .. } => vec![roll, by_length(Motion::Heave, "heave")],
+            WheelMotion::Travels { .. } => vec![
+                by_length(Motion::TravelLeft, "travel_left"),
+                by_length(Motion::TravelRight, "travel_right"),
+            ],
+        };
+        if self.course.shows_rack {
+            motions.push(by_length(Motion::Rack, "rack"));
+        }
+        motions
+    }
+
+    /// The columns: each value before its derivatives.
+    pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
+        let length = axle.left.length_unit;
+        let rack_sign = axle.left.frame.sign(Axis::Y);
+        let mut columns = Vec::new();
+        for quantity in &self.quantities {
+            let unit = quantity.unit();
+            let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
+            let named = |stem: String, unit: &str| match unit.is_empty() {
+                true => stem,
+                false => format!("{stem}_{unit}"),
+            };
+            columns.push(AxleColumn {
+                name: named(quantity.name(), &suffix),
+                quantity: *quantity,
+                by: None,
+                unit: suffix.clone(),
+                factor,
+            });
+            for (motion, by, per, by_factor) in self.motions(length) {
+                let unit = match suffix.is_empty() {
+                    true => per,
+                    false => format!("{suffix}_{per}"),
+                };
+                let sign = if motion == Motion::Rack {
+                    rack_sign
+                } else {
+                    1.0
+                };
+                columns.push(AxleColumn {
+                    name: named(format!("{}_by_{by}", quantity.name()), &unit),
+                    quantity: *quantity,
+                    by: Some(motion),
+                    unit,
+                    factor: factor * by_factor * sign,
+                });
+            }
+        }
+        columns
+    }
+}
+
+/// The curves of an axle under a plan.
+pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
+    match plan.degree() {
+        0 => run::<1>(axle, plan),
+        1 => run::<2>(axle, plan),
+        2 => run::<3>(axle, plan),
+        _ => run::<4>(axle, plan),
+    }
+}
+
+fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
+    let columns = plan.columns(axle);
+    let by_rack = plan.derivatives && plan.course.shows_rack;
+    let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
+    let mut sensitivities = Vec::new();
+    let mut stations = Vec::with_capacity(plan.course.stations());
+    let mut curves = Curves::default();
+    for (station, placement) in plan.course.placements().into_iter().enumerate() {
+        let found = curves.position(&mut solver, &plan.course, &placement);
+        let found = found.map(|(placed, read)| values(&columns, &placement, placed, &read));
+        let found = found.and_then(|found| {
+            let placed = found.placed.as_ref();
+            if let (false, Ok(placed)) = (plan.sensitivities.is_empty(), placed) {
+                let more = gradients(axle, plan, &mut solver, &columns, placed, station)?;
+                // A column without a value has no derivatives.
+                let has_value = |s: &AxleSensitivity| found.values[s.column].is_ok();
+                sensitivities.extend(more.into_iter().filter(has_value));
+            }
+            Ok(found)
+        });
+        stations.push(found.unwrap_or_else(|failure| AxleStation {
+            placement,
+            placed: Err(failure),
+            status: failure.word(),
+            values: Vec::new(),
+            condition: None,
+        }));
+    }
+    Ok(AxleCurves {
+        columns,
+        stations,
+        sensitivities,
+    })
+}
+
+/// Whether a quantity moves with a rocker of a side.
+fn moves_with_rocker(quantity: Quantity, side: Side) -> bool {
+    let of_side = match quantity {
+        Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
+        Quantity::Axle(_) => true,
+    };
+    let reads = quantity.reads().iter();
+    let mut rockers = reads.filter(|slot| {
+        matches!(
+            slot,
+            Slot::Spring
+                | Slot::SpringLength
+                | Slot::SpringLengthRate
+                | Slot::RockerAngle
+                | Slot::BarAngle
+                | Slot::BarAngleRate
+        )
+    });
+    of_side && rockers.next().is_some()
+}
+
+/// The curves of both wheels at one place of the rack, where their travels are given.
+#[derive(Default)]
+struct Curves {
+    rack: Option<f64>,
+    travels: [Vec<f64>; 2],
+    wheels: [Vec<Result<WheelRead, AxleFailure>>; 2],
+}
+
+impl Curves {
+    /// A position: on curves of both wheels where their travels are given, else solved for itself.
+    fn position<'a, const N: usize>(
+        &mut self,
+        solver: &mut AxleSolver<'a, N>,
+        course: &Course,
+        placement: &Placement,
+    ) -> Result<(Placed, Read<'a>), AxleFailure> {
+        let Placement::Travels {
+            travels,
+            rack,
+            on_plane,
+        } = *placement
+        else {
+            let placed = solver.place(placement)?;
+            return Ok((placed, solver.read(&placed)?));
+        };
+        if self.rack != Some(rack) {
+            self.travels = match &course.wheels {
+                WheelMotion::Heave(values) => [values.clone(), values.clone()],
+                WheelMotion::Travels { left, right, .. } => [left.clone(), right.clone()],
+                WheelMotion::Roll { .. } => travels.map(|travel| vec![travel]),
+            };
+            self.rack = Some(rack);
+            self.wheels = [Side::Left, Side::Right]
+                .map(|side| solver.wheel_curve(side, &self.travels[side as usize], rack));
+        }
+        let wheel = |side: usize| {
+            let mut values = self.travels[side].iter();
+            let station = values.position(|travel| *travel == travels[side]);
+            let station = station.expect("a station of the course");
+            self.wheels[side][station]
+                .as_ref()
+                .map_err(|failure| *failure)
+        };
+        solver.pair([wheel(0)?, wheel(1)?], rack, on_plane)
+    }
+}
+
+fn values(
+    columns: &[AxleColumn],
+    placement: &Placement,
+    placed: Placed,
+    read: &Read,
+) -> AxleStation {
+    let is_stuck = |quantity: Quantity| {
+        [Side::Left, Side::Right]
+            .into_iter()
+            .any(|side| read.toggles[side as usize] && moves_with_rocker(quantity, side))
+    };
+    let value = |column: &AxleColumn| {
+        if is_stuck(column.quantity) {
+            return Err(Void::Toggle);
+        }
+        let value = column.quantity.value(&read.state)?;
+        let value = match column.by {
+            None => value,
+            Some(motion) => column.quantity.evaluate(&read.state.moving(motion))[1],
+        };
+        let printed = value * column.factor;
+        printed
+            .is_finite()
+            .then_some(printed)
+            .ok_or(Void::NotFinite)
+    };
+    let values: Vec<_> = columns.iter().map(value).collect();
+    let differentiates = columns
+        .iter()
+        .any(|c| c.by.is_some() || c.quantity.rate_order() > 0);
+    let is_poor = differentiates && rate_digits(read.condition) < LEAST_DIGITS;
+    AxleStation {
+        placement: *placement,
+        placed: Ok(placed),
+        status: match values.contains(&Err(Void::Toggle)) {
+            true => "toggle",
+            false if is_poor => Status::IllConditioned.word(),
+            false => Status::Ok.word(),
+        },
+        values,
+        condition: Some(read.condition),
+    }
+}
+
+fn gradients<const N: usize>(
+    axle: &Axle,
+    plan: &AxlePlan,
+    solver: &mut AxleSolver<N>,
+    columns: &[AxleColumn],
+    placed: &Placed,
+    station: usize,
+) -> Result<Vec<AxleSensitivity>, AxleFailure> {
+    let mut found = Vec::new();
+    let is_own = axle.right.is_some();
+    solver.gradients(placed, &plan.quantities, |number, [left, right]| {
+        let is_value = |c: &AxleColumn| c.by.is_none() && c.quantity == plan.quantities[number];
+        let Some(column) = columns.iter().position(is_value) else {
+            return;
+        };
+        let factor = columns[column].factor;
+        for point in &plan.sensitivities {
+            for axis in Axis::ALL {
+                let frames = [Side::Left, Side::Right].map(|s| axle.suspension(s).frame);
+                let by = [left, right].map(|g| g[point.0].to_array()[axis as usize] * factor);
+                let mut add = |side, value| {
+                    found.push(AxleSensitivity {
+                        station,
+                        column,
+                        side,
+                        point: *point,
+                        axis,
+                        value,
+                    });
+                };
+                match is_own {
+                    // The mirror image moves with it.
+                    false => add(None, (by[0] + by[1]) * frames[0].sign(axis)),
+                    true => {
+                        add(Some(Side::Left), by[0] * frames[0].sign(axis));
+                        add(Some(Side::Right), by[1] * frames[1].sign(axis));
+                    }
+                }
+            }
+        }
+    })?;
+    Ok(found)
+}
+
+impl AxleCurves {
+    /// Whether everything asked for was found: at every station, and in every column at some.
+    pub fn are_complete(&self) -> bool {
+        let solved = |s: &&AxleStation| s.placed.is_ok();
+        let all = self
+            .stations
+            .iter()
+            .all(|s| s.placed.is_ok() && s.status != "toggle");
+        let has_value = |column: usize| {
+            let mut stations = self.stations.iter().filter(solved);
+            stations.any(|s| s.values[column].is_ok())
+        };
+        all && (0..self.columns.len()).all(has_value)
+    }
+
+    /// Numbers of empty cells by column and reason, at stations that were solved.
+    pub fn empty_cells(&self) -> Vec<(usize, Void, usize)> {
+        let mut counts: Vec<(usize, Void, usize)> = Vec::new();
+        for column in 0..self.columns.len() {
+            let is_whole = |s: &&AxleStation| s.placed.is_ok() && s.status != "toggle";
+            let cells = self.stations.iter().filter(is_whole);
+            for void in cells.filter_map(|s| s.values[column].err()) {
+                match counts.iter_mut().find(|c| c.0 == column && c.1 == void) {
+                    Some(count) => count.2 += 1,
+                    None => counts.push((column, void, 1)),
+                }
+            }
+        }
+        counts
+    }
+
+    /// The least load of either wheel, where loads are asked for.
+    pub fn least_wheel_load(&self) -> Option<(f64, &AxleStation)> {
+        let is_load = |c: &AxleColumn| {
+            c.by.is_none()
+                && matches!(
+                    c.quantity,
+                    Quantity::Wheel(_, super::WheelQuantity::WheelLoad)
+                )
+        };
+        let loads = self.columns.iter().enumerate().filter(|(_, c)| is_load(c));
+        let all = loads.flat_map(|(k, _)| {
+            let stations = self.stations.iter();
+            stations.filter_map(move |s| Some((s.values.get(k)?.ok()?, s)))
+        });
+        all.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

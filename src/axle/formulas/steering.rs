@@ -1,0 +1,170 @@
+//! Steer angles, Ackermann, turning circle.
+//!
+//! Seen from above, in the body's axes, each spin axis meets the line of the other axle. With i and o the
+//! steer of the inner and outer wheel, positive to the inside, L_i and L_o the distances of their centres
+//! ahead of that line and T that of the centres across the vehicle, the inner axis meets it at L_i cot i
+//! from the inner wheel, and the ideal outer wheel looks there:
+//!
+//! ```text
+//! ideal = atan2(L_o sin i, L_i cos i + T sin i)
+//! ```
+//!
+//! A steered rear axle is the front axle of the vehicle driven backwards: forward and the sense of steer
+//! change sign.
+
+use super::wheel;
+use crate::axle::state::{Motion, State};
+use crate::model::{AxlePosition, Side};
+use crate::number::{Scalar, Vector3};
+use std::f64::consts::PI;
+
+/// Mean steer below which percentages, quotients of two small angles, are left empty (rad).
+pub const STRAIGHT_AHEAD: f64 = 0.02;
+
+/// Steer of a wheel to the left.
+pub fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
+    let a = wheel(state, side).reading.spin_axis();
+    match side {
+        Side::Left => -a.x.atan2(a.y),
+        Side::Right => a.x.atan2(a.y),
+    }
+}
+
+/// The mean of both.
+pub fn mean_steer<T: Scalar>(state: &State<T>) -> T {
+    let [left, right] = [Side::Left, Side::Right].map(|side| steer(state, side));
+    (left + right).scaled(0.5)
+}
+
+/// Steer by the roll angle.
+pub fn roll_steer<T: Scalar>(state: &State<T>, side: Side) -> T {
+    steer(&state.moving(Motion::Roll), side)[1]
+}
+
+/// Mean steer by the roll angle.
+pub fn axle_roll_steer<T: Scalar>(state: &State<T>) -> T {
+    mean_steer(&state.moving(Motion::Roll))[1]
+}
+
+/// Angle of the steering wheel by mean steer.
+pub fn steering_ratio<T: Scalar>(state: &State<T>) -> T {
+    let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
+    let by_rack = mean_steer(&state.moving(Motion::Rack))[1];
+    by_rack.one() / by_rack.scaled(per_angle)
+}
+
+/// A turn, seen from above; angles are positive to its inside.
+struct Turn<T> {
+    /// Sine and cosine of the inner wheel's steer, times one positive factor.
+    inner: [T; 2],
+    /// Likewise the outer wheel's.
+    outer: [T; 2],
+    /// How far each wheel centre is ahead of the other axle's line: inner, outer.
+    ahead: [T; 2],
+    /// Distance of the wheel centres across the vehicle.
+    across: T,
+    /// The same in the design position.
+    design_across: T,
+    /// Contact point from wheel centre of the outer wheel: ahead, outboard.
+    outer_contact: [T; 2],
+}
+
+impl<T: Scalar> Turn<T> {
+    fn of(state: &State<T>) -> Self {
+        let wheelbase = state.setup.wheelbase.unwrap_or(f64::NAN);
+        let forward = match state.setup.position {
+            Some(AxlePosition::Rear) => -1.0,
+            Some(AxlePosition::Front) | None => 1.0,
+        };
+        let wheels = state.wheels();
+        let centres = wheels.map(|wheel| wheel.reading.centre());
+        let design = wheels.map(|wheel| wheel.reading.design_centre());
+        let left_is_inner = mean_steer(state).value() * forward >= 0.0;
+        let (inner, outer) = match left_is_inner {
+            true => (0, 1),
+            false => (1, 0),
+        };
+        // The wheels of the other axle are a wheelbase behind the design positions of these.
+        let middle = (design[0].x + design[1].x).scaled(0.5);
+        let ahead =
+            |centre: Vector3<T>| (centre.x - middle).scaled(forward) + middle.lit(wheelbase);
+        // Outboard of the inner wheel is the inside of the turn, of the outer wheel it is not.
+        let inside = |wheel: usize| {
+            let a = wheels[wheel].reading.spin_axis();
+            let towards = if wheel == inner { -forward } else { forward };
+            [a.x.scaled(towards), a.y]
+        };
+        let lever = wheels[outer].contact_lever();
+        Turn {
+            inner: inside(inner),
+            outer: inside(outer),
+            ahead: [ahead(centres[inner]), ahead(centres[outer])],
+            across: centres[0].y + centres[1].y,
+            design_across: design[0].y + design[1].y,
+            outer_contact: [lever.x.scaled(forward), lever.y],
+        }
+    }
+
+    fn angles(&self) -> [T; 2] {
+        [self.inner, self.outer].map(|[sine, cosine]| sine.atan2(cosine))
+    }
+
+    fn ideal_outer(&self) -> T {
+        let [sine, cosine] = self.inner;
+        let [inner, outer] = self.ahead;
+        (outer * sine).atan2(inner * cosine + self.across * sine)
+    }
+
+    fn cotangents(&self) -> [T; 2] {
+        [self.inner, self.outer].map(|[sine, cosine]| cosine / sine)
+    }
+}
+
+/// Steer of the outer wheel beyond the ideal one.
+pub fn ackermann_error<T: Scalar>(state: &State<T>) -> T {
+    let turn = Turn::of(state);
+    let [_, outer] = turn.angles();
+    outer - turn.ideal_outer()
+}
+
+/// Difference of the steer angles in percent of the ideal difference.
+pub fn ackermann<T: Scalar>(state: &State<T>) -> T {
+    let turn = Turn::of(state);
+    let [inner, outer] = turn.angles();
+    ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
+}
+
+/// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
+pub fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
+    let turn = Turn::of(state);
+    let [inner, outer] = turn.angles();
+    let [sine, cosine] = turn.outer;
+    let length = sine.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
+    let ideal = (length * sine).atan2(length * cosine - turn.design_across * sine);
+    ((inner - outer) / (ideal - outer)).scaled(100.0)
+}
+
+/// Difference of the cotangents in percent of the ideal one.
+pub fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
+    let turn = Turn::of(state);
+    let [inner, outer] = turn.cotangents();
+    let length = inner.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
+    ((outer - inner) * length / turn.design_across).scaled(100.0)
+}
+
+/// Diameter of the circle that the contact point of the outer wheel runs on, about the middle between the
+/// points where the spin axes meet the line of the other axle.
+pub fn turning_circle<T: Scalar>(state: &State<T>) -> T {
+    let turn = Turn::of(state);
+    let [inner, outer] = turn.cotangents();
+    let lateral = (turn.ahead[0] * inner + turn.across + turn.ahead[1] * outer).scaled(0.5);
+    let [ahead, outboard] = turn.outer_contact;
+    let (x, y) = (turn.ahead[1] + ahead, lateral + outboard);
+    (x * x + y * y).sqrt().scaled(2.0)
+}
+
+/// Whether the wheels are so near straight ahead that percentages of differences say nothing.
+pub fn is_straight_ahead(state: &State<f64>) -> bool {
+    // Written so that NaN is straight ahead.
+    !(mean_steer(state).abs() >= STRAIGHT_AHEAD)
+}

@@ -1,0 +1,59 @@
+//! The ground under a wheel, in the frame of that wheel.
+//!
+//! The body does not move in its own axes; where it rolls, the ground tilts. With phi the roll of the body
+//! about +x (right wheel in jounce) normal and leftward direction of the ground are
+//!
+//! ```text
+//! n = (0, sin phi, cos phi),   e = (0, cos phi, -sin phi)
+//! ```
+//!
+//! In the kernel's frame of the right wheel, the mirror image, phi is -phi and e points outboard again. So
+//! every formula of a wheel is written once, with n and the outboard direction of the ground.
+
+use crate::number::{Real, Vector3};
+
+/// The tilt of the ground at one wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground<T> {
+    /// Sine of the angle by which the ground falls off outboard.
+    pub sine: T,
+    /// Its cosine.
+    pub cosine: T,
+}
+
+impl<T: Real> Ground<T> {
+    /// Level ground, in the shape of `like`.
+    pub fn level(like: T) -> Self {
+        Ground {
+            sine: like.zero(),
+            cosine: like.one(),
+        }
+    }
+
+    /// The same ground as the other wheel's frame has it.
+    pub fn mirrored(self) -> Self {
+        Ground {
+            sine: -self.sine,
+            ..self
+        }
+    }
+
+    /// Unit normal, upward.
+    pub fn normal(self) -> Vector3<T> {
+        Vector3::new(self.sine.zero(), self.sine, self.cosine)
+    }
+
+    /// Unit vector in the ground across the vehicle, outboard.
+    pub fn outboard(self) -> Vector3<T> {
+        Vector3::new(self.sine.zero(), self.cosine, -self.sine)
+    }
+
+    /// From the wheel centre to the contact point, the lowest point over the ground of the disc of this
+    /// radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
+    pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
+        let n = self.normal();
+        let along = n.dot(a);
+        let down = Vector3::new(along * a.x - n.x, along * a.y - n.y, along * a.z - n.z);
+        down.normalised() * a.x.lit(radius)
+    }
+}

@@ -1,0 +1,78 @@
+//! Both wheels of an axle: roll on a plane ground, steering, springs.
+//!
+//! An independent axle is two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame
+//! of a left wheel. Nothing in the solution of a corner changes but that the contact point takes the
+//! ground's normal for the vertical. Signs are those of ISO 8855 at both wheels; `steer`, `mean_steer` and
+//! roll are positive to the left and about +x.
+
+mod catalogue;
+mod course;
+mod curves;
+mod formulas;
+mod ground;
+mod reading;
+mod setup;
+mod solver;
+mod spring;
+mod state;
+mod taylor;
+mod unit;
+
+pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
+pub use course::{Course, WheelMotion};
+pub use curves::{AxleColumn, AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};
+pub use ground::Ground;
+pub use reading::{Parts, Reading};
+pub use setup::Setup;
+pub use solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
+pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
+pub use state::{Hold, Motion, State, WheelState};
+pub use taylor::{Line, Taylor};
+pub use unit::Unit;
+
+use crate::characteristics::Slot;
+use crate::model::{RockerId, Side, Suspension};
+
+/// An axle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axle {
+    /// The left wheel.
+    pub left: Suspension,
+    /// The right wheel in the kernel's frame, as if it were a left one; the mirror image of the left one where
+    /// there is none.
+    pub right: Option<Suspension>,
+    /// Figures of the study.
+    pub setup: Setup,
+}
+
+impl Axle {
+    /// The suspension of a side, in the kernel's frame of that side.
+    pub fn suspension(&self, side: Side) -> &Suspension {
+        match (side, &self.right) {
+            (Side::Right, Some(right)) => right,
+            _ => &self.left,
+        }
+    }
+
+    /// The rockers that quantities move with, on one side.
+    fn rockers(&self, side: Side, quantities: &[Quantity]) -> Vec<RockerId> {
+        let mechanism = &self.suspension(side).mechanism;
+        let reads = |slots: &[Slot]| {
+            quantities
+                .iter()
+                .any(|q| q.reads().iter().any(|s| slots.contains(s)))
+        };
+        let mut rockers = Vec::new();
+        if reads(&[Slot::Spring, Slot::SpringLength, Slot::SpringLengthRate]) {
+            let lower = mechanism.spring.map(|spring| spring.lower);
+            rockers.extend(lower.and_then(|lower| mechanism.rockers_moving(lower).next()));
+        }
+        if reads(&[Slot::RockerAngle]) {
+            rockers.extend(mechanism.spring_rocker());
+        }
+        if reads(&[Slot::BarAngle, Slot::BarAngleRate]) {
+            rockers.extend(mechanism.anti_roll_bar());
+        }
+        rockers
+    }
+}

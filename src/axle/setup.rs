@@ -1,0 +1,32 @@
+//! What an axle has beside its two linkages: figures of the study that formulas read.
+
+use super::spring::SpringLaw;
+use crate::characteristics::Constants;
+use crate::model::AxlePosition;
+
+/// Figures of the study. Lengths in its unit, forces in newtons, angles in radians.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setup {
+    /// Loaded radius of the wheels.
+    pub wheel_radius: Option<f64>,
+    /// Distance between the axles.
+    pub wheelbase: Option<f64>,
+    /// Which axle this is; a front one where the study does not say.
+    pub position: Option<AxlePosition>,
+    /// Rack displacement towards the kernel's +y per turn (2 pi) of the steering wheel to the left.
+    pub c_factor: Option<f64>,
+    /// The springs of left and right wheel.
+    pub springs: Option<[SpringLaw; 2]>,
+    /// Torque of the anti-roll bar per angle between its levers.
+    pub bar_rate: Option<f64>,
+    /// Force of a tyre per deflection; rigid where it is not given.
+    pub tyre_rate: Option<f64>,
+    /// Mass that the axle carries, kg.
+    pub sprung_mass: Option<f64>,
+    /// Mass of the axle itself, kg.
+    pub unsprung_mass: Option<f64>,
+    /// Figures that wheel characteristics read.
+    pub constants: Constants,
+    /// Length units per metre.
+    pub per_metre: f64,
+}

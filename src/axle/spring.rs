@@ -1,0 +1,165 @@
+//! The force of a spring with its bump stop.
+
+use crate::number::Scalar;
+
+/// Force over length, positive in compression.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Law {
+    /// `force` in the design position, growing by `rate` per length that the spring is shortened.
+    Linear {
+        /// Force in the design position.
+        force: f64,
+        /// Force per length.
+        rate: f64,
+    },
+    /// A curve through points of length and force.
+    Curve(ForceCurve),
+}
+
+/// A spring, and the bump stop that acts beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpringLaw {
+    /// The spring.
+    pub spring: Law,
+    /// The bump stop, over how far it is compressed.
+    pub bump_stop: Option<BumpStop>,
+}
+
+/// A bump stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BumpStop {
+    /// How far the spring is shortened from the design position when the stop is met.
+    pub gap: f64,
+    /// Its force over its own compression, from 0 at 0.
+    pub curve: ForceCurve,
+}
+
+impl SpringLaw {
+    /// The force at a length, the length in the design position being `design`.
+    pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
+        let shortened = design - length;
+        let spring = match &self.spring {
+            Law::Linear { force, rate } => length.lit(*force) + length.lit(*rate) * shortened,
+            Law::Curve(curve) => curve.at(length),
+        };
+        match &self.bump_stop {
+            Some(stop) if shortened.value() > stop.gap => {
+                spring + stop.curve.at(shortened - length.lit(stop.gap))
+            }
+            _ => spring,
+        }
+    }
+}
+
+/// A smooth curve through points: cubics whose slopes at the points make it monotone between them where
+/// the points are (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980), straight beyond its ends.
+/// Its second derivative jumps at the points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForceCurve {
+    points: Vec<[f64; 2]>,
+    slopes: Vec<f64>,
+}
+
+impl ForceCurve {
+    /// Through two or more points of rising abscissa; `None` of anything else.
+    pub fn through(points: &[[f64; 2]]) -> Option<Self> {
+        let rises = points.windows(2).all(|p| p[0][0] < p[1][0]);
+        if points.len() < 2 || !rises {
+            return None;
+        }
+        let secants: Vec<f64> = points
+            .windows(2)
+            .map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0]))
+            .collect();
+        let last = secants.len() - 1;
+        // Inside, the weighted harmonic mean of the neighbours (Fritsch and Butland 1984), 0 where they
+        // differ in sign.
+        let inside = |i: usize| {
+            let (a, b) = (secants[i - 1], secants[i]);
+            if a * b <= 0.0 {
+                return 0.0;
+            }
+            let (h, k) = (
+                points[i][0] - points[i - 1][0],
+                points[i + 1][0] - points[i][0],
+            );
+            let (p, q) = (2.0 * k + h, k + 2.0 * h);
+            (p + q) / (p / a + q / b)
+        };
+        let slopes = (0..points.len())
+            .map(|i| match i {
+                0 => secants[0],
+                i if i == last + 1 => secants[last],
+                i => inside(i),
+            })
+            .collect();
+        Some(ForceCurve {
+            points: points.to_vec(),
+            slopes,
+        })
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
+    /// The value at `x`.
+    pub fn at<T: Scalar>(&self, x: T) -> T {
+        let points = &self.points;
+        let here = x.value();
+        let end = points.len() - 1;
+        let straight =
+            |i: usize| x.lit(points[i][1]) + (x - x.lit(points[i][0])) * x.lit(self.slopes[i]);
+        if here <= points[0][0] {
+            return straight(0);
+        }
+        if here >= points[end][0] {
+            return straight(end);
+        }
+        let i = points.partition_point(|p| p[0] <= here) - 1;
+        let [[a, left], [b, right]] = [points[i], points[i + 1]];
+        let h = b - a;
+        let t = (x - x.lit(a)) * x.lit(1.0 / h);
+        let secant = right - left;
+        let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
+        // Hermite's cubic by powers of t.
+        let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
+        x.lit(left) + t * (x.lit(m) + t * (x.lit(quadratic) + t * x.lit(cubic)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::Jet;
+
+    #[test]
+    fn a_curve_goes_through_its_points_smoothly() {
+        let points = [[0.0, 0.0], [10.0, 200.0], [25.0, 1200.0], [30.0, 2500.0]];
+        let curve = ForceCurve::through(&points).unwrap();
+        for [x, y] in points {
+            assert!((curve.at(x) - y).abs() < 1e-9);
+            let slope = |x: f64| curve.at(Jet::<f64, 2>::variable(x))[1];
+            assert!((slope(x - 1e-9) - slope(x + 1e-9)).abs() < 1e-4);
+        }
+        assert!(ForceCurve::through(&points[..1]).is_none());
+        assert!(ForceCurve::through(&[[1.0, 0.0], [1.0, 2.0]]).is_none());
+    }
+
+    #[test]
+    fn a_bump_stop_acts_beyond_its_gap() {
+        let law = SpringLaw {
+            spring: Law::Linear {
+                force: 3000.0,
+                rate: 30.0,
+            },
+            bump_stop: Some(BumpStop {
+                gap: 20.0,
+                curve: ForceCurve::through(&[[0.0, 0.0], [10.0, 500.0]]).unwrap(),
+            }),
+        };
+        assert_eq!(law.force(490.0, 500.0), 3300.0);
+        assert_eq!(law.force(475.0, 500.0), 3750.0 + 250.0);
+    }
+}

@@ -1,0 +1,304 @@
+//! An axle in one position, with everything formulas read of it.
+//!
+//! A [`State`] holds both wheels as functions of their travels and racks. Along a [`Motion`] all of it moves
+//! at rates that are formulas of the state itself, so that derivatives along motions, of any order, come
+//! from [`State::moving`]: the same state over series. With C' the velocity of the carrier's point at the
+//! contact point by the wheel's own travel, C,r that by the rack, h = n.C and f = h_l - h_r = 0 on a plane,
+//!
+//! ```text
+//! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
+//! heave       z_l' = 2 n.C_r'/F,  z_r' = 2 n.C_l'/F
+//! rack        z_l' = -z_r' = -(n.C_l,r - n.C_r,r)/F
+//! ```
+//!
+//! since C is the lowest point: its own motion in the wheel does not change its height.
+
+use super::ground::Ground;
+use super::reading::Reading;
+use super::setup::Setup;
+use crate::number::{Jet, Real, Vector3};
+
+/// What is held, so that a displacement of the rack, a heave or a roll means one motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hold {
+    /// Roll angle and mean travel of the wheel centres, on a plane ground.
+    MeanTravel,
+    /// Both travels, on a plane ground: the roll angle follows.
+    TravelsOnPlane,
+    /// Both travels, the body level, each wheel on a level pad.
+    TravelsOnPads,
+}
+
+/// A motion of the axle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Roll of the body, mean travel and rack held; by the angle in radians.
+    Roll,
+    /// Mean travel of the wheel centres, roll and rack held.
+    Heave,
+    /// Displacement of the rack towards the left wheel, the rest held.
+    Rack,
+    /// Travel of the left wheel, the rest held.
+    TravelLeft,
+    /// Travel of the right wheel, the rest held.
+    TravelRight,
+    /// Equal and opposite travels of the wheel centres, the right one in jounce: the rig for roll stiffness.
+    OpposedTravels,
+}
+
+/// One wheel in a state, in the kernel's frame of its own side.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelState<'s, T> {
+    /// The wheel.
+    pub reading: &'s Reading<T>,
+    /// The ground under it.
+    pub ground: Ground<T>,
+    radius: f64,
+}
+
+/// An axle in one position.
+#[derive(Clone, Copy, Debug)]
+pub struct State<'a, T> {
+    /// Left and right wheel, each in its own frame.
+    pub readings: [Reading<T>; 2],
+    /// Sine and cosine of the roll angle: the ground in the left wheel's frame.
+    pub ground: Ground<T>,
+    /// Roll angle.
+    pub roll: T,
+    /// What a motion holds.
+    pub hold: Hold,
+    /// Figures of the study.
+    pub setup: &'a Setup,
+}
+
+impl State<'_, f64> {
+    /// Whether both wheels stand on one plane.
+    pub fn is_on_plane(&self) -> bool {
+        self.hold != Hold::TravelsOnPads || self.mismatch().abs() <= 1e-9 * self.track()
+    }
+}
+
+/// Rates of a motion: of both travels, of the rack towards the left wheel's outside, of the roll angle.
+struct Rates<T> {
+    travel: [T; 2],
+    rack: Option<T>,
+    roll: T,
+}
+
+impl<T: Real> WheelState<'_, T> {
+    /// From the wheel centre to the contact point.
+    pub fn contact_lever(&self) -> Vector3<T> {
+        self.ground
+            .contact_lever(self.reading.spin_axis(), self.radius)
+    }
+
+    /// The contact point C.
+    pub fn contact_point(&self) -> Vector3<T> {
+        self.reading.centre() + self.contact_lever()
+    }
+
+    /// C', the velocity by the wheel's own travel of the carrier's point at C: the wheel is locked.
+    pub fn contact_velocity(&self) -> Vector3<T> {
+        let [centre, turn] = self.reading.by_travel();
+        centre + turn.cross(self.contact_lever())
+    }
+
+    /// The same by the rack.
+    pub fn contact_by_rack(&self) -> Vector3<T> {
+        let [centre, turn] = self.reading.by_rack();
+        centre + turn.cross(self.contact_lever())
+    }
+
+    /// Height of the contact point over the origin, along the normal of the ground.
+    pub fn height(&self) -> T {
+        self.ground.normal().dot(self.contact_point())
+    }
+
+    /// Its derivative by the wheel's own travel.
+    pub fn rise(&self) -> T {
+        self.ground.normal().dot(self.contact_velocity())
+    }
+
+    /// Its derivative by the rack.
+    fn rise_by_rack(&self) -> T {
+        self.ground.normal().dot(self.contact_by_rack())
+    }
+
+    /// The contact point along the ground, outboard.
+    pub fn half_track(&self) -> T {
+        self.ground.outboard().dot(self.contact_point())
+    }
+}
+
+impl<'a, T: Real> State<'a, T> {
+    /// Left and right wheel.
+    pub fn wheels(&self) -> [WheelState<'_, T>; 2] {
+        let radius = self.setup.wheel_radius.unwrap_or(f64::NAN);
+        let [left, right] = &self.readings;
+        let wheel = |reading, ground| WheelState {
+            reading,
+            ground,
+            radius,
+        };
+        [
+            wheel(left, self.ground),
+            wheel(right, self.ground.mirrored()),
+        ]
+    }
+
+    /// Distance of the contact points across the vehicle.
+    pub fn track(&self) -> T {
+        let [left, right] = self.wheels();
+        left.half_track() + right.half_track()
+    }
+
+    /// A number in the shape of the others.
+    pub fn like(&self) -> T {
+        self.roll
+    }
+
+    /// The body level, each wheel on a level pad at its travel.
+    pub fn on_pads(&self) -> Self {
+        State {
+            ground: Ground::level(self.like()),
+            roll: self.like().zero(),
+            hold: Hold::TravelsOnPads,
+            ..*self
+        }
+    }
+
+    /// How much higher the left contact point is than the right one, along the normal of the ground: 0 on a
+    /// plane.
+    pub fn mismatch(&self) -> T {
+        let [left, right] = self.wheels();
+        left.height() - right.height()
+    }
+
+    fn rates(&self, motion: Motion) -> Rates<T> {
+        let wheels = self.wheels();
+        let (zero, one) = (self.like().zero(), self.like().one());
+        let still = Rates {
+            travel: [zero; 2],
+            rack: None,
+            roll: zero,
+        };
+        let rise = || wheels.map(|wheel| wheel.rise());
+        // The right wheel's own rack moves the other way, so that a difference becomes a sum.
+        let by_rack = || {
+            let [left, right] = wheels.map(|wheel| wheel.rise_by_rack());
+            left + right
+        };
+        let rolled = |travel: [T; 2]| match self.hold {
+            Hold::TravelsOnPlane => {
+                let [left, right] = rise();
+                -(left * travel[0] - right * travel[1]) / self.track()
+            }
+            _ => zero,
+        };
+        match motion {
+            Motion::Roll => {
+                let [left, right] = rise();
+                let difference = -self.track() / (left + right);
+                Rates {
+                    travel: [difference, -difference],
+                    roll: one,
+                    ..still
+                }
+            }
+            Motion::Heave if self.hold == Hold::MeanTravel => {
+                let [left, right] = rise();
+                let share = (one + one) / (left + right);
+                Rates {
+                    travel: [right * share, left * share],
+                    ..still
+                }
+            }
+            Motion::Heave => Rates {
+                travel: [one; 2],
+                roll: rolled([one; 2]),
+                ..still
+            },
+            Motion::TravelLeft => Rates {
+                travel: [one, zero],
+                roll: rolled([one, zero]),
+                ..still
+            },
+            Motion::TravelRight => Rates {
+                travel: [zero, one],
+                roll: rolled([zero, one]),
+                ..still
+            },
+            Motion::Rack => {
+                let mut rates = Rates {
+                    rack: Some(one),
+                    ..still
+                };
+                match self.hold {
+                    Hold::MeanTravel => {
+                        let [left, right] = rise();
+                        let difference = -by_rack() / (left + right);
+                        rates.travel = [difference, -difference];
+                    }
+                    Hold::TravelsOnPlane => rates.roll = -by_rack() / self.track(),
+                    Hold::TravelsOnPads => {}
+                }
+                rates
+            }
+            Motion::OpposedTravels => Rates {
+                travel: [-one, one],
+                roll: rolled([-one, one]),
+                ..still
+            },
+        }
+    }
+
+    /// The state along a motion, as series.
+    pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>> {
+        let Rates { travel, rack, roll } = self.rates(motion);
+        let [left, right] = &self.readings;
+        let Ground { sine, cosine } = self.ground;
+        State {
+            readings: [
+                left.moving(travel[0], rack),
+                right.moving(travel[1], rack.map(|rack| -rack)),
+            ],
+            ground: Ground {
+                sine: Jet([sine, cosine * roll]),
+                cosine: Jet([cosine, -(sine * roll)]),
+            },
+            roll: Jet([self.roll, roll]),
+            hold: self.hold,
+            setup: self.setup,
+        }
+    }
+
+    /// The state with what the ground asks for put right to first order: of numbers that carry gradients,
+    /// the gradient of travels or roll angle that follow from the design. `slopes` are the plain values of
+    /// F and track.
+    pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
+        let like = self.like();
+        match self.hold {
+            Hold::TravelsOnPads => *self,
+            Hold::MeanTravel => {
+                let difference = -(self.mismatch() * like.lit(1.0 / rise));
+                let [left, right] = &self.readings;
+                State {
+                    readings: [left.shifted(difference), right.shifted(-difference)],
+                    ..*self
+                }
+            }
+            Hold::TravelsOnPlane => {
+                let turn = -(self.mismatch() * like.lit(1.0 / track));
+                let Ground { sine, cosine } = self.ground;
+                State {
+                    ground: Ground {
+                        sine: sine + cosine * turn,
+                        cosine: cosine - sine * turn,
+                    },
+                    roll: self.roll + turn,
+                    ..*self
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Taylor polynomials in two variables: the travel and the rack displacement of one wheel.
+//!
+//! A quantity u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients come from power series
+//! along straight lines (a, b) = e (p, q): the coefficient of e^k is sum_(i+j=k) c_ij p^i q^j, and k + 1
+//! lines give the k + 1 coefficients of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher
+//! derivative tensors by forward propagation of univariate Taylor series*, Math. Comp. 69, 2000). The lines
+//! are the two axes and the two diagonals, so that sums and differences do it.
+
+use crate::number::{Jet, Real};
+
+/// Number of coefficients up to degree 3.
+const COEFFICIENTS: usize = 10;
+
+/// Powers of travel and rack of each coefficient.
+const POWERS: [[usize; 2]; COEFFICIENTS] = [
+    [0, 0],
+    [1, 0],
+    [0, 1],
+    [2, 0],
+    [1, 1],
+    [0, 2],
+    [3, 0],
+    [2, 1],
+    [1, 2],
+    [0, 3],
+];
+
+/// Place of the coefficient with these powers.
+const fn place(travel: usize, rack: usize) -> usize {
+    let degree = travel + rack;
+    degree * (degree + 1) / 2 + rack
+}
+
+/// A straight line in travel and rack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Change of travel along it.
+    pub travel: f64,
+    /// Change of the rack displacement along it.
+    pub rack: f64,
+}
+
+impl Line {
+    /// The lines needed for polynomials of this degree, of travel alone or of the rack as well.
+    pub fn needed(degree: usize, with_rack: bool) -> &'static [Line] {
+        const LINES: [Line; 4] = {
+            const fn line(travel: f64, rack: f64) -> Line {
+                Line { travel, rack }
+            }
+            [
+                line(1.0, 0.0),
+                line(0.0, 1.0),
+                line(1.0, 1.0),
+                line(1.0, -1.0),
+            ]
+        };
+        match (with_rack, degree) {
+            (false, _) | (_, 0) => &LINES[..1],
+            (true, 1) => &LINES[..2],
+            (true, _) => &LINES,
+        }
+    }
+}
+
+/// A polynomial; coefficients that are not known are NaN.
+#[derive(Clone, Copy, Debug)]
+pub struct Taylor<T>([T; COEFFICIENTS]);
+
+impl<T: Real> Taylor<T> {
+    /// A constant in the motion.
+    pub fn constant(value: T) -> Self {
+        let mut coefficients = [value.zero(); COEFFICIENTS];
+        coefficients[0] = value;
+        Taylor(coefficients)
+    }
+
+    /// Nothing is known; `like` gives the shape.
+    pub fn unknown(like: T) -> Self {
+        Taylor([like.lit(f64::NAN); COEFFICIENTS])
+    }
+
+    /// From its series along the lines of [`Line::needed`], each with the coefficients of one degree after
+    /// the other, all of the same number.
+    pub fn through(lines: &[&[T]]) -> Self {
+        let first = lines[0];
+        let mut taylor = Taylor::unknown(first[0]);
+        let mut set = |travel: usize, rack: usize, value: T| taylor.0[place(travel, rack)] = value;
+        for (degree, value) in first.iter().enumerate() {
+            set(degree, 0, *value);
+        }
+        let Some(along_rack) = lines.get(1) else {
+            return taylor;
+        };
+        for (degree, value) in along_rack.iter().enumerate().skip(1) {
+            set(0, degree, *value);
+        }
+        let [Some(up), Some(down)] = [lines.get(2), lines.get(3)] else {
+            return taylor;
+        };
+        if first.len() > 2 {
+            set(1, 1, (up[2] - down[2]).scaled(0.5));
+        }
+        if first.len() > 3 {
+            set(2, 1, (up[3] - down[3]).scaled(0.5) - along_rack[3]);
+            set(1, 2, (up[3] + down[3]).scaled(0.5) - first[3]);
+        }
+        taylor
+    }
+
+    /// The value.
+    pub fn value(&self) -> T {
+        self.0[0]
+    }
+
+    /// The derivative by travel.
+    pub fn by_travel(&self) -> T {
+        self.0[place(1, 0)]
+    }
+
+    /// The derivative by the rack displacement.
+    pub fn by_rack(&self) -> T {
+        self.0[place(0, 1)]
+    }
+
+    /// The polynomial about a point that moves at these rates, `None` where the rack rests: as series in the
+    /// motion. One degree less is known.
+    pub fn moving(&self, travel: T, rack: Option<T>) -> Taylor<Jet<T, 2>> {
+        let mut moving = Taylor::unknown(Jet::constant(self.0[0]));
+        for (coefficient, [i, j]) in moving.0.iter_mut().zip(POWERS) {
+            let mut rate = travel.lit(f64::NAN);
+            if i + j < 3 {
+                rate = self.0[place(i + 1, j)] * travel.lit((i + 1) as f64) * travel;
+                if let Some(rack) = rack {
+                    rate = rate + self.0[place(i, j + 1)] * rack.lit((j + 1) as f64) * rack;
+                }
+            }
+            *coefficient = Jet([self.0[place(i, j)], rate]);
+        }
+        moving
+    }
+
+    /// The polynomial about a point moved by so much in travel that its square can be neglected.
+    pub fn shifted(&self, travel: T) -> Self {
+        let moved = self.moving(travel, None);
+        Taylor(moved.0.map(|Jet([value, change])| value + change))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is recovered from its series along the lines, and its motion along any line is right.
+    #[test]
+    fn polynomials_come_back_from_lines() {
+        let coefficients: [f64; COEFFICIENTS] =
+            std::array::from_fn(|k| ((k * 7 + 3) % 11) as f64 - 4.0);
+        let along = |line: &Line| {
+            let mut series = [0.0; 4];
+            for (c, [i, j]) in coefficients.iter().zip(POWERS) {
+                series[i + j] += c * line.travel.powi(i as i32) * line.rack.powi(j as i32);
+            }
+            series
+        };
+        let series: Vec<_> = Line::needed(3, true).iter().map(along).collect();
+        let lines: Vec<&[f64]> = series.iter().map(|s| &s[..]).collect();
+        let taylor = Taylor::through(&lines);
+        assert_eq!(taylor.0, coefficients);
+        let oblique = Line {
+            travel: 0.5,
+            rack: -2.0,
+        };
+        let expected = along(&oblique);
+        let once = taylor.moving(oblique.travel, Some(oblique.rack));
+        let [travel, rack] = [oblique.travel, oblique.rack].map(Jet::constant);
+        let twice = once.moving(travel, Some(rack));
+        assert_eq!(once.value()[1], expected[1]);
+        assert_eq!(twice.value()[1][1], 2.0 * expected[2]);
+    }
+}

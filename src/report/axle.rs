@@ -1,0 +1,318 @@
+//! Curves of an axle as files, tables and words.
+
+use super::figure::figures;
+use super::files::csv_of;
+use super::{Cell, Table, shortest};
+use crate::axle::{Axle, AxleCurves, AxlePlan, AxleStation, Placement};
+use crate::model::Axis;
+use serde::Serialize;
+
+/// Names and values of the columns that say where a station is.
+struct Place<'a> {
+    plan: &'a AxlePlan,
+    axle: &'a Axle,
+}
+
+impl Place<'_> {
+    fn names(&self) -> Vec<String> {
+        let unit = self.axle.left.length_unit.symbol();
+        let course = &self.plan.course;
+        let mut names = Vec::new();
+        names.extend(course.shows_roll().then(|| "roll_deg".to_owned()));
+        names.extend(course.shows_heave().then(|| format!("heave_{unit}")));
+        names.extend(["left", "right"].map(|side| format!("travel_{side}_{unit}")));
+        names.extend(course.shows_rack.then(|| format!("rack_{unit}")));
+        let angle = course.steering_wheel.is_some();
+        names.extend(angle.then(|| "steering_wheel_angle_deg".to_owned()));
+        names
+    }
+
+    fn values(&self, number: usize, station: &AxleStation) -> Vec<Option<f64>> {
+        let course = &self.plan.course;
+        let (roll, heave, travels) = match station.placement {
+            Placement::Roll { heave, roll, .. } => (Some(roll), Some(heave), None),
+            Placement::Travels { travels, .. } => (None, Some(travels[0]), Some(travels)),
+        };
+        let placed = station.placed.as_ref().ok();
+        // Written as degrees, an angle is the shortest decimal that means it.
+        let roll = roll.or(placed.map(|p| p.roll)).map(degrees);
+        let travels = placed.map(|p| p.travels).or(travels);
+        let mut values = Vec::new();
+        values.extend(course.shows_roll().then_some(roll));
+        values.extend(course.shows_heave().then_some(heave));
+        values.extend([0, 1].map(|side| travels.map(|t| t[side])));
+        let rack = station.placement.rack() * self.axle.left.frame.sign(Axis::Y);
+        values.extend(course.shows_rack.then_some(Some(rack)));
+        let angle = course.steering_wheel_at(number).map(degrees);
+        values.extend(course.steering_wheel.is_some().then_some(angle));
+        values
+    }
+
+    /// In words, as in `roll_deg 2, heave_mm 0`.
+    fn words(&self, number: usize, station: &AxleStation) -> String {
+        let values = self.values(number, station);
+        let known = self.names().into_iter().zip(values);
+        let parts = known.filter_map(|(name, value)| Some(format!("{name} {}", shortest(value?))));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn degrees(angle: f64) -> f64 {
+    let exact = angle.to_degrees();
+    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
+    match short.to_radians() == angle {
+        true => short,
+        false => exact,
+    }
+}
+
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(String::new, shortest)
+}
+
+/// `curves.csv` of an axle: a row for each station, `status` last.
+pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
+    let place = Place { plan, axle };
+    csv_of(|writer| {
+        let mut header = place.names();
+        header.extend(curves.columns.iter().map(|c| c.name.clone()));
+        header.push("status".to_owned());
+        writer.write_record(&header)?;
+        for (number, station) in curves.stations.iter().enumerate() {
+            let mut record: Vec<_> = place
+                .values(number, station)
+                .into_iter()
+                .map(cell)
+                .collect();
+            let values = (0..curves.columns.len()).map(|k| station.value(k));
+            record.extend(values.map(cell));
+            record.push(station.status.to_owned());
+            writer.write_record(&record)?;
+        }
+        Ok(())
+    })
+}
+
+/// `sensitivities.csv` of an axle.
+pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
+    let place = Place { plan, axle };
+    let length = axle.left.length_unit.symbol();
+    csv_of(|writer| {
+        let mut header = place.names();
+        header.extend(["output", "side", "hardpoint", "axis", "value", "unit"].map(str::to_owned));
+        writer.write_record(&header)?;
+        for s in &curves.sensitivities {
+            let station = &curves.stations[s.station];
+            let column = &curves.columns[s.column];
+            let values = place.values(s.station, station);
+            let mut record: Vec<_> = values.into_iter().map(cell).collect();
+            let unit = match column.unit.is_empty() {
+                true => format!("per_{length}"),
+                false => format!("{}_per_{length}", column.unit),
+            };
+            record.extend([
+                column.name.clone(),
+                s.side.map_or("both", |side| side.name()).to_owned(),
+                axle.left.mechanism.name(s.point).to_owned(),
+                s.axis.name().to_owned(),
+                cell(s.value.is_finite().then_some(s.value)),
+                unit,
+            ]);
+            writer.write_record(&record)?;
+        }
+        Ok(())
+    })
+}
+
+/// `summary.json` of an axle's curves.
+#[derive(Clone, Debug, Serialize)]
+pub struct AxleSummary {
+    command: &'static str,
+    version: &'static str,
+    study: String,
+    topology: &'static str,
+    axle: &'static str,
+    stations: usize,
+    solved: usize,
+    failed: Vec<FailedStation>,
+    outputs: Vec<Range>,
+    completeness: Completeness,
+}
+
+/// As of a corner: empty cells by reason.
+#[derive(Clone, Debug, Serialize)]
+struct Completeness {
+    empty: Vec<EmptyCells>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FailedStation {
+    station: usize,
+    at: String,
+    status: &'static str,
+    reason: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Range {
+    output: String,
+    unit: String,
+    at_design: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+/// Cells that are empty at stations that were solved.
+#[derive(Clone, Debug, Serialize)]
+struct EmptyCells {
+    columns: [String; 1],
+    stations: usize,
+    throughout: bool,
+    reason: String,
+}
+
+impl AxleSummary {
+    /// Of some curves; `design` are those of the design position alone.
+    pub fn of(
+        name: &str,
+        axle: &Axle,
+        plan: &AxlePlan,
+        curves: &AxleCurves,
+        design: &AxleCurves,
+    ) -> Self {
+        let place = Place { plan, axle };
+        let stations = curves.stations.iter().enumerate();
+        let failed = stations.filter_map(|(number, station)| {
+            let failure = station.placed.as_ref().err()?;
+            Some(FailedStation {
+                station: number,
+                at: place.words(number, station),
+                status: station.status,
+                reason: failure.to_string(),
+            })
+        });
+        let failed: Vec<_> = failed.collect();
+        let solved = curves.stations.len() - failed.len();
+        let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
+            let values = || curves.stations.iter().filter_map(move |s| s.value(k));
+            Range {
+                output: column.name.clone(),
+                unit: column.unit.clone(),
+                at_design: design.stations.first().and_then(|s| s.value(k)),
+                min: values().min_by(f64::total_cmp),
+                max: values().max_by(f64::total_cmp),
+            }
+        });
+        let mut empty: Vec<EmptyCells> = Vec::new();
+        for (column, void, stations) in curves.empty_cells() {
+            let name = &curves.columns[column].name;
+            match empty.iter_mut().find(|cells| cells.columns[0] == *name) {
+                Some(cells) => {
+                    cells.stations += stations;
+                    cells.reason = format!("{}; or {}", cells.reason, void.reason());
+                }
+                None => empty.push(EmptyCells {
+                    columns: [name.clone()],
+                    stations,
+                    throughout: false,
+                    reason: void.reason().to_owned(),
+                }),
+            }
+        }
+        for cells in &mut empty {
+            cells.throughout = cells.stations == solved;
+        }
+        AxleSummary {
+            command: "solve",
+            version: env!("CARGO_PKG_VERSION"),
+            study: name.to_owned(),
+            topology: axle.left.mechanism.topology.name,
+            axle: match axle.right {
+                None => "mirrored",
+                Some(_) => "own hardpoints on the right",
+            },
+            stations: curves.stations.len(),
+            solved,
+            outputs: outputs.collect(),
+            completeness: Completeness { empty },
+            failed,
+        }
+    }
+
+    /// One line on the whole.
+    pub fn headline(&self) -> String {
+        format!(
+            "{}: {} axle, {}; {} of {} stations solved",
+            self.study, self.topology, self.axle, self.solved, self.stations
+        )
+    }
+
+    /// The range of every column.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(["output", "at design", "min", "max"]);
+        for range in &self.outputs {
+            let shown = figures([range.at_design, range.min, range.max], &range.unit);
+            let values = [range.at_design, range.min, range.max];
+            let cells = values
+                .into_iter()
+                .zip(shown)
+                .map(|(value, text)| match value {
+                    Some(value) => Cell::shown(value, text),
+                    None => Cell::from(""),
+                });
+            let first = Cell::from(range.output.clone());
+            table.push_row(std::iter::once(first).chain(cells));
+        }
+        table
+    }
+
+    /// What has to be said of stations without a position and of empty cells, a line each.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        for cells in &self.completeness.empty {
+            let EmptyCells {
+                columns: [column],
+                stations,
+                throughout,
+                reason,
+            } = cells;
+            said.push(match throughout {
+                true => format!("warning: {column} has no value at any station: {reason}"),
+                false => format!("{column} has no value at {stations} of the stations: {reason}"),
+            });
+        }
+        said
+    }
+
+    /// Stations without a position, a line each.
+    pub fn failures(&self) -> impl Iterator<Item = String> {
+        let failed = self.failed.iter();
+        failed.map(|f| format!("not solved: {}: {}", f.at, f.reason))
+    }
+}
+
+/// What is possible but seldom meant in a study of an axle, a line each.
+pub fn axle_doubts(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if turns_against {
+        let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
+        doubts.push(format!(
+            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
+             wheel centres a rack moves to the right in a left turn"
+        ));
+    }
+    if let Some((load, _)) = curves.least_wheel_load().filter(|(load, _)| *load < 0.0) {
+        doubts.push(format!(
+            "warning: a wheel load falls to {} N: there the wheel would lift off the ground",
+            shortest(load.round())
+        ));
+    }
+    doubts
+}
+
+impl AxleStation {
+    /// The value of a column, where there is one.
+    pub fn value(&self, column: usize) -> Option<f64> {
+        self.values.get(column).copied().and_then(Result::ok)
+    }
+}

@@ -1,0 +1,602 @@
+//! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
+
+use super::error::Problems;
+use super::file::{self, File};
+use super::motion::values;
+use super::names::choose;
+use super::outputs::{distinct, hardpoint, hardpoints, order};
+use super::suspension::{above_zero, position, positive};
+use super::value::{Number, RightWheel, Selection, Text, Values};
+use super::{Order, Outputs};
+use crate::axle::{
+    Axle, AxlePlan, BumpStop, Course, ForceCurve, Law, Need, Quantity, Setup, SpringLaw,
+    WheelMotion,
+};
+use crate::characteristics::Constants;
+use crate::model::{Axis, Suspension};
+use crate::solve::Solver;
+use toml::Spanned;
+
+/// The most stations of an axle: a few seconds' worth.
+const MOST_STATIONS: usize = 100_000;
+
+/// What a study asks of an axle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleStudy {
+    /// Both wheels and the figures of the study.
+    pub axle: Axle,
+    /// What is computed.
+    pub plan: AxlePlan,
+}
+
+/// Refuses what is of an axle in a study of one wheel.
+pub fn refuse_without_axle(file: &File, problems: &mut Problems) {
+    let motion = file.motion.get_ref();
+    let keys = [
+        ("heave", &motion.heave),
+        ("roll", &motion.roll),
+        ("travel_left", &motion.travel_left),
+        ("travel_right", &motion.travel_right),
+        ("steering_wheel_angle", &motion.steering_wheel_angle),
+    ];
+    let mut places: Vec<_> = keys
+        .into_iter()
+        .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
+        .collect();
+    places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    let sections = [
+        ("[steering]", file.steering.as_ref().map(Spanned::span)),
+        ("[spring]", file.spring.as_ref().map(Spanned::span)),
+        ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
+        (
+            "[anti_roll_bar]",
+            file.anti_roll_bar.as_ref().map(Spanned::span),
+        ),
+        ("[tyre]", file.tyre.as_ref().map(Spanned::span)),
+    ];
+    let sections = sections.into_iter();
+    places.extend(sections.filter_map(|(name, span)| Some((name, span?))));
+    for (key, span) in places {
+        let message = format!("{key} is of an axle, and this study is of one wheel");
+        let error = problems.add(span, message);
+        error.help("[axle] with right = \"mirrored\" makes it a study of both wheels");
+    }
+}
+
+/// The axle, if nothing is wrong with it. `suspension` is the left wheel.
+pub fn axle(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<AxleStudy> {
+    let section = file.axle.as_ref()?;
+    let mut sound = refuse_corner_keys(file, problems);
+    if suspension.frame != left_frame(suspension) {
+        let place = file
+            .suspension
+            .side
+            .as_ref()
+            .map_or(section.span(), Text::span);
+        let message = "[suspension] of an axle is its left wheel; expected side = \"left\"";
+        problems.add(place, message);
+        sound = false;
+    }
+    let right = right_wheel(section.get_ref(), suspension, problems);
+    let setup = setup(file, suspension, problems);
+    let (right, setup) = (right?, setup?);
+    let axle = Axle {
+        left: suspension.clone(),
+        right,
+        setup,
+    };
+    track_agrees(file, &axle, problems)?;
+    let course = course(file, &axle, problems);
+    let plan = outputs(file, &axle, problems);
+    let ((quantities, derivatives, sensitivities), course) = (plan?, course?);
+    let plan = AxlePlan {
+        course,
+        quantities,
+        derivatives,
+        sensitivities,
+    };
+    check_needs(file, &axle, &plan, problems)?;
+    sound.then_some(AxleStudy { axle, plan })
+}
+
+/// The frame that a left wheel has in the study's axes: outboard is the kernel's +y.
+fn left_frame(suspension: &Suspension) -> crate::model::Frame {
+    use crate::model::{Frame, FrameConvention, Side};
+    let all = [
+        FrameConvention::Iso8855,
+        FrameConvention::SaeJ670,
+        FrameConvention::XRear,
+    ];
+    let lefts = all.map(|convention| Frame::new(convention, Side::Left));
+    let own = |frame: &&Frame| **frame == suspension.frame;
+    lefts.iter().find(own).copied().unwrap_or(lefts[0])
+}
+
+/// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
+fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
+    let motion = file.motion.get_ref();
+    let mut refused = Vec::new();
+    let mut add = |span: Option<std::ops::Range<usize>>, message: &str| {
+        refused.extend(span.map(|span| (span, message.to_owned())));
+    };
+    let one_wheel =
+        "is of a study of one wheel; an axle moves by heave, roll, or travel_left and travel_right";
+    let values = |values: &Option<Spanned<Values>>| values.as_ref().map(Spanned::span);
+    add(values(&motion.travel), &format!("travel {one_wheel}"));
+    add(values(&motion.arm_angle), &format!("arm_angle {one_wheel}"));
+    add(values(&motion.theta), &format!("theta {one_wheel}"));
+    add(
+        motion.drive.as_ref().map(Text::span),
+        &format!("drive {one_wheel}"),
+    );
+    add(
+        motion.time.as_ref().map(Spanned::span),
+        "time is not yet there for an axle",
+    );
+    add(
+        file.solver.formulation.as_ref().map(Text::span),
+        "formulation is not there for an axle, which is always solved as \"knuckle_pose\"",
+    );
+    add(
+        file.solver.accuracy.as_ref().map(Spanned::span),
+        "accuracy is not there for an axle, which is always solved in full precision",
+    );
+    add(
+        file.sweep.as_ref().map(Spanned::span),
+        "[sweep] is not yet there for an axle",
+    );
+    let optimise = file.optimise.as_ref().map(|o| o.variables.span());
+    add(optimise, "[optimise] is not yet there for an axle");
+    let tolerance = file.tolerance.as_ref().map(Spanned::span);
+    add(tolerance, "[tolerance] is not yet there for an axle");
+    let setup = file.setup.as_ref().and(file.axle.as_ref());
+    add(
+        setup.map(Spanned::span),
+        "[setup] is not yet there for an axle",
+    );
+    if let Some(outputs) = &file.outputs {
+        add(
+            outputs.points.first().map(Text::span),
+            "points are not yet there for an axle",
+        );
+        add(
+            outputs
+                .knuckle
+                .as_ref()
+                .filter(|k| *k.get_ref())
+                .map(Spanned::span),
+            "knuckle is not there for an axle",
+        );
+        add(
+            outputs
+                .certify
+                .as_ref()
+                .filter(|c| *c.get_ref())
+                .map(Spanned::span),
+            "certify is not yet there for an axle",
+        );
+        add(
+            outputs.loads.as_ref().map(Spanned::span),
+            "loads are not yet there for an axle",
+        );
+        let acceleration = outputs
+            .order
+            .as_ref()
+            .filter(|o| o.get_ref() == "acceleration");
+        add(
+            acceleration.map(Text::span),
+            "second derivatives are not there for an axle; expected \"position\" or \"velocity\"",
+        );
+    }
+    let sound = refused.is_empty();
+    for (span, message) in refused {
+        problems.add(span, message);
+    }
+    sound
+}
+
+/// The right wheel; the inner `None` is the mirror image.
+fn right_wheel(
+    section: &file::Axle,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<Suspension>> {
+    let own = match section.right.get_ref() {
+        RightWheel::Word(word) if word == "mirrored" => return Some(None),
+        RightWheel::Word(word) => {
+            let message = format!("unknown right wheel {word:?}; expected \"mirrored\" or a table");
+            problems.add(section.right.span(), message);
+            return None;
+        }
+        RightWheel::Own(own) => own,
+    };
+    let mut right = left.clone();
+    right.frame = left.frame.of_other_side();
+    let mut sound = true;
+    for (text, coordinates) in &own.hardpoints {
+        let id = hardpoint(text, left, problems);
+        let position = position(coordinates, problems);
+        match (id, position) {
+            (Some(id), Some(position)) => right.design[id.0] = right.frame.vector(position),
+            _ => sound = false,
+        }
+    }
+    if !sound {
+        return None;
+    }
+    if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
+        let message = format!("right wheel: {}", fault.describe(&right.mechanism));
+        problems.add(section.right.span(), message);
+        return None;
+    }
+    let centre = right.design[right.mechanism.wheel_centre.0];
+    if centre.y < 0.0 {
+        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
+        problems.add(section.right.span(), message);
+        return None;
+    }
+    Some(Some(right))
+}
+
+fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
+    let vehicle = &file.vehicle;
+    let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
+    let c_factor = match &file.steering {
+        None => Some(None),
+        Some(section) => {
+            let c_factor = &section.get_ref().c_factor;
+            match c_factor.value {
+                0.0 => {
+                    let message = "a c_factor of 0 never moves the rack";
+                    problems.add(c_factor.span.clone(), message);
+                    None
+                }
+                value => Some(Some(value * left.frame.sign(Axis::Y))),
+            }
+        }
+    };
+    let spring = spring(file, left, problems);
+    let rate = |section: &Option<Spanned<file::Rate>>, problems: &mut Problems| match section {
+        None => Some(None),
+        Some(section) => above_zero(&section.get_ref().rate, problems).map(Some),
+    };
+    let mut bar_rate = rate(&file.anti_roll_bar, problems);
+    let tyre_rate = rate(&file.tyre, problems);
+    if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
+        let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
+        let error = problems.add(section.span(), message);
+        error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
+        bar_rate = None;
+    }
+    let [sprung_mass, unsprung_mass] = masses;
+    Some(Setup {
+        wheel_radius: left.wheel_radius,
+        wheelbase: left.vehicle.wheelbase,
+        position: left.vehicle.position,
+        c_factor: c_factor?,
+        springs: spring?.map(|law| [law.clone(), law]),
+        bar_rate: bar_rate?,
+        tyre_rate: tyre_rate?,
+        sprung_mass: sprung_mass?,
+        unsprung_mass: unsprung_mass?,
+        constants: Constants::of(left),
+        per_metre: left.length_unit.per_metre(),
+    })
+}
+
+/// The springs' law; the inner `None` where there is none.
+fn spring(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Option<SpringLaw>> {
+    let stop = match &file.bump_stop {
+        None => None,
+        Some(stop) => {
+            let points = force_curve(&stop.get_ref().force_curve, problems);
+            Some(BumpStop {
+                gap: stop.get_ref().gap.value,
+                curve: points?,
+            })
+        }
+    };
+    let Some(section) = &file.spring else {
+        if let Some(stop) = &file.bump_stop {
+            problems.add(
+                stop.span(),
+                "[bump_stop] acts beside a spring: expected [spring] too",
+            );
+            return None;
+        }
+        return Some(None);
+    };
+    if left.mechanism.spring.is_none() {
+        let message = "[spring] is given, but the study gives no spring";
+        let error = problems.add(section.span(), message);
+        error.help("spring_upper and spring_lower in [suspension.hardpoints] make one");
+        return None;
+    }
+    let place = section.span();
+    let section = section.get_ref();
+    let law = match (&section.rate, &section.force, &section.force_curve) {
+        (Some(rate), Some(force), None) => Law::Linear {
+            rate: above_zero(rate, problems)?,
+            force: force.value,
+        },
+        (None, None, Some(curve)) => Law::Curve(force_curve(curve, problems)?),
+        (_, _, Some(curve)) => {
+            let message =
+                "force_curve already gives the spring; expected rate and force, or force_curve";
+            problems.add(curve.span(), message);
+            return None;
+        }
+        _ => {
+            let message = "expected rate and force (in the design position), or force_curve";
+            problems.add(place, message);
+            return None;
+        }
+    };
+    Some(Some(SpringLaw {
+        spring: law,
+        bump_stop: stop,
+    }))
+}
+
+fn force_curve(
+    written: &Spanned<Vec<Spanned<Vec<Number>>>>,
+    problems: &mut Problems,
+) -> Option<ForceCurve> {
+    let mut points = Vec::new();
+    for pair in written.get_ref() {
+        match pair.get_ref().as_slice() {
+            [x, y] => points.push([x.value, y.value]),
+            other => {
+                let message = format!("expected a pair [length, force], found {}", other.len());
+                problems.add(pair.span(), message);
+                return None;
+            }
+        }
+    }
+    let curve = ForceCurve::through(&points);
+    if curve.is_none() {
+        let message = "expected two or more pairs, each length above the one before";
+        problems.add(written.span(), message);
+    }
+    curve
+}
+
+/// The track of `[vehicle]` must be the design's.
+fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
+    use crate::model::Side;
+    let Some(track) = &file.vehicle.track else {
+        return Some(());
+    };
+    let half = |side| {
+        let wheel = axle.suspension(side);
+        wheel.design[wheel.mechanism.wheel_centre.0].y
+    };
+    let design = half(Side::Left) + half(Side::Right);
+    let tenth = 1e-4 * axle.setup.per_metre;
+    if (track.value - design).abs() <= tenth {
+        return Some(());
+    }
+    let message = format!(
+        "the wheel centres of this axle are {design} apart, not {}",
+        track.value
+    );
+    problems
+        .add(track.span.clone(), message)
+        .help("leave out track");
+    None
+}
+
+/// The stations.
+fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
+    let place = file.motion.span();
+    let section = file.motion.get_ref();
+    let on_plane = match &section.ground {
+        None => None,
+        Some(text) => Some((
+            choose(
+                text,
+                "ground",
+                &[("plane", true), ("pads", false)],
+                problems,
+            )?,
+            text.span(),
+        )),
+    };
+    let mut read = |given: &Option<Spanned<Values>>| match given {
+        None => Some(None),
+        Some(given) => values(given, problems).map(Some),
+    };
+    let (heave, roll) = (read(&section.heave)?, read(&section.roll)?);
+    let (left, right) = (read(&section.travel_left)?, read(&section.travel_right)?);
+    let racks = read(&section.rack)?;
+    let wheel_angles = read(&section.steering_wheel_angle)?;
+    let radians = |degrees: Vec<f64>| degrees.into_iter().map(f64::to_radians).collect();
+    let refuse = |problems: &mut Problems, given: &Option<Spanned<Values>>, message: &str| {
+        let place = given.as_ref().map_or(place.clone(), Spanned::span);
+        problems.add(place, message.to_owned());
+    };
+    let wheels = match (heave, roll, left, right) {
+        (_, Some(_), l, r) if l.is_some() || r.is_some() => {
+            let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
+            refuse(problems, &section.roll, message);
+            return None;
+        }
+        (Some(_), _, l, r) if l.is_some() || r.is_some() => {
+            let message =
+                "heave moves both wheels; expected heave, or travel_left and travel_right";
+            refuse(problems, &section.heave, message);
+            return None;
+        }
+        (heave, Some(roll), ..) => {
+            if let Some((false, span)) = on_plane {
+                let message = "roll is that of the body on a plane; expected ground = \"plane\", or travel_left and travel_right on pads";
+                problems.add(span, message);
+                return None;
+            }
+            WheelMotion::Roll {
+                heave: heave.unwrap_or_else(|| vec![0.0]),
+                roll: radians(roll),
+            }
+        }
+        (Some(heave), None, ..) => match on_plane {
+            Some((true, _)) => WheelMotion::Roll {
+                heave,
+                roll: vec![0.0],
+            },
+            _ => WheelMotion::Heave(heave),
+        },
+        (None, None, None, None) => {
+            let message = "expected heave, roll, or travel_left and travel_right: where the axle is to be solved";
+            problems.add(place, message);
+            return None;
+        }
+        (None, None, left, right) => WheelMotion::Travels {
+            left: left.unwrap_or_else(|| vec![0.0]),
+            right: right.unwrap_or_else(|| vec![0.0]),
+            on_plane: on_plane.is_some_and(|(plane, _)| plane),
+        },
+    };
+    let sign = axle.left.frame.sign(Axis::Y);
+    let (racks, steering_wheel) = match (racks, wheel_angles) {
+        (Some(_), Some(_)) => {
+            let message =
+                "rack already says where the rack is; expected rack or steering_wheel_angle";
+            refuse(problems, &section.steering_wheel_angle, message);
+            return None;
+        }
+        (racks, None) => {
+            let racks = racks.unwrap_or_else(|| vec![0.0]);
+            (racks.into_iter().map(|rack| rack * sign).collect(), None)
+        }
+        (None, Some(angles)) => {
+            let Some(per_turn) = axle.setup.c_factor else {
+                let message = "steering_wheel_angle needs c_factor in [steering]";
+                refuse(problems, &section.steering_wheel_angle, message);
+                return None;
+            };
+            let racks: Vec<f64> = angles
+                .iter()
+                .map(|angle| per_turn * angle / 360.0)
+                .collect();
+            (racks, Some(radians(angles)))
+        }
+    };
+    let course = Course {
+        wheels,
+        racks,
+        shows_rack: section.rack.is_some() || section.steering_wheel_angle.is_some(),
+        steering_wheel,
+    };
+    if course.stations() > MOST_STATIONS {
+        let message = format!(
+            "{} stations; expected at most {MOST_STATIONS}",
+            course.stations()
+        );
+        problems.add(place, message);
+        return None;
+    }
+    Some(course)
+}
+
+/// Quantities, whether derivatives are asked for, and the hardpoints of sensitivities.
+type Asked = (Vec<Quantity>, bool, Vec<crate::model::PointId>);
+
+fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
+    let Some(section) = &file.outputs else {
+        let default = ["camber", "steer", "mean_steer"];
+        let quantities = default.iter().flat_map(|name| Quantity::named(name));
+        return Some((quantities.collect(), false, Vec::new()));
+    };
+    let names: Vec<_> = Quantity::names()
+        .into_iter()
+        .map(|name| (name, name))
+        .collect();
+    let listed = distinct(&section.characteristics, problems, |text, problems| {
+        choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
+    });
+    let order = order(section, problems);
+    let points = match &section.sensitivities {
+        None | Some(Selection::All(false)) => Some(Vec::new()),
+        Some(Selection::All(true)) => Some(hardpoints(&axle.left).map(|(_, id)| id).collect()),
+        Some(Selection::Named(names)) => distinct(names, problems, |text, problems| {
+            hardpoint(text, &axle.left, problems)
+        }),
+    };
+    Some((
+        listed?.into_iter().flatten().collect(),
+        order? == Order::Velocity,
+        points?,
+    ))
+}
+
+/// What each quantity and the motion need must be given.
+fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
+    let setup = &axle.setup;
+    let missing = |need: &Need| match need {
+        Need::WheelRadius => setup.wheel_radius.is_none().then_some("radius in [wheel]"),
+        Need::Wheelbase => setup
+            .wheelbase
+            .is_none()
+            .then_some("wheelbase in [vehicle]"),
+        Need::CFactor => setup.c_factor.is_none().then_some("c_factor in [steering]"),
+        Need::Spring => setup.springs.is_none().then_some("[spring]"),
+        Need::AntiRollBar => setup.bar_rate.is_none().then_some("[anti_roll_bar]"),
+        Need::TyreRate => setup.tyre_rate.is_none().then_some("[tyre]"),
+        Need::SprungMass => setup
+            .sprung_mass
+            .is_none()
+            .then_some("sprung_mass in [vehicle]"),
+        Need::UnsprungMass => {
+            let absent = setup.unsprung_mass.is_none();
+            absent.then_some("unsprung_mass in [vehicle]")
+        }
+    };
+    let mut sound = true;
+    let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
+    for text in texts {
+        for quantity in Quantity::named(text.get_ref()).into_iter().take(1) {
+            if let Quantity::Corner(..) = quantity {
+                let known = super::outputs::characteristic(text, &axle.left, problems);
+                sound &= known.is_some();
+                continue;
+            }
+            let missing: Vec<_> = quantity.needs().iter().filter_map(missing).collect();
+            if !missing.is_empty() {
+                let (name, needs) = (text.get_ref(), missing.join(", "));
+                let message = format!("{name} needs {needs}, which this study does not give");
+                problems.add(text.span(), message);
+                sound = false;
+            }
+        }
+    }
+    let takes_ground = plan.course.shows_roll() || plan.derivatives;
+    if takes_ground && setup.wheel_radius.is_none() {
+        let message =
+            "an axle on a plane ground needs radius in [wheel], which this study does not give";
+        problems.add(file.motion.span(), message);
+        sound = false;
+    }
+    if plan.degree() > 3 {
+        let place = file
+            .outputs
+            .as_ref()
+            .and_then(|o| o.characteristics.first());
+        let place = place.map_or(file.motion.span(), Text::span);
+        problems.add(place, "derivatives of this order are not there for an axle");
+        sound = false;
+    }
+    sound.then_some(())
+}
+
+/// The outputs of one wheel in a study of an axle: none.
+pub fn no_corner_outputs() -> Outputs {
+    Outputs {
+        characteristics: Vec::new(),
+        points: Vec::new(),
+        knuckle: false,
+        order: Order::Position,
+        sensitivities: Vec::new(),
+        certify: false,
+        loads: Vec::new(),
+    }
+}

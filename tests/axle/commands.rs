@@ -1,0 +1,264 @@
+//! Studies of axles as a user runs them.
+
+use assert_cmd::Command;
+use hardpoint::axle::{AxleQuantity, Info, Need, WheelQuantity};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn study(name: &str) -> PathBuf {
+    Path::new(ROOT).join("studies").join(name)
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("axle")
+        .join(name);
+    let _ = fs::remove_dir_all(&folder);
+    folder
+}
+
+fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
+    Command::cargo_bin("hardpoint")
+        .unwrap()
+        .args(arguments)
+        .assert()
+}
+
+/// Runs a command that is to end with this code, and gives what it wrote to standard output and error.
+fn run(arguments: &[&str], code: i32) -> (String, String) {
+    let output = hardpoint(arguments).code(code).get_output().clone();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn sample_axles_are_solved_and_written() {
+    for (name, columns) in [
+        (
+            "macpherson_axle",
+            vec![
+                "roll_deg",
+                "heave_mm",
+                "travel_left_mm",
+                "travel_right_mm",
+                "rack_mm",
+                "steering_wheel_angle_deg",
+                "left_camber_deg",
+                "right_camber_deg",
+                "track_mm",
+                "roll_centre_height_mm",
+                "left_jacking_coefficient",
+                "ackermann_percent",
+                "left_roll_steer_deg_per_deg",
+                "roll_steer_deg_per_deg",
+                "left_wheel_load_N",
+                "roll_stiffness_N_m_per_deg",
+                "ride_rate_N_per_mm",
+                "ride_frequency_Hz",
+                "status",
+            ],
+        ),
+        (
+            "five_link_axle",
+            vec!["left_toe_deg", "right_toe_deg", "roll_centre_lateral_mm"],
+        ),
+    ] {
+        let path = study(&format!("{name}.toml"));
+        let out = folder(name);
+        let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
+        run(&["check", path], 0);
+        run(&["solve", path, "--out", directory], 0);
+        let csv = fs::read_to_string(out.join("curves.csv")).unwrap();
+        let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        for column in columns {
+            assert!(header.contains(&column), "{name}: {column} in {header:?}");
+        }
+        assert!(
+            csv.lines().skip(1).all(|line| line.ends_with(",ok")),
+            "{csv}"
+        );
+        let (again, _) = run(&["solve", path, "--out", "-"], 0);
+        assert_eq!(again, csv);
+    }
+    let sensitivities = folder("five_link_axle_again");
+    let path = study("five_link_axle.toml");
+    let [path, directory] = [&path, &sensitivities].map(|p| p.to_str().unwrap());
+    run(&["solve", path, "--out", directory], 0);
+    let csv = fs::read_to_string(sensitivities.join("sensitivities.csv")).unwrap();
+    assert!(
+        csv.contains(",roll_steer_deg_per_deg,left,toe_link_inner,z,"),
+        "{csv}"
+    );
+}
+
+#[test]
+fn what_is_not_there_for_an_axle_is_refused_by_name() {
+    let path = study("macpherson_axle.toml");
+    let path = path.to_str().unwrap();
+    for command in ["sweep", "optimise", "limits", "assemblies"] {
+        let (_, said) = run(&[command, path], 2);
+        assert!(
+            said.contains("not yet there for an axle"),
+            "{command}: {said}"
+        );
+    }
+    for flag in ["--report", "--plots=pictures"] {
+        let out = folder("refused");
+        let (_, said) = run(&["solve", path, flag, "--out", out.to_str().unwrap()], 2);
+        assert!(said.contains("not yet there for an axle"), "{flag}: {said}");
+    }
+    for (set, words) in [
+        ("motion.travel=1.0", "travel is of a study of one wheel"),
+        ("motion.travel_left=1.0", "roll holds the mean travel"),
+        ("motion.ground=\"pads\"", "expected ground = \"plane\""),
+        ("motion.rack=1.0", "rack already says where the rack is"),
+        (
+            "outputs.certify=true",
+            "certify is not yet there for an axle",
+        ),
+        (
+            "outputs.points=[\"wheel_centre\"]",
+            "points are not yet there for an axle",
+        ),
+        (
+            "outputs.order=\"acceleration\"",
+            "second derivatives are not there for an axle",
+        ),
+        ("steering.c_factor=0.0", "never moves the rack"),
+        ("vehicle.track=1500.0", "apart, not 1500"),
+        ("vehicle.position=\"middle\"", "unknown position"),
+        (
+            "spring.force_curve=[[0.0, 1.0], [0.0, 2.0]]",
+            "force_curve already gives the spring",
+        ),
+        (
+            "bump_stop.force_curve=[[0.0, 1.0]]",
+            "expected two or more pairs",
+        ),
+        ("axle.right=\"copied\"", "expected \"mirrored\" or a table"),
+        (
+            "outputs.characteristics=[\"rol_steer\"]",
+            "did you mean \"roll_steer\"?",
+        ),
+    ] {
+        let (_, said) = run(&["check", path, "--set", set], 2);
+        assert!(said.contains(words), "{set}: {said}");
+    }
+    let corner = study("macpherson_solve.toml");
+    let corner = corner.to_str().unwrap();
+    let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
+    assert!(said.contains("roll is of an axle"), "{said}");
+}
+
+#[test]
+fn a_c_factor_of_the_wrong_sign_is_doubted() {
+    let path = study("macpherson_axle.toml");
+    let path = path.to_str().unwrap();
+    let doubt = "turn against the steering wheel";
+    let (said, _) = run(&["check", path], 0);
+    assert!(!said.contains(doubt), "{said}");
+    let (said, _) = run(&["check", path, "--set", "steering.c_factor=52.0"], 0);
+    assert!(said.contains(doubt), "{said}");
+}
+
+/// In other axes the same axle has the same results; the rack alone is along their y.
+#[test]
+fn frames_change_the_rack_alone() {
+    let solved = |set: &[&str]| {
+        let path = study("macpherson_axle.toml");
+        let mut arguments = vec!["solve", path.to_str().unwrap(), "--out", "-"];
+        for set in set {
+            arguments.extend(["--set", set]);
+        }
+        let (csv, _) = run(&arguments, 0);
+        csv
+    };
+    let plain = solved(&["steering.c_factor=-60.0"]);
+    let text = fs::read_to_string(study("macpherson_axle.toml")).unwrap();
+    let mut mirrored = String::new();
+    for line in text.lines() {
+        let point = line.split_once('[').and_then(|(name, rest)| {
+            let (numbers, _) = rest.split_once(']')?;
+            let numbers: Vec<f64> = numbers
+                .split(',')
+                .map_while(|n| n.trim().parse().ok())
+                .collect();
+            match (name.contains('='), numbers.as_slice()) {
+                (true, [x, y, z]) if !name.contains("heave") => {
+                    Some(format!("{name}[{x:?}, {:?}, {:?}]", -y, -z))
+                }
+                _ => None,
+            }
+        });
+        mirrored += &point.unwrap_or_else(|| line.to_owned());
+        mirrored += "\n";
+    }
+    let mirrored = mirrored
+        .replace("topology =", "frame = \"sae_j670\"\ntopology =")
+        .replace("c_factor = -52.0", "c_factor = 60.0");
+    let folder = folder("sae");
+    fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("sae.toml");
+    fs::write(&file, mirrored).unwrap();
+    let (sae, _) = run(&["solve", file.to_str().unwrap(), "--out", "-"], 0);
+    let rack = plain
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "rack_mm")
+        .unwrap();
+    for (one, two) in plain.lines().zip(sae.lines()).skip(1) {
+        let [one, two] = [one, two].map(|line| line.split(',').collect::<Vec<_>>());
+        for (column, (one, two)) in one.iter().zip(&two).enumerate() {
+            match column == rack {
+                true => assert_eq!(one.parse::<f64>().unwrap(), -two.parse::<f64>().unwrap()),
+                false => assert_eq!(one, two),
+            }
+        }
+    }
+}
+
+/// The table of `docs/axle.md` is the catalogue's. To renew it, run
+/// `UPDATE_README=1 cargo test --test axle table`.
+#[test]
+fn the_table_of_quantities_is_the_catalogue() {
+    let need = |need: &Need| match need {
+        Need::WheelRadius => "radius",
+        Need::Wheelbase => "wheelbase",
+        Need::CFactor => "c_factor",
+        Need::Spring => "[spring]",
+        Need::AntiRollBar => "[anti_roll_bar]",
+        Need::TyreRate => "[tyre]",
+        Need::SprungMass => "sprung_mass",
+        Need::UnsprungMass => "unsprung_mass",
+    };
+    let row = |info: &Info, of: &str| {
+        let needs: Vec<_> = info.needs.iter().map(need).collect();
+        format!(
+            "| `{}` | {of} | {} | {} | {} |\n",
+            info.name,
+            info.formula,
+            info.positive,
+            needs.join(", ")
+        )
+    };
+    let mut table =
+        String::from("| name | of | formula | positive | needs |\n|---|---|---|---|---|\n");
+    table.extend(WheelQuantity::ALL.iter().map(|q| row(q.info(), "wheel")));
+    table.extend(AxleQuantity::ALL.iter().map(|q| row(q.info(), "axle")));
+    let path = Path::new(ROOT).join("docs/axle.md");
+    let text = fs::read_to_string(&path).unwrap();
+    let (start, end) = ("<!-- quantities -->\n", "<!-- /quantities -->");
+    let (from, to) = (
+        text.find(start).unwrap() + start.len(),
+        text.find(end).unwrap(),
+    );
+    if std::env::var_os("UPDATE_README").is_some() {
+        fs::write(&path, format!("{}{table}{}", &text[..from], &text[to..])).unwrap();
+    } else {
+        assert_eq!(&text[from..to], table);
+    }
+}

@@ -1,0 +1,187 @@
+//! What holds without an oracle: mirror images, the corner's own curves, statics.
+
+use super::{axle, reference::read};
+use hardpoint::analyse::{Load, Support};
+use hardpoint::axle::{
+    AxlePlan, AxleQuantity as A, AxleSolver, Course, Placement, Quantity, WheelMotion,
+    WheelQuantity as W, axle_curves,
+};
+use hardpoint::characteristics::Characteristic;
+use hardpoint::curves::curves;
+use hardpoint::model::Side::{Left, Right};
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::solve::{Solver, StationOrder};
+use hardpoint::study::Study;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Rolled to the other side with the rack the other way, a mirrored axle is its own mirror image, bit for bit.
+#[test]
+fn mirrored_axles_give_mirrored_bits() {
+    let case = read("macpherson_front");
+    let axle = axle(&case);
+    let wheel = |side| {
+        [
+            Quantity::Corner(side, Characteristic::Camber),
+            Quantity::Corner(side, Characteristic::CasterTrail),
+            Quantity::Wheel(side, W::CamberToRoad),
+            Quantity::Wheel(side, W::JackingCoefficient),
+            Quantity::Wheel(side, W::RollCamber),
+            Quantity::Wheel(side, W::WheelLoad),
+        ]
+    };
+    let even = [
+        A::Track,
+        A::RollCentreHeight,
+        A::RollStiffness,
+        A::TurningCircle,
+    ]
+    .map(Quantity::Axle);
+    let odd = [A::MeanSteer, A::RollCentreLateral, A::RollMoment].map(Quantity::Axle);
+    let all: Vec<_> = [wheel(Left), wheel(Right)]
+        .concat()
+        .into_iter()
+        .chain(even)
+        .chain(odd)
+        .collect();
+    let mut solver = AxleSolver::<3>::new(&axle, &all, true).unwrap();
+    for (heave, roll, rack) in [(0.0, 0.03, 0.0), (15.0, -0.05, 40.0), (-20.0, 0.02, -25.0)] {
+        let mut at = |roll, rack| {
+            let placed = solver
+                .place(&Placement::Roll { heave, roll, rack })
+                .unwrap();
+            (placed, solver.read(&placed).unwrap().state)
+        };
+        let (placed, state) = at(roll, rack);
+        let (mirrored, image) = at(-roll, -rack);
+        assert_eq!(placed.travels[0].to_bits(), mirrored.travels[1].to_bits());
+        assert_eq!(placed.travels[1].to_bits(), mirrored.travels[0].to_bits());
+        for (own, other) in wheel(Left).into_iter().zip(wheel(Right)) {
+            let values = [own.evaluate(&state), other.evaluate(&image)];
+            // By the roll angle, which is that of the other side.
+            let by_roll = matches!(own, Quantity::Wheel(_, W::RollCamber));
+            let sign = if by_roll { -1.0 } else { 1.0 };
+            assert_eq!(values[0], sign * values[1], "{own:?}");
+        }
+        for quantity in even {
+            assert_eq!(
+                quantity.evaluate(&state),
+                quantity.evaluate(&image),
+                "{quantity:?}"
+            );
+        }
+        for quantity in odd {
+            assert_eq!(
+                quantity.evaluate(&state),
+                -quantity.evaluate(&image),
+                "{quantity:?}"
+            );
+        }
+    }
+}
+
+/// An axle that heaves on pads has the curves of its corner, bit for bit.
+#[test]
+fn an_axle_in_heave_is_two_corners() {
+    for name in [
+        "macpherson_solve",
+        "five_link_solve",
+        "semi_trailing_arm_solve",
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+        let study = Study::read(&path, &[]).unwrap();
+        let corner = curves(&study.suspension, &Plan::of(&study)).unwrap();
+        let listed = study.outputs.characteristics.iter();
+        let asked: Vec<_> = listed
+            .copied()
+            .filter(|c| *c != Characteristic::RollCentreHeight)
+            .collect();
+        let case = read("macpherson_front");
+        let mut both = axle(&case);
+        both.left = study.suspension.clone();
+        both.setup.constants = hardpoint::characteristics::Constants::of(&both.left);
+        let plan = AxlePlan {
+            course: Course {
+                wheels: WheelMotion::Heave(study.motion.values.clone()),
+                racks: vec![0.0],
+                shows_rack: false,
+                steering_wheel: None,
+            },
+            quantities: asked.iter().map(|c| Quantity::Corner(Left, *c)).collect(),
+            derivatives: false,
+            sensitivities: Vec::new(),
+        };
+        let axle = axle_curves(&both, &plan).unwrap();
+        for (k, c) in asked.iter().enumerate() {
+            let column = corner
+                .columns
+                .iter()
+                .position(|column| column.output == c.info().name);
+            let column = column.unwrap();
+            for (one, two) in corner.stations.iter().zip(&axle.stations) {
+                assert_eq!(
+                    one.values[column],
+                    two.values[k].ok(),
+                    "{name} {c:?} at {:?}",
+                    one.travel
+                );
+            }
+        }
+    }
+}
+
+/// Jacking coefficients and wheel loads, from velocities, are what the links carry in statics.
+#[test]
+fn jacking_and_wheel_loads_are_those_of_the_links() {
+    for name in ["macpherson_front", "double_wishbone_front"] {
+        let case = read(name);
+        let mut axle = axle(&case);
+        axle.setup.bar_rate = None;
+        let quantities = [
+            Quantity::Wheel(Left, W::JackingCoefficient),
+            Quantity::Wheel(Left, W::WheelLoad),
+            Quantity::Wheel(Left, W::SpringForce),
+        ];
+        let mut solver = AxleSolver::<2>::new(&axle, &quantities, false).unwrap();
+        let mechanism = &axle.left.mechanism;
+        for (heave, roll, rack) in [(0.0, 0.0, 0.0), (10.0, 0.04, -30.0), (-30.0, -0.05, 20.0)] {
+            let placed = solver
+                .place(&Placement::Roll { heave, roll, rack })
+                .unwrap();
+            let state = solver.read(&placed).unwrap().state;
+            let [jacking, load, spring_force] = quantities.map(|q| q.evaluate(&state));
+            let wheel = state.wheels()[0];
+            let (point, ground) = (wheel.contact_point(), wheel.ground);
+            let mut links = Solver::new(mechanism, &axle.left.design).unwrap();
+            let order = StationOrder::through(&[placed.travels[0]]);
+            let drive = hardpoint::model::Drive::Travel;
+            links
+                .for_each_pose(drive, &order, rack, |solver, _, pose| {
+                    let pose = pose.unwrap();
+                    let carried = |support, force| {
+                        let moment = Vector3::new(0.0, 0.0, 0.0);
+                        let load = Load {
+                            point,
+                            force,
+                            moment,
+                        };
+                        solver
+                            .balance(pose, rack, support)
+                            .unwrap()
+                            .under(&load)
+                            .support
+                    };
+                    let held = |force| carried(Support::WheelCentre, force);
+                    let statics = held(ground.outboard()) / held(ground.normal());
+                    assert!((statics - jacking).abs() < 1e-12, "{statics} {jacking}");
+                    let spring = Support::Spring(mechanism.spring.unwrap());
+                    let force = carried(spring, ground.normal() * load);
+                    let error = (force - spring_force).abs() / spring_force.abs();
+                    assert!(error < 1e-12, "{force} {spring_force}");
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+        }
+    }
+}

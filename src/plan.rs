@@ -69,9 +69,10 @@ impl Plan {
     /// The plan of the curves before and after an optimisation: those of the study, and the targets'.
     pub fn with_targets(study: &Study) -> Plan {
         let mut characteristics = study.outputs.characteristics.clone();
-        for target in study.optimise.iter().flat_map(|o| &o.targets) {
-            if !characteristics.contains(&target.characteristic) {
-                characteristics.push(target.characteristic);
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        for characteristic in targets.filter_map(|target| target.of.as_characteristic()) {
+            if !characteristics.contains(&characteristic) {
+                characteristics.push(characteristic);
             }
         }
         Plan::with(study, &characteristics)

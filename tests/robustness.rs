@@ -156,6 +156,7 @@ impl Trial {
         let point = |name: &str| self.mechanism.point(name).unwrap();
         Plan::of(&Study {
             inputs: Vec::new(),
+            motions: Vec::new(),
             name: String::new(),
             text: String::new(),
             suspension: suspension.clone(),

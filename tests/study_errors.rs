@@ -386,7 +386,6 @@ fn optimisations_that_make_no_sense() {
         (", [0.0, -0.5], [80.0, -1.9]", "", "camber", "optimise.targets[0].points", &["at least two points, found one", "at = -80.0, value = 0.2"]),
         ("[0.0, -0.5]", "[0.0, -0.5, 1.0]", "camber", "optimise.targets[0].points", &["expected a pair"]),
         ("[[-80.0, 0.2], [0.0, -0.5], [80.0, -1.9]]", "[[90.0, 0.0], [100.0, 1.0]]", "camber", "optimise.targets[0].points", &["runs from -80 to 80", "runs from 90 to 100"]),
-        ("[[-80.0, 0.2], [0.0, -0.5], [80.0, -1.9]]", "[[0.5, 0.0], [1.0, 1.0]]", "camber", "optimise.targets[0].points", &["no station of the motion"]),
         ("at = 0.0", "at = 81.0", "at = 81", "optimise.targets[1].at", &["81 is outside of the motion, which runs from -80 to 80"]),
         ("value = 0.0, ", "", "at = 0.0", "optimise.targets[1].at", &["at needs value"]),
         ("at = 0.0, ", "", "value = 0.0", "optimise.targets[1].value", &["value needs at"]),
@@ -461,7 +460,6 @@ fn curve_files() {
         (&format!("{header}0,1\n"), None, "at least two points, found 1"),
         (&format!("{header}-80,0\n0,nan\n80,0\n"), Some((3, 1)), "expected a finite number as bump_steer_deg_per_mm, found \"nan\""),
         (&format!("{header}-80,0\n\n0\n80,0\n"), Some((4, 1)), "expected two values, found 1"),
-        (&format!("{header}80,0\n-80,0\n"), Some((3, 1)), "-80 does not rise above 80"),
         (&format!("\u{feff}{header}\"é\",é\n"), Some((2, 1)), "found \"é\""),
     ];
     for (csv, place, phrase) in cases {

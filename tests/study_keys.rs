@@ -40,6 +40,11 @@ const TABLES: &[(&str, &str, &str)] = &[
         "travel = {",
         "travel = { bogus = 1,",
     ),
+    (
+        "motions.NAME",
+        "[solver]",
+        "[motions.steer]\nbogus = 1\n[solver]",
+    ),
     ("motion.time", "travel = { from", "time = { bogus = 1, from"),
     ("solver", "[solver]", "[solver]\nbogus = 1"),
     ("outputs", "[outputs]", "[outputs]\nbogus = 1"),
@@ -77,6 +82,31 @@ const TABLES: &[(&str, &str, &str)] = &[
         "tolerance.bands",
         "scatter = []",
         "scatter = []\nbands = [{ bogus = 1 }]",
+    ),
+    (
+        "optimise.constraints",
+        "targets = []",
+        "targets = []\nconstraints = [{ bogus = 1 }]",
+    ),
+    (
+        "optimise.constraints.inside (and outside)",
+        "targets = []",
+        "targets = []\nconstraints = [{ inside = { bogus = 1 } }]",
+    ),
+    (
+        "optimise.constraints.inside.half_space",
+        "targets = []",
+        "targets = []\nconstraints = [{ inside = { half_space = { bogus = 1 } } }]",
+    ),
+    (
+        "optimise.constraints.inside.sphere",
+        "targets = []",
+        "targets = []\nconstraints = [{ inside = { sphere = { bogus = 1 } } }]",
+    ),
+    (
+        "optimise.constraints.inside.cylinder",
+        "targets = []",
+        "targets = []\nconstraints = [{ inside = { cylinder = { bogus = 1 } } }]",
     ),
 ];
 

@@ -45,10 +45,17 @@ fn the_sample_studies_mean_what_they_say() {
 
     let front = read(FRONT).optimise.unwrap();
     assert_eq!(front.variables.len(), 6);
-    let wanted: Vec<_> = front.targets.iter().map(|t| t.characteristic).collect();
+    let wanted: Vec<_> = front
+        .targets
+        .iter()
+        .map(|t| t.of.as_characteristic())
+        .collect();
     assert_eq!(
         wanted,
-        [Characteristic::Camber, Characteristic::KingpinInclination]
+        [
+            Some(Characteristic::Camber),
+            Some(Characteristic::KingpinInclination)
+        ]
     );
     read(BUMP_STEER);
 }

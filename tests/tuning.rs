@@ -13,16 +13,17 @@ fn front() -> Study {
 fn planted(study: &Study) -> Optimise {
     let suspension = &study.suspension;
     let mut optimise = study.optimise.clone().unwrap();
+    optimise.good_enough = 0.0;
     let plan = hardpoint::plan::Plan::with_targets(study);
     let curves = hardpoint::curves::curves(suspension, &plan).unwrap();
     for target in &mut optimise.targets {
-        let column = target.characteristic.column(suspension.length_unit);
+        let column = target.of.column.clone();
         let index = curves
             .columns
             .iter()
             .position(|c| c.name == column)
             .unwrap();
-        let unit = target.characteristic.info().unit;
+        let unit = target.of.unit;
         target.wanted = Wanted::Curve {
             points: curves
                 .stations
@@ -139,7 +140,9 @@ fn points_moved_together_come_back() {
 #[test]
 fn an_active_bound_is_where_it_stops() {
     let study = front();
-    let optimise = study.optimise.as_ref().unwrap();
+    let mut optimise = study.optimise.clone().unwrap();
+    optimise.good_enough = 0.0;
+    let optimise = &optimise;
     let tuning = tune(
         &study.suspension,
         &study.motion,
@@ -175,7 +178,8 @@ fn an_active_bound_is_where_it_stops() {
 #[test]
 fn only_the_proportion_of_weights_matters() {
     let study = front();
-    let optimise = study.optimise.clone().unwrap();
+    let mut optimise = study.optimise.clone().unwrap();
+    optimise.good_enough = 0.0;
     let scaled = hardpoint::study::Optimise {
         targets: optimise
             .targets

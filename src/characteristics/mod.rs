@@ -15,6 +15,7 @@ mod attia;
 mod gains;
 mod instant_centre;
 mod lanes;
+mod measure;
 mod spring;
 mod steering;
 mod track;
@@ -25,6 +26,7 @@ mod wheel;
 
 pub use instant_centre::InstantCentres;
 pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
+pub use measure::{Measure, Stud};
 pub use unit::Unit;
 pub use view::{Quantity, WheelReading};
 pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};

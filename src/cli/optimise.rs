@@ -96,6 +96,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.say("\n")?;
         output.table("variables", &summary.variables_table())?;
     }
+    if let Some(table) = summary
+        .constraints_table()
+        .filter(|_| tuning.best.is_some())
+    {
+        output.say("\n")?;
+        output.table("constraints", &table)?;
+    }
+    for remark in summary.remarks() {
+        output.say(&format!("\n{remark}\n"))?;
+    }
+    complete &= !summary.falls_short();
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
     for remark in doubts.chain(after.iter().flat_map(|after| remarks(&study, after))) {

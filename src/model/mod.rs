@@ -252,6 +252,28 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
+    /// Whether two points keep their distance in every pose: those of one part, the ends of a rod, and the
+    /// outer joint of an arm with the points of its axis.
+    pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
+        let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
+        let on_ground = |id| matches!(self.body(id), Body::Chassis);
+        let links = self.constraints.iter().any(|constraint| match *constraint {
+            Constraint::Link { inner, outer } => are(inner, outer),
+            Constraint::Revolute { first, second } => {
+                // The hinge's own points stand still, and the wheel carrier turns about them.
+                let of_axis = |id| id == first || id == second;
+                let carried = |id| self.body(id) == Body::Knuckle;
+                of_axis(a) && carried(b) || of_axis(b) && carried(a)
+            }
+            Constraint::StrutLine { .. } => false,
+        });
+        let rods = self
+            .rockers
+            .iter()
+            .any(|rocker| are(rocker.outer, rocker.inner));
+        links || rods || self.body(a) == self.body(b) || on_ground(a) && on_ground(b)
+    }
+
     /// The body a point sits on.
     #[inline(always)]
     pub fn body(&self, id: PointId) -> Body {

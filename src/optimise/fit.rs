@@ -1,7 +1,8 @@
 //! A minimum from one start, and the story of how it was found.
 
+use super::constrained::KEPT;
 use super::{
-    ActiveBound, Bounds, Evaluation, Infeasible, LeastSquares, LevenbergMarquardt, Options,
+    ActiveBound, Bounds, Evaluation, Held, Infeasible, LeastSquares, LevenbergMarquardt, Options,
 };
 use argmin::core::Executor;
 use nalgebra::DVector;
@@ -55,6 +56,8 @@ pub enum Termination {
     Stationary,
     /// Every step that would lower the cost, however short, leads where there are no residuals.
     NoFeasibleStep(Infeasible),
+    /// Of all designs that are good enough, no other nearby moves less.
+    NearestGoodEnough,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
@@ -70,6 +73,7 @@ impl Termination {
             Termination::MisfitReached
             | Termination::NoFurtherDescent
             | Termination::StepBelowResolution
+            | Termination::NearestGoodEnough
             | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
             | Termination::ConstraintsExcludeEachOther
@@ -89,6 +93,9 @@ impl fmt::Display for Termination {
             }
             Termination::Stationary => write!(f, "converged: stationary between the bounds"),
             Termination::NoFeasibleStep(reason) => write!(f, "no feasible step: {reason}"),
+            Termination::NearestGoodEnough => {
+                write!(f, "converged: the nearest design that is good enough")
+            }
             Termination::ConstraintsExcludeEachOther => {
                 write!(f, "the constraints exclude one another")
             }
@@ -111,9 +118,31 @@ pub struct Fit {
     pub termination: Termination,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
+    /// How the constraints are kept, where there are any.
+    pub constraints: Option<ConstraintState>,
+}
+
+/// How constraints are kept at the end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintState {
+    /// The rows.
+    pub values: DVector<f64>,
+    /// The largest violation.
+    pub violation: f64,
+    /// The derivative of half the sum of squared residuals by each row's limit, negated; none where the
+    /// run did not end at a minimum of it.
+    pub multipliers: Option<Vec<f64>>,
+    /// Rows and bounds that exclude one another, where there are such.
+    pub culprits: Vec<Held>,
 }
 
 impl Fit {
+    /// Whether the constraints, if there are any, are kept.
+    pub fn is_feasible(&self) -> bool {
+        let violation = self.constraints.as_ref().map_or(0.0, |c| c.violation);
+        violation <= KEPT
+    }
+
     /// The root mean square of the residuals.
     pub fn misfit(&self) -> f64 {
         self.evaluation.misfit()

@@ -1,27 +1,93 @@
 //! Reading a target curve between its points.
 
-use crate::study::{Interpolation, Wanted};
+use crate::study::{Interpolation, Limit, Wanted};
+
+/// What is wanted at a drive value: anything from `low` to `high`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The drive value.
+    pub drive: f64,
+    /// The least that is wanted.
+    pub low: f64,
+    /// The most that is wanted; the same for a value.
+    pub high: f64,
+}
 
 impl Wanted {
-    /// What is wanted, as (drive value, value): at those of the stations that lie on the curve, or at
-    /// the single value's own place.
+    /// What is wanted at those of the stations that it speaks of, or at its own.
+    pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
+        let value = |(drive, value)| Sample {
+            drive,
+            low: value,
+            high: value,
+        };
+        match self {
+            Wanted::Band { at, lower, upper } => {
+                let stations = at.as_ref().map_or(stations, std::slice::from_ref);
+                let limit = |limit: &Option<Limit>, none: f64, drive: f64| match limit {
+                    None => Some(none),
+                    Some(limit) => limit.at(drive),
+                };
+                let sample = |drive: &f64| {
+                    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+                    Some(Sample {
+                        drive: *drive,
+                        low: limit(lower, low, *drive)?,
+                        high: limit(upper, high, *drive)?,
+                    })
+                };
+                stations.iter().filter_map(sample).collect()
+            }
+            _ => self.at_stations(stations).into_iter().map(value).collect(),
+        }
+    }
+
+    /// What is wanted of a value or a curve, as (drive value, value): at those of the stations that lie on
+    /// the curve, or at its own places. Of a band nothing.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
         match self {
             Wanted::At { drive, value } => vec![(*drive, *value)],
+            Wanted::Points(points) => points.iter().map(|p| (p[0], p[1])).collect(),
+            Wanted::Band { .. } => Vec::new(),
             Wanted::Curve {
                 points,
                 interpolation,
             } => {
-                let slopes = match interpolation {
-                    Interpolation::Linear => None,
-                    Interpolation::MonotoneCubic => Some(monotone_slopes(points)),
-                };
+                let slopes = interpolation.slopes(points);
                 let (first, last) = (points[0][0], points[points.len() - 1][0]);
                 let on_curve = stations.iter().filter(|s| (first..=last).contains(*s));
                 on_curve
                     .map(|s| (*s, at(points, slopes.as_deref(), *s)))
                     .collect()
             }
+        }
+    }
+}
+
+impl Limit {
+    /// The limit at a drive value, if it has one there.
+    fn at(&self, drive: f64) -> Option<f64> {
+        match self {
+            Limit::Value(value) => Some(*value),
+            Limit::Curve {
+                points,
+                interpolation,
+            } => {
+                let ends = points[0][0]..=points[points.len() - 1][0];
+                let slopes = interpolation.slopes(points);
+                ends.contains(&drive)
+                    .then(|| at(points, slopes.as_deref(), drive))
+            }
+        }
+    }
+}
+
+impl Interpolation {
+    /// The slopes at the points of a curve, where it is not made of straight lines.
+    fn slopes(self, points: &[[f64; 2]]) -> Option<Vec<f64>> {
+        match self {
+            Interpolation::Linear => None,
+            Interpolation::MonotoneCubic => Some(monotone_slopes(points)),
         }
     }
 }

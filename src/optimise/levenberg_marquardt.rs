@@ -125,6 +125,7 @@ impl<'a> LevenbergMarquardt<'a> {
             evaluation: self.current,
             termination: self.termination.expect("a run ends for a reason"),
             history: self.history,
+            constraints: None,
         }
     }
 

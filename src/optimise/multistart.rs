@@ -5,6 +5,7 @@ use super::{Bounds, Control, Fit, Infeasible, LeastSquares, Options};
 use crate::sweep::sobol;
 use nalgebra::DVector;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Misfits closer than this fraction of the least are the same: runs that end at one minimum agree
 /// in it to about [`Options::reduction_below`].
@@ -51,14 +52,26 @@ pub fn multistart<P: LeastSquares>(
     options: &Options,
     control: Control<'_>,
 ) -> Multistart {
-    let run = |index| {
-        let x = starting_point(bounds, design, index, seed);
-        let outcome = fit_start(index, problem(), bounds, &x, options, control);
-        Start { x, outcome }
-    };
-    let starts: Vec<Start> = (0..starts).into_par_iter().map(run).collect();
+    let run = |index, x: &DVector<f64>| fit_start(index, problem(), bounds, x, options, control);
+    let starts = every_start(0..starts, bounds, design, seed, run);
     let best = best_of(&starts, bounds, design, options);
     Multistart { starts, best }
+}
+
+/// Runs the starts of these numbers in parallel.
+pub(super) fn every_start(
+    numbers: Range<usize>,
+    bounds: &Bounds,
+    design: &DVector<f64>,
+    seed: u32,
+    run: impl Fn(usize, &DVector<f64>) -> Result<Fit, Infeasible> + Sync,
+) -> Vec<Start> {
+    let run = |index| {
+        let x = starting_point(bounds, design, index, seed);
+        let outcome = run(index, &x);
+        Start { x, outcome }
+    };
+    numbers.into_par_iter().map(run).collect()
 }
 
 /// The start number `index`: the design itself, then the Owen-scrambled Sobol sequence of `seed`.

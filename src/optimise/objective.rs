@@ -1,174 +1,39 @@
-//! The targets of a study as a least-squares problem over its variables.
+//! The targets and constraints of a study as a least-squares problem over its variables.
 //!
-//! A residual is the deviation of a characteristic from its target at one station, in tolerances,
-//! times a share s of the weight such that the misfit (the root mean square of all residuals) is
+//! A residual is the deviation of something from its target at one station (from the nearer limit of a
+//! band), in tolerances, times a share s of the weight such that the misfit (the root mean square of all
+//! residuals) is
 //!
 //! ```text
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
 //! ```
 //!
-//! however many stations each target has. Residuals and Jacobian come from one march: the pose, one
-//! factorisation, and one adjoint for each target.
+//! however many stations each target has. Everything comes from one visit of the stations: the pose, one
+//! factorisation, and one adjoint for each value.
+//!
+//! Constraints hold between the stations, too. Where a value is most extreme at a station that has
+//! neighbours on both sides, the place of its extreme is solved for, with its derivative by the drive; the
+//! row taken there needs no derivative of the place, along which the value does not change.
 
+use super::constrained::{Assessment, Constrained, Shape};
+use super::layout::{Extreme, Leg, Part, TargetLayout};
+use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible, LeastSquares};
-use crate::characteristics::{Characteristic, Constants, Quantity, Slots, WheelReading};
-use crate::derive::{DesignSeries, MotionPoint};
+use crate::characteristics::{Constants, Measure, WheelReading};
+use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Toggles};
-use crate::model::{Axis, Drive, Frame, PointId, Suspension};
+use crate::model::{Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::{Solver, StationOrder};
-use crate::study::{Motion, Optimise, Variable};
+use crate::study::Variable;
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
-/// What is wanted at one station.
-#[derive(Clone, Debug)]
-struct TargetSample {
-    row: usize,
-    target: usize,
-    station: usize,
-    characteristic: Characteristic,
-    value: f64,
-    /// Residual per deviation.
-    scale: f64,
-}
-
-/// The targets laid out over the stations: which row of the problem wants what, where.
-#[derive(Clone, Debug)]
-pub struct TargetLayout {
-    drive: Drive,
-    rack: f64,
-    station_order: StationOrder,
-    by_station: Vec<Vec<TargetSample>>,
-    rows: usize,
-    /// Residual per deviation in tolerances, by target.
-    shares: Vec<f64>,
-    rate_order: usize,
-    /// What of wheel and steering axis the targets are made of.
-    reads: Slots,
-}
-
-impl TargetLayout {
-    /// Lays out the targets. Curves are compared at the stations of the motion between their ends;
-    /// single values at their own. The rack is where the study puts it, or straight ahead where the
-    /// study moves it.
-    pub fn of(optimise: &Optimise, motion: &Motion, frame: &Frame) -> Self {
-        let mut values = motion.values.clone();
-        let mut wanted: Vec<(usize, usize, f64)> = Vec::new();
-        for (number, target) in optimise.targets.iter().enumerate() {
-            for (drive, value) in target.wanted.at_stations(&motion.values) {
-                let station = values.iter().position(|v| *v == drive).unwrap_or_else(|| {
-                    values.push(drive);
-                    values.len() - 1
-                });
-                wanted.push((number, station, value));
-            }
-        }
-        let rows = wanted.len();
-        let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
-        let shares: Vec<f64> = optimise
-            .targets
-            .iter()
-            .enumerate()
-            .map(|(number, target)| {
-                let own = wanted.iter().filter(|w| w.0 == number).count();
-                (target.weight / total * rows as f64 / own as f64).sqrt()
-            })
-            .collect();
-        let mut by_station = vec![Vec::new(); values.len()];
-        for (row, (target, station, value)) in wanted.into_iter().enumerate() {
-            by_station[station].push(TargetSample {
-                row,
-                target,
-                station,
-                characteristic: optimise.targets[target].characteristic,
-                value,
-                scale: shares[target] / optimise.targets[target].tolerance,
-            });
-        }
-        // Stations nobody wants anything of are not visited.
-        let used: Vec<usize> = (0..values.len())
-            .filter(|s| !by_station[*s].is_empty())
-            .collect();
-        let values: Vec<f64> = used.iter().map(|s| values[*s]).collect();
-        let by_station: Vec<Vec<TargetSample>> = used
-            .iter()
-            .enumerate()
-            .map(|(station, old)| {
-                let layout = by_station[*old].iter().cloned();
-                layout.map(|w| TargetSample { station, ..w }).collect()
-            })
-            .collect();
-        TargetLayout {
-            drive: motion.drive.in_kernel(),
-            rack: frame.sign(Axis::Y)
-                * if motion.rack_moves {
-                    0.0
-                } else {
-                    motion.rack[0]
-                },
-            station_order: StationOrder::through(&values),
-            rate_order: optimise
-                .targets
-                .iter()
-                .map(|t| Quantity::Characteristic(t.characteristic).rate_order())
-                .max()
-                .unwrap_or(0),
-            reads: optimise.targets.iter().fold(Slots::default(), |slots, t| {
-                slots.with(t.characteristic.info().reads)
-            }),
-            by_station,
-            rows,
-            shares,
-        }
-    }
-
-    /// Derivatives by the drive that some target takes.
-    pub fn rate_order(&self) -> usize {
-        self.rate_order
-    }
-
-    /// The deviations of each target in tolerances, from the residuals.
-    pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
-        self.shares
-            .iter()
-            .enumerate()
-            .map(|(target, share)| {
-                let (mut sum, mut count, mut worst, mut worst_at) = (0.0, 0, 0.0_f64, 0.0);
-                for wish in self
-                    .by_station
-                    .iter()
-                    .flatten()
-                    .filter(|w| w.target == target)
-                {
-                    let deviation = residuals[wish.row] / share;
-                    sum += deviation * deviation;
-                    count += 1;
-                    if deviation.abs() >= worst.abs() {
-                        worst = deviation;
-                        worst_at = self.station_order.values()[wish.station];
-                    }
-                }
-                Deviation {
-                    rms: (sum / count as f64).sqrt(),
-                    worst,
-                    worst_at,
-                }
-            })
-            .collect()
-    }
-}
-
-/// How far a target is missed, in its tolerances.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deviation {
-    /// Root mean square over the target's stations.
-    pub rms: f64,
-    /// The largest deviation, with its sign.
-    pub worst: f64,
-    /// The drive value where it is.
-    pub worst_at: f64,
-}
+/// The place of an extreme is known when a step of the search is shorter than this share of the distance
+/// between stations: the value then is exact to the square of it.
+const PLACED: f64 = 1e-6;
+/// The most steps of the search.
+const SEARCHES: usize = 5;
 
 /// The problem, with its workspace. `N` is one more than [`TargetLayout::rate_order`].
 pub struct Objective<'a, const N: usize> {
@@ -178,10 +43,97 @@ pub struct Objective<'a, const N: usize> {
     constants: Constants,
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
+    ways: Vec<Way>,
     solver: Solver<'a>,
-    design_series: DesignSeries<N>,
     toggles: Toggles,
+    reader: Reader<N>,
+    /// With the derivative by the drive of what is read: for extremes.
+    sloped: Option<Reader<3>>,
+    /// Values of the parts of a leg, by part and station.
+    values: Vec<Vec<f64>>,
+}
+
+/// Reads values and gradients off poses.
+struct Reader<const N: usize> {
+    series: DesignSeries<N>,
     buffer: Vec<Vector3<Jet<f64, N>>>,
+    gradient: Vec<Vector3<f64>>,
+}
+
+impl<const N: usize> Reader<N> {
+    fn new(suspension: &Suspension, layout: &TargetLayout, points: &[PointId]) -> Self {
+        let design = &suspension.design;
+        Reader {
+            series: DesignSeries::new(&suspension.mechanism, design)
+                .with_steering_axis(layout.reads.contain_steering_axis())
+                .with_sensitivities_to(&suspension.mechanism, points),
+            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
+            gradient: vec![Vector3::new(0.0, 0.0, 0.0); design.len()],
+        }
+    }
+
+    /// The gradient of a measure by the hardpoints, into `gradient`.
+    fn form_gradient(
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        gradient: &mut [Vector3<f64>],
+        measure: &Measure,
+        view: &WheelReading<N>,
+        linearised: &Linearised<'_, N>,
+    ) {
+        match measure {
+            Measure::Quantity(quantity) => {
+                view.gradients(linearised, *quantity, 0, buffer, |_, PointId(p), found| {
+                    gradient[p] = found;
+                });
+            }
+            _ => {
+                buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));
+                linearised.gradient(buffer, |seeds| measure.seed(&linearised.at, seeds));
+                for (gradient, series) in gradient.iter_mut().zip(buffer) {
+                    *gradient = series.map(|c| c[0]);
+                }
+            }
+        }
+    }
+}
+
+/// The value of a measure along the motion.
+fn read<const N: usize>(
+    measure: &Measure,
+    view: &WheelReading<N>,
+    linearised: &Linearised<'_, N>,
+) -> Jet<f64, N> {
+    match measure {
+        Measure::Quantity(quantity) => view.value(&linearised.at, *quantity),
+        _ => measure.value(&linearised.at),
+    }
+}
+
+/// Writes the gradient of a value, times a factor, into a row.
+fn write_row(
+    into: &mut Evaluation,
+    row: usize,
+    ways: &[Way],
+    gradient: &[Vector3<f64>],
+    scale: f64,
+) {
+    into.jacobian.row_mut(row).fill(0.0);
+    for way in ways {
+        into.jacobian[(row, way.column)] += gradient[way.point].dot(way.by) * scale;
+    }
+}
+
+/// A drive value without a pose.
+fn unreached(drive: Drive, value: f64, failure: Failure) -> Infeasible {
+    Infeasible::Refused(match drive {
+        Drive::Travel => format!("travel {value} is not reached: {failure}"),
+        Drive::ArmAngle => {
+            format!(
+                "arm angle {} deg is not reached: {failure}",
+                value.to_degrees()
+            )
+        }
+    })
 }
 
 impl<'a, const N: usize> Objective<'a, N> {
@@ -192,12 +144,16 @@ impl<'a, const N: usize> Objective<'a, N> {
         layout: &'a TargetLayout,
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
-        let moves = variables.iter().flat_map(|v| &v.moves);
-        let points: Vec<PointId> = moves.map(|m| m.point).collect();
+        let mut points: Vec<PointId> = Vec::new();
+        for variable in variables {
+            points.extend(variable.moves.iter().map(|m| m.point));
+            points.extend(variable.turn.iter().flat_map(|turn| &turn.points));
+        }
         let mechanism = &suspension.mechanism;
-        let wanted = layout.by_station.iter().flatten();
-        let rockers =
-            wanted.flat_map(|w| Quantity::Characteristic(w.characteristic).rockers(mechanism));
+        let parts = layout.parts.iter().map(|part| &part.of);
+        let all = layout.measures.iter().chain(parts);
+        let rockers = all.flat_map(|measure| measure.rockers(mechanism));
+        let has_extremes = layout.legs.iter().any(|leg| !leg.extremes.is_empty());
         Ok(Objective {
             frame: suspension.frame,
             variables,
@@ -205,35 +161,291 @@ impl<'a, const N: usize> Objective<'a, N> {
             constants: Constants::of(suspension),
             design,
             moved: design.clone(),
+            ways: Vec::new(),
             solver: Solver::new(&suspension.mechanism, design)?,
-            design_series: DesignSeries::new(&suspension.mechanism, design)
-                .with_steering_axis(layout.reads.contain_steering_axis())
-                .with_sensitivities_to(&suspension.mechanism, &points),
             toggles: Toggles::of(mechanism, rockers),
-            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
+            reader: Reader::new(suspension, layout, &points),
+            sloped: has_extremes.then(|| Reader::new(suspension, layout, &points)),
+            values: vec![Vec::new(); layout.parts.len()],
         })
+    }
+
+    /// The one place where poses are solved and read: residuals into `into`, and the rows of the
+    /// constraints into `rows`, if there are any.
+    fn evaluate_all(
+        &mut self,
+        x: &DVector<f64>,
+        into: &mut Evaluation,
+        mut rows: Option<&mut Evaluation>,
+    ) -> Result<(), Infeasible> {
+        let (frame, variables) = (&self.frame, self.variables);
+        moved_design(self.design, frame, variables, x, &mut self.moved);
+        ways(self.design, frame, variables, x, &mut self.ways);
+        let mechanism = self.solver.mechanism();
+        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
+        self.solver.prepare(&self.moved).map_err(refused)?;
+        self.reader.series.prepare(mechanism, &self.moved);
+        if let Some(sloped) = &mut self.sloped {
+            sloped.series.prepare(mechanism, &self.moved);
+        }
+        for leg in &self.layout.legs {
+            let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
+            begun.map_err(refused)?;
+            self.visit(leg, into, &mut rows)?;
+            if let Some(rows) = &mut rows {
+                self.find_extremes(leg, rows)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Visits the stations of a leg.
+    fn visit(
+        &mut self,
+        leg: &Leg,
+        into: &mut Evaluation,
+        rows: &mut Option<&mut Evaluation>,
+    ) -> Result<(), Infeasible> {
+        let Objective {
+            layout,
+            constants,
+            ways,
+            solver,
+            toggles,
+            reader,
+            values,
+            ..
+        } = self;
+        for values in values.iter_mut() {
+            values.clear();
+            values.resize(leg.order.values().len(), f64::NAN);
+        }
+        let mechanism = solver.mechanism();
+        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
+        let mut failed = None;
+        let visited =
+            solver.for_each_pose(leg.drive, &leg.order, leg.rack, |solver, station, pose| {
+                let value = leg.order.values()[station];
+                let motion = MotionPoint {
+                    drive: leg.drive,
+                    value,
+                    rack: leg.rack,
+                }
+                .along_drive::<N>();
+                let linearised = pose
+                    .and_then(|pose| solver.linearised(&reader.series, pose, &motion))
+                    .and_then(|linearised| match toggles.note(&linearised.at, value) {
+                        None => Ok(linearised),
+                        Some(rod) => Err(Failure::Toggle(rod)),
+                    });
+                let linearised = match linearised {
+                    Ok(linearised) => linearised,
+                    Err(failure) => {
+                        failed = Some((value, failure));
+                        return ControlFlow::Break(());
+                    }
+                };
+                let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+                let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
+                for wish in &leg.targets[station] {
+                    let measure = &layout.measures[wish.target];
+                    let found = read(measure, &view, &linearised)[0];
+                    let nearest = found.clamp(wish.low, wish.high);
+                    into.residuals[wish.row] = (found - nearest) * wish.scale;
+                    if wish.low < wish.high && nearest == found {
+                        // Within its band.
+                        into.jacobian.row_mut(wish.row).fill(0.0);
+                        continue;
+                    }
+                    Reader::form_gradient(buffer, gradient, measure, &view, &linearised);
+                    write_row(into, wish.row, ways, gradient, wish.scale);
+                }
+                let Some(rows) = rows else {
+                    return ControlFlow::Continue(());
+                };
+                for check in &leg.checks[station] {
+                    let part = &layout.parts[check.part];
+                    let found = read(&part.of, &view, &linearised)[0];
+                    values[check.part][station] = found;
+                    Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
+                    let limits = [
+                        (check.lower, part.lower, -1.0),
+                        (check.upper, part.upper, 1.0),
+                        (check.equal, part.upper, 1.0),
+                    ];
+                    for (row, limit, sign) in limits {
+                        if let (Some(row), Some(limit)) = (row, limit) {
+                            let scale = sign / part.scale;
+                            rows.residuals[row] = (found - limit) * scale;
+                            write_row(rows, row, ways, gradient, scale);
+                        }
+                    }
+                }
+                ControlFlow::Continue(())
+            });
+        visited.map_err(refused)?;
+        match failed {
+            None => Ok(()),
+            Some((value, failure)) => Err(unreached(leg.drive, value, failure)),
+        }
+    }
+
+    /// Finds the extremes of a leg and writes their rows.
+    fn find_extremes(&mut self, leg: &Leg, rows: &mut Evaluation) -> Result<(), Infeasible> {
+        let Objective {
+            layout,
+            constants,
+            ways,
+            solver,
+            sloped: Some(reader),
+            values,
+            ..
+        } = self
+        else {
+            return Ok(());
+        };
+        let mechanism = solver.mechanism();
+        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
+        let stations = leg.order.values();
+        for extreme in &leg.extremes {
+            let part = &layout.parts[extreme.part];
+            let found = &values[extreme.part];
+            let worst = |a: &&usize, b: &&usize| {
+                (extreme.sign * found[**a]).total_cmp(&(extreme.sign * found[**b]))
+            };
+            let Some(&station) = leg.sorted.iter().max_by(worst) else {
+                continue;
+            };
+            let Some(mut search) = Search::about(leg, found, station) else {
+                let same = rows_at(leg, station, extreme, part);
+                copy_row(rows, same, extreme.row);
+                continue;
+            };
+            for _ in 0..SEARCHES {
+                let order = StationOrder::through(&[search.place]);
+                let mut outcome = Ok((f64::NAN, f64::NAN));
+                let visited =
+                    solver.for_each_pose(leg.drive, &order, leg.rack, |solver, _, pose| {
+                        let motion = MotionPoint {
+                            drive: leg.drive,
+                            value: search.place,
+                            rack: leg.rack,
+                        }
+                        .along_drive::<3>();
+                        let linearised =
+                            pose.and_then(|pose| solver.linearised(&reader.series, pose, &motion));
+                        let linearised = match linearised {
+                            Ok(linearised) => linearised,
+                            Err(failure) => {
+                                outcome = Err(failure);
+                                return ControlFlow::Break(());
+                            }
+                        };
+                        let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+                        let series = read(&part.of, &view, &linearised);
+                        outcome = Ok((series[0], series[1]));
+                        let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
+                        Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
+                        ControlFlow::Continue(())
+                    });
+                visited.map_err(refused)?;
+                let (value, slope) =
+                    outcome.map_err(|failure| unreached(leg.drive, search.place, failure))?;
+                let limit = if extreme.sign > 0.0 {
+                    part.upper
+                } else {
+                    part.lower
+                };
+                let limit = limit.expect("an extreme is sought for a limit");
+                let scale = extreme.sign / part.scale;
+                rows.residuals[extreme.row] = (value - limit) * scale;
+                write_row(rows, extreme.row, ways, &reader.gradient, scale);
+                if search.advance(slope) {
+                    break;
+                }
+            }
+            debug_assert!(stations.contains(&stations[station]));
+        }
+        Ok(())
     }
 }
 
-/// The design with its variables moved by `x`.
-pub fn moved_design(
-    design: &[Vector3<f64>],
-    frame: &Frame,
-    variables: &[Variable],
-    x: &DVector<f64>,
-    moved: &mut [Vector3<f64>],
-) {
-    moved.copy_from_slice(design);
-    for (variable, offset) in variables.iter().zip(x) {
-        for m in &variable.moves {
-            let point = &mut moved[m.point.0];
-            let coordinate = match m.axis {
-                Axis::X => &mut point.x,
-                Axis::Y => &mut point.y,
-                Axis::Z => &mut point.z,
-            };
-            *coordinate += frame.sign(m.axis) * m.factor * offset;
+/// The row of an extreme's limit at a station.
+fn rows_at(leg: &Leg, station: usize, extreme: &Extreme, _: &Part) -> usize {
+    let check = leg.checks[station].iter().find(|c| c.part == extreme.part);
+    let check = check.expect("extremes are of parts looked at at every station");
+    let row = if extreme.sign > 0.0 {
+        check.upper
+    } else {
+        check.lower
+    };
+    row.expect("an extreme is sought for a limit")
+}
+
+fn copy_row(rows: &mut Evaluation, from: usize, to: usize) {
+    rows.residuals[to] = rows.residuals[from];
+    for column in 0..rows.jacobian.ncols() {
+        rows.jacobian[(to, column)] = rows.jacobian[(from, column)];
+    }
+}
+
+/// The search for the place where a value is extreme: where its slope vanishes.
+struct Search {
+    place: f64,
+    ends: [f64; 2],
+    /// The latest place and slope.
+    before: Option<(f64, f64)>,
+    /// The second derivative, as the parabola through three stations has it.
+    curvature: f64,
+}
+
+impl Search {
+    /// From the parabola through the worst station and its neighbours; `None` at an end of the motion.
+    fn about(leg: &Leg, found: &[f64], station: usize) -> Option<Self> {
+        let place = leg.sorted.iter().position(|s| *s == station)?;
+        let looked_at = |k: usize| {
+            let station = *leg.sorted.get(k)?;
+            let value = found[station];
+            (!value.is_nan()).then_some((leg.order.values()[station], value))
+        };
+        let (x0, y0) = looked_at(place.checked_sub(1)?)?;
+        let (x1, y1) = looked_at(place)?;
+        let (x2, y2) = looked_at(place + 1)?;
+        let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+        let curvature = 2.0 * (right - left) / (x2 - x0);
+        let slope = (left * (x2 - x1) + right * (x1 - x0)) / (x2 - x0);
+        let step = -slope / curvature;
+        // A value that is the same at all three has its extreme everywhere.
+        let place = if step.is_finite() { x1 + step } else { x1 };
+        Some(Search {
+            place: place.clamp(x0, x2),
+            ends: [x0, x2],
+            before: None,
+            curvature,
+        })
+    }
+
+    /// Goes on by the slope found at the place; whether that was near enough.
+    fn advance(&mut self, slope: f64) -> bool {
+        if let Some((place, before)) = self.before
+            && place != self.place
+        {
+            let secant = (slope - before) / (self.place - place);
+            if secant * self.curvature > 0.0 {
+                self.curvature = secant;
+            }
         }
+        let step = -slope / self.curvature;
+        if !step.is_finite() || step.abs() <= PLACED * (self.ends[1] - self.ends[0]) {
+            return true;
+        }
+        self.before = Some((self.place, slope));
+        let next = (self.place + step).clamp(self.ends[0], self.ends[1]);
+        if next == self.place {
+            return true;
+        }
+        self.place = next;
+        false
     }
 }
 
@@ -247,88 +459,25 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
     }
 
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
-        let Objective {
-            frame,
-            variables,
-            layout,
-            constants,
-            design,
-            moved,
-            solver,
-            design_series,
-            toggles,
-            buffer,
-        } = self;
-        moved_design(design, frame, variables, x, moved);
-        let mechanism = solver.mechanism();
-        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
-        solver.prepare(moved).map_err(refused)?;
-        design_series.prepare(mechanism, moved);
-        let begun = toggles.begin(solver, layout.drive, layout.rack);
-        begun.map_err(refused)?;
-        let mut failed: Option<(f64, Failure)> = None;
-        let visited = solver.for_each_pose(
-            layout.drive,
-            &layout.station_order,
-            layout.rack,
-            |solver, station, pose| {
-                let value = layout.station_order.values()[station];
-                let motion = MotionPoint {
-                    drive: layout.drive,
-                    value,
-                    rack: layout.rack,
-                }
-                .along_drive::<N>();
-                let linearised = pose
-                    .and_then(|pose| solver.linearised(design_series, pose, &motion))
-                    .and_then(|linearised| match toggles.note(&linearised.at, value) {
-                        None => Ok(linearised),
-                        Some(rod) => Err(Failure::Toggle(rod)),
-                    });
-                let linearised = match linearised {
-                    Ok(linearised) => linearised,
-                    Err(failure) => {
-                        failed = Some((value, failure));
-                        return ControlFlow::Break(());
-                    }
-                };
-                let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                for wish in &layout.by_station[station] {
-                    let quantity = Quantity::Characteristic(wish.characteristic);
-                    let found = view.value(&linearised.at, quantity)[0];
-                    into.residuals[wish.row] = (found - wish.value) * wish.scale;
-                    into.jacobian.row_mut(wish.row).fill(0.0);
-                    view.gradients(
-                        &linearised,
-                        quantity,
-                        0,
-                        buffer,
-                        |_, PointId(p), gradient| {
-                            for (column, variable) in variables.iter().enumerate() {
-                                for m in variable.moves.iter().filter(|m| m.point.0 == p) {
-                                    let by_axis = gradient.to_array()[m.axis as usize];
-                                    into.jacobian[(wish.row, column)] +=
-                                        by_axis * frame.sign(m.axis) * m.factor * wish.scale;
-                                }
-                            }
-                        },
-                    );
-                }
-                ControlFlow::Continue(())
-            },
-        );
-        visited.map_err(refused)?;
-        match failed {
-            None => Ok(()),
-            Some((value, failure)) => Err(Infeasible::Refused(match layout.drive {
-                Drive::Travel => format!("travel {value} is not reached: {failure}"),
-                Drive::ArmAngle => {
-                    format!(
-                        "arm angle {} deg is not reached: {failure}",
-                        value.to_degrees()
-                    )
-                }
-            })),
+        self.evaluate_all(x, into, None)
+    }
+}
+
+impl<const N: usize> Constrained for Objective<'_, N> {
+    fn variables(&self) -> usize {
+        self.variables.len()
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            goal: self.layout.rows,
+            level: 0,
+            rows: self.layout.labels.len(),
+            equalities: self.layout.equalities,
         }
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        self.evaluate_all(x, &mut into.goal, Some(&mut into.rows))
     }
 }

@@ -1,19 +1,38 @@
-//! Tuning a study: from its targets and variables to the best design found.
+//! Tuning a study: from its targets, constraints and variables to the design kept.
+//!
+//! From every start the misfit is lowered first, until it is good enough or a minimum. With m the misfit
+//! that is good enough or, where the least found is above that, one hundredth more than the least, each of
+//! the designs with a misfit up to m then goes back towards the study's own as far as m and the constraints
+//! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
 
-use super::objective::{Deviation, Objective, TargetLayout, moved_design};
+use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
+use super::fit::fit_start;
+use super::multistart::every_start;
+use super::nearest::NearDesign;
 use super::{
-    Bounds, Control, Evaluation, Identifiability, Infeasible, LeastSquares, Multistart, Options,
-    multistart,
+    Bounds, ConstraintState, Control, Deviation, Evaluation, Fit, Held, Identifiability,
+    Infeasible, LeastSquares, Multistart, Objective, Options, TargetLayout, Termination,
+    moved_design, multistart,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::study::{Motion, Optimise};
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 /// A direction in which a move across the whole range changes the misfit by less than this (in
 /// tolerances) is one that the targets do not see.
 const UNSEEN: f64 = 0.01;
+/// Where no design is good enough, designs are as good as the best up to this ratio of misfits.
+const AS_GOOD: f64 = 1.01;
+/// Moves shorter than this share of the range are none.
+const NO_MOVE: f64 = 1e-9;
+/// A target that a move across the range of any variable changes by less than this (in tolerances) is one
+/// that nothing moves.
+const UNMOVED: f64 = 1e-9;
+/// So many starts are tried before constraints are said to exclude one another.
+const STARTS_BEFORE_REFUSAL: usize = 4;
 
 /// What came of a tuning.
 #[derive(Clone, Debug)]
@@ -24,6 +43,11 @@ pub struct Tuning {
     pub starts: Multistart,
     /// The best design, if any start succeeded.
     pub best: Option<Best>,
+    /// Targets that are missed and that no variable moves.
+    pub unmoved: Vec<usize>,
+    /// Constraints that exclude one another, by number: none of them could be left out. Empty where all can
+    /// be kept.
+    pub contradiction: Vec<usize>,
 }
 
 /// How well the targets are met.
@@ -46,6 +70,21 @@ pub struct Best {
     pub after: Fulfilment,
     /// What the targets tell of the variables there.
     pub identifiability: Identifiability,
+    /// How it keeps the constraints, one by one.
+    pub constraints: Vec<ConstraintOutcome>,
+}
+
+/// How a constraint is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstraintOutcome {
+    /// What is left to the limit that is nearest, in the constraint's unit; negative where it is violated.
+    pub room: f64,
+    /// The drive value where that is; none for what does not change along the motion or lies between
+    /// stations.
+    pub at: Option<f64>,
+    /// By how much, in tolerances, the misfit would fall for a limit one unit further; none where it does not
+    /// bind or the misfit is good enough anyway.
+    pub price: Option<f64>,
 }
 
 /// Tunes a suspension. An error says why the design itself cannot be solved.
@@ -55,51 +94,268 @@ pub fn tune(
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    let layout = TargetLayout::of(optimise, motion, &suspension.frame);
+    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
     match layout.rate_order() {
-        0 => tune_at::<1>(suspension, optimise, &layout, control),
-        _ => tune_at::<2>(suspension, optimise, &layout, control),
+        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.run(),
+        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.run(),
     }
 }
 
-fn tune_at<const N: usize>(
-    suspension: &Suspension,
-    optimise: &Optimise,
-    layout: &TargetLayout,
-    control: Control<'_>,
-) -> Result<Tuning, DesignFault> {
-    let variables = &optimise.variables;
-    let mut probe = Objective::<N>::new(suspension, variables, layout)?;
-    let design = DVector::zeros(variables.len());
-    let mut evaluation = Evaluation::new(probe.residuals(), probe.variables());
-    let fulfilment = |evaluation: &Evaluation| Fulfilment {
-        misfit: evaluation.misfit(),
-        targets: layout.deviations(&evaluation.residuals),
-    };
-    let before = probe
-        .evaluate(&design, &mut evaluation)
-        .map(|()| fulfilment(&evaluation));
+struct Tuner<'a, const N: usize> {
+    suspension: &'a Suspension,
+    motion: &'a Motion,
+    optimise: &'a Optimise,
+    layout: &'a TargetLayout,
+    bounds: Bounds,
+    design: DVector<f64>,
+    control: Control<'a>,
+}
 
-    let ranges: Vec<[f64; 2]> = variables.iter().map(|v| v.range).collect();
-    let bounds = Bounds::new(&ranges).expect("a study's ranges are not empty");
-    let options = Options {
-        max_iterations: optimise.max_iterations,
-        ..Options::default()
-    };
-    let starts = multistart(
-        || {
-            Objective::<N>::new(suspension, variables, layout)
-                .expect("the same design was accepted above")
-        },
-        &bounds,
-        &design,
-        optimise.starts,
-        optimise.seed,
-        &options,
-        control,
-    );
-    let best = starts.best_fit().map(|fit| {
+impl<'a, const N: usize> Tuner<'a, N> {
+    fn new(
+        suspension: &'a Suspension,
+        motion: &'a Motion,
+        optimise: &'a Optimise,
+        layout: &'a TargetLayout,
+        control: Control<'a>,
+    ) -> Result<Self, DesignFault> {
+        // Accepted here, the design is accepted from every start.
+        Objective::<N>::new(suspension, &optimise.variables, layout)?;
+        let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
+        Ok(Tuner {
+            suspension,
+            motion,
+            optimise,
+            layout,
+            bounds: Bounds::new(&ranges).expect("a study's ranges are not empty"),
+            design: DVector::zeros(ranges.len()),
+            control,
+        })
+    }
+
+    fn problem(&self) -> Objective<'_, N> {
+        Objective::new(self.suspension, &self.optimise.variables, self.layout)
+            .expect("the same design was accepted before")
+    }
+
+    fn fulfilment(&self, evaluation: &Evaluation) -> Fulfilment {
+        Fulfilment {
+            misfit: evaluation.misfit(),
+            targets: self.layout.deviations(&evaluation.residuals),
+        }
+    }
+
+    fn run(&self) -> Result<Tuning, DesignFault> {
+        let optimise = self.optimise;
+        let mut probe = self.problem();
+        let mut evaluation = Evaluation::new(self.layout.residuals(), optimise.variables.len());
+        let before = LeastSquares::evaluate(&mut probe, &self.design, &mut evaluation);
+        let at_design = before.as_ref().ok().map(|()| evaluation.clone());
+        let before = before.map(|()| self.fulfilment(&evaluation));
+        let starts = self.starts();
+        let best = starts.best_fit().map(|fit| self.best(fit));
+        let contradiction = match &best {
+            Some(_) if !starts.best_fit().is_some_and(Fit::is_feasible) => {
+                self.contradiction(&starts)
+            }
+            _ => Vec::new(),
+        };
+        let ends = starts.starts.iter().filter_map(|s| s.outcome.as_ref().ok());
+        let seen: Vec<&Evaluation> = ends.map(|f| &f.evaluation).chain(&at_design).collect();
+        let unmoved = best
+            .as_ref()
+            .map_or(Vec::new(), |best| self.unmoved(best, &seen));
+        Ok(Tuning {
+            before,
+            starts,
+            best,
+            unmoved,
+            contradiction,
+        })
+    }
+
+    /// Runs every start, and chooses.
+    fn starts(&self) -> Multistart {
+        let optimise = self.optimise;
+        let options = Options {
+            max_iterations: optimise.max_iterations,
+            ..Options::default()
+        };
+        let is_constrained = !self.layout.labels().is_empty();
+        if !is_constrained && optimise.good_enough == 0.0 {
+            return multistart(
+                || self.problem(),
+                &self.bounds,
+                &self.design,
+                optimise.starts,
+                optimise.seed,
+                &options,
+                self.control,
+            );
+        }
+        let until_good = Options {
+            misfit_below: options.misfit_below.max(optimise.good_enough),
+            ..options.clone()
+        };
+        let first = |index: usize, x: &DVector<f64>| {
+            let (problem, bounds) = (self.problem(), &self.bounds);
+            if !is_constrained {
+                return fit_start(index, problem, bounds, x, &until_good, self.control);
+            }
+            let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
+            let good = fit.at.goal.misfit() <= optimise.good_enough;
+            Ok(self.as_fit(fit, !good))
+        };
+        let run = |numbers| every_start(numbers, &self.bounds, &self.design, optimise.seed, first);
+        let mut starts = run(0..optimise.starts);
+        let is_kept = |fit: &&Fit| fit.is_feasible();
+        let fits = |starts: &[super::Start]| -> usize {
+            let fits = starts.iter().filter_map(|s| s.outcome.as_ref().ok());
+            fits.filter(is_kept).count()
+        };
+        if fits(&starts) == 0 && starts.len() < STARTS_BEFORE_REFUSAL {
+            starts.extend(run(starts.len()..STARTS_BEFORE_REFUSAL));
+        }
+        let least = starts.iter().filter_map(|s| s.outcome.as_ref().ok());
+        let least = least
+            .filter(is_kept)
+            .map(Fit::misfit)
+            .min_by(f64::total_cmp);
+        if let Some(least) = least
+            && optimise.good_enough > 0.0
+        {
+            let misfit = match least <= optimise.good_enough {
+                true => optimise.good_enough,
+                false => AS_GOOD * least,
+            };
+            starts
+                .par_iter_mut()
+                .enumerate()
+                .for_each(|(index, start)| {
+                    if let Ok(fit) = &mut start.outcome
+                        && fit.is_feasible()
+                        && fit.misfit() <= misfit
+                    {
+                        self.draw_near(index, fit, misfit, &options);
+                    }
+                });
+        }
+        let best = self.choose(&starts, least);
+        Multistart { starts, best }
+    }
+
+    /// Moves a fit as near to the design as a misfit and the constraints let it.
+    fn draw_near(&self, index: usize, fit: &mut Fit, misfit: f64, options: &Options) {
+        let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
+        let near = NearDesign::new(self.problem(), &self.bounds, &self.design, &costs, misfit);
+        let Ok(mut found) =
+            constrained_fit(index, near, &self.bounds, &fit.x, options, self.control)
+        else {
+            return;
+        };
+        let moved = self.movement(&found.x);
+        if !found.is_feasible() || moved > self.movement(&fit.x) {
+            return;
+        }
+        // What is as good as unmoved is unmoved.
+        let mut x = found.x.clone();
+        for j in 0..x.len() {
+            if (x[j] - self.design[j]).abs() <= NO_MOVE * self.bounds.width()[j] {
+                x[j] = self.design[j];
+            }
+        }
+        let mut problem = self.problem();
+        let mut at = super::Assessment::new(problem.shape(), x.len());
+        if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
+            return;
+        }
+        let ended = match found.termination.at_minimum() {
+            true => Termination::NearestGoodEnough,
+            false => found.termination.clone(),
+        };
+        let steps = fit.history.last().map_or(0, |i| i.iteration);
+        for iteration in &mut found.history {
+            iteration.iteration += steps + 1;
+        }
+        fit.holds = self.bounds.holds(&x);
+        fit.x = x;
+        fit.evaluation = at.goal;
+        fit.termination = ended;
+        fit.history.append(&mut found.history);
+        if let Some(state) = &mut fit.constraints {
+            state.values = at.rows.residuals;
+            state.violation = found.violation;
+        }
+    }
+
+    /// The move from the design in fractions of the ranges, weighed by the costs.
+    fn movement(&self, x: &DVector<f64>) -> f64 {
+        let variables = self.optimise.variables.iter().enumerate();
+        let squares = variables.map(|(j, v)| {
+            let share = (x[j] - self.design[j]) / self.bounds.width()[j];
+            v.cost * share * share
+        });
+        squares.sum::<f64>().sqrt()
+    }
+
+    /// Of the starts that keep the constraints and are good enough, the nearest; of others the best; of
+    /// those that keep none the least violated.
+    fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
+        let fits = || {
+            let fits = starts.iter().enumerate();
+            fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
+        };
+        let violation = |fit: &Fit| fit.constraints.as_ref().map_or(0.0, |c| c.violation);
+        let Some(least) = least else {
+            let by_violation =
+                |a: &(usize, &Fit), b: &(usize, &Fit)| violation(a.1).total_cmp(&violation(b.1));
+            return fits().min_by(by_violation).map(|(index, _)| index);
+        };
+        let good = match self.optimise.good_enough {
+            0.0 => least * (1.0 + 1e-9),
+            good if least <= good => good * (1.0 + 1e-6),
+            _ => least * AS_GOOD * (1.0 + 1e-6),
+        };
+        let candidates: Vec<(usize, f64)> = fits()
+            .filter(|(_, fit)| fit.is_feasible() && fit.misfit() <= good)
+            .map(|(index, fit)| (index, self.movement(&fit.x)))
+            .collect();
+        let shortest = candidates.iter().map(|c| c.1).min_by(f64::total_cmp)?;
+        let short = shortest * (1.0 + 1e-6);
+        candidates.iter().find(|c| c.1 <= short).map(|c| c.0)
+    }
+
+    fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
+        let ConstrainedFit {
+            x,
+            at,
+            violation,
+            multipliers,
+            culprits,
+            termination,
+            history,
+            ..
+        } = fit;
+        let multipliers = (at_minimum && termination.at_minimum()).then_some(multipliers);
+        Fit {
+            holds: self.bounds.holds(&x),
+            x,
+            evaluation: at.goal,
+            termination,
+            history,
+            constraints: Some(ConstraintState {
+                values: at.rows.residuals,
+                violation,
+                multipliers,
+                culprits,
+            }),
+        }
+    }
+
+    fn best(&self, fit: &Fit) -> Best {
+        let suspension = self.suspension;
         let mut moved = suspension.design.clone();
+        let variables = &self.optimise.variables;
         moved_design(
             &suspension.design,
             &suspension.frame,
@@ -110,13 +366,129 @@ fn tune_at<const N: usize>(
         Best {
             offsets: fit.x.iter().copied().collect(),
             design: moved,
-            after: fulfilment(&fit.evaluation),
-            identifiability: Identifiability::new(&fit.evaluation, &bounds, UNSEEN),
+            after: self.fulfilment(&fit.evaluation),
+            identifiability: Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN),
+            constraints: self.outcomes(fit),
         }
-    });
-    Ok(Tuning {
-        before,
-        starts,
-        best,
-    })
+    }
+
+    /// How each constraint is kept.
+    fn outcomes(&self, fit: &Fit) -> Vec<ConstraintOutcome> {
+        let Some(state) = &fit.constraints else {
+            return Vec::new();
+        };
+        let (equalities, labels) = (self.layout.equalities, self.layout.labels());
+        let count = fit.evaluation.residuals.len() as f64;
+        let constraints = 0..self.optimise.constraints.len();
+        let outcome = |number: usize| {
+            let own = labels
+                .iter()
+                .enumerate()
+                .filter(|(_, l)| l.constraint == number);
+            let (mut room, mut at, mut pull) = (f64::INFINITY, None, 0.0);
+            for (row, label) in own {
+                let value = state.values[row];
+                let left = if row < equalities {
+                    -value.abs()
+                } else {
+                    -value
+                };
+                if left < room {
+                    room = left;
+                    let leg = &self.layout.legs[label.leg];
+                    let is_moving = leg.order.values().len() > 1;
+                    at = label
+                        .station
+                        .filter(|_| is_moving)
+                        .map(|s| leg.order.values()[s]);
+                }
+                pull += state.multipliers.as_ref().map_or(0.0, |m| m[row].abs());
+            }
+            let price = pull / (count * fit.misfit());
+            ConstraintOutcome {
+                room,
+                at,
+                price: (price > 1e-6).then_some(price),
+            }
+        };
+        constraints.map(outcome).collect()
+    }
+
+    /// Targets that are missed and that no variable moves, anywhere they were looked at.
+    fn unmoved(&self, best: &Best, seen: &[&Evaluation]) -> Vec<usize> {
+        let of = self.layout.targets_of_rows();
+        let moves = |evaluation: &Evaluation, row: usize| {
+            let entries = evaluation.jacobian.row(row);
+            let widths = self.bounds.width().iter();
+            entries
+                .iter()
+                .zip(widths)
+                .any(|(j, width)| (j * width).abs() > UNMOVED)
+        };
+        let targets = best.after.targets.iter().enumerate();
+        let missed = targets
+            .filter(|(_, deviation)| deviation.rms > 1e-6)
+            .map(|(t, _)| t);
+        missed
+            .filter(|target| {
+                let mut rows = (0..of.len()).filter(|row| of[*row] == *target);
+                !rows.any(|row| seen.iter().any(|evaluation| moves(evaluation, row)))
+            })
+            .collect()
+    }
+
+    /// A smallest set of constraints that cannot be kept together: of those to blame where runs ended, one
+    /// after the other is left out as long as the rest still cannot be kept.
+    fn contradiction(&self, starts: &Multistart) -> Vec<usize> {
+        let mut blamed: Vec<usize> = Vec::new();
+        let ends = starts.starts.iter().filter_map(|s| s.outcome.as_ref().ok());
+        for state in ends.filter_map(|fit| fit.constraints.as_ref()) {
+            for culprit in &state.culprits {
+                if let Held::Row(row) = culprit {
+                    blamed.push(self.layout.labels()[*row].constraint);
+                }
+            }
+        }
+        blamed.sort_unstable();
+        blamed.dedup();
+        if blamed.is_empty() || self.can_be_kept(&blamed, starts) {
+            // Together with all the others only.
+            blamed = (0..self.optimise.constraints.len()).collect();
+            if blamed.len() > 12 || self.can_be_kept(&blamed, starts) {
+                return Vec::new();
+            }
+        }
+        for candidate in blamed.clone() {
+            let rest: Vec<usize> = blamed.iter().copied().filter(|c| *c != candidate).collect();
+            if !rest.is_empty() && !self.can_be_kept(&rest, starts) {
+                blamed = rest;
+            }
+        }
+        blamed
+    }
+
+    /// Whether some start comes to keep these constraints.
+    fn can_be_kept(&self, constraints: &[usize], starts: &Multistart) -> bool {
+        let some = Optimise {
+            constraints: constraints
+                .iter()
+                .map(|c| self.optimise.constraints[*c].clone())
+                .collect(),
+            ..self.optimise.clone()
+        };
+        let frame = &self.suspension.frame;
+        let layout = TargetLayout::of(&some, self.motion, frame, &self.suspension.mechanism);
+        let few = starts.starts.iter().take(STARTS_BEFORE_REFUSAL);
+        few.into_iter().any(|start| {
+            let problem = Objective::<N>::new(self.suspension, &some.variables, &layout)
+                .expect("the same design was accepted before");
+            let control = Control {
+                watch: None,
+                ..self.control
+            };
+            let options = Options::default();
+            let fit = constrained_fit(0, problem, &self.bounds, &start.x, &options, control);
+            fit.is_ok_and(|fit| fit.is_feasible())
+        })
+    }
 }

@@ -188,27 +188,25 @@ fn evenly(values: &[f64], most: usize) -> Vec<f64> {
     }
 }
 
+/// The targets that can be drawn beside the curves: values and curves in the study's own motion.
 fn targets(study: &Study) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     targets
+        .filter(|target| target.is_plain())
         .map(|target| {
-            let unit = target.characteristic.info().unit;
-            let printed = |(drive, value): (f64, f64)| {
-                [
-                    study.motion.drive.printed(drive),
-                    value * unit.printed_factor(),
-                ]
-            };
+            let factor = target.of.factor();
+            let printed =
+                |(drive, value): (f64, f64)| [study.motion.drive.printed(drive), value * factor];
             let mut points: Vec<[f64; 2]> = target
                 .wanted
-                .at_stations(&study.motion.values)
+                .at_stations(&target.stations_in(&study.motion))
                 .into_iter()
                 .map(printed)
                 .collect();
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             TargetRecord {
-                column: target.characteristic.column(study.suspension.length_unit),
-                tolerance: target.tolerance * unit.printed_factor(),
+                column: target.of.column.clone(),
+                tolerance: target.tolerance * factor.abs(),
                 points,
             }
         })

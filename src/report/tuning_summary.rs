@@ -4,7 +4,8 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::figure::{as_written, brief};
 use super::table::{Cell, Column, Table};
 use crate::curves::Curves;
-use crate::optimise::{ActiveBound, Fulfilment, Tuning};
+use crate::model::Axis;
+use crate::optimise::{ActiveBound, ConstraintOutcome, Fulfilment, Tuning};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,21 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Combinations of variables that the targets cannot tell apart: offsets by variable.
     unseen: Vec<Vec<f64>>,
+    /// The misfit below which no design was preferred to a nearer one.
+    #[serde(default)]
+    good_enough: f64,
+    /// How the constraints are kept.
+    #[serde(default)]
+    constraints: Vec<ConstraintSummary>,
+    /// Targets that are missed and that no variable moves.
+    #[serde(default)]
+    unmoved: Vec<String>,
+    /// Constraints that exclude one another.
+    #[serde(default)]
+    contradiction: Vec<String>,
+    /// Stations added to those of the motion, where targets needed them.
+    #[serde(default)]
+    added_stations: Vec<AddedStations>,
     /// Of the tuned design, along the motion.
     #[serde(default)]
     condition: Option<ConditionSummary>,
@@ -42,8 +58,8 @@ struct VariableSummary {
     /// Joined by `+` where several move together.
     hardpoint: String,
     axis: String,
-    /// The coordinate, of the first where several move together.
-    design: f64,
+    /// The coordinate, of the first where several move together; none of a turn.
+    design: Option<f64>,
     tuned: Option<f64>,
     offset: Option<f64>,
     range: [f64; 2],
@@ -60,6 +76,24 @@ struct TargetSummary {
     after: Option<DeviationSummary>,
 }
 
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct ConstraintSummary {
+    name: String,
+    /// What is left to the nearest limit; negative where it is violated.
+    room: f64,
+    unit: String,
+    /// Drive value where that is.
+    at: Option<f64>,
+    /// By how many tolerances the misfit would fall for a limit one unit further.
+    price: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct AddedStations {
+    target: String,
+    at: Vec<f64>,
+}
+
 /// In tolerances.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
@@ -67,6 +101,9 @@ struct DeviationSummary {
     worst: f64,
     /// Travel in the study's unit, or arm angle in degrees.
     worst_at: f64,
+    /// Rack displacement there, in the study's axes.
+    #[serde(default)]
+    worst_rack: f64,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -87,15 +124,22 @@ impl TuningSummary {
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
         let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
-            let first = v.moves[0];
+            let first = v.moves.first();
             let coordinate = |design: &[crate::number::Vector3<f64>]| {
-                suspension.frame.vector(design[first.point.0]).to_array()[first.axis as usize]
+                let first = first?;
+                let point = suspension.frame.vector(design[first.point.0]).to_array();
+                Some(point[first.axis as usize])
+            };
+            let axis = match (first, &v.turn) {
+                (Some(first), _) => first.axis.name().to_owned(),
+                (None, Some(turn)) => format!("turn about {}, deg", turn.axis.name()),
+                (None, None) => String::new(),
             };
             VariableSummary {
                 hardpoint: v.name.clone(),
-                axis: first.axis.name().to_owned(),
+                axis,
                 design: coordinate(&suspension.design),
-                tuned: best.map(|b| coordinate(&b.design)),
+                tuned: best.and_then(|b| coordinate(&b.design)),
                 offset: best.map(|b| b.offsets[k] + 0.0),
                 range: v.range,
                 at_bound: fit.and_then(|fit| match fit.holds[k] {
@@ -105,19 +149,60 @@ impl TuningSummary {
                 }),
             }
         });
+        let drive_of = |target: &crate::study::Target| {
+            let motion = target.site.motion.as_ref();
+            motion.map_or(study.motion.drive, |(_, motion)| motion.drive)
+        };
+        let name = |target: &crate::study::Target| {
+            let motion = target.site.motion.as_ref();
+            let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
+            let racks: Vec<String> = target.site.racks.iter().map(|r| as_written(*r)).collect();
+            let racks = match racks.as_slice() {
+                [] => String::new(),
+                racks => format!(", rack {}", racks.join(" ")),
+            };
+            format!("{}{motion}{racks}", target.of.column)
+        };
+        let constraints = best.map_or(Vec::new(), |best| {
+            let outcomes = optimise.constraints.iter().zip(&best.constraints);
+            let summary = |(constraint, found): (&crate::study::Constraint, &ConstraintOutcome)| {
+                let motion = constraint
+                    .site
+                    .as_ref()
+                    .and_then(|site| site.motion.as_ref());
+                let drive = motion.map_or(study.motion.drive, |(_, motion)| motion.drive);
+                ConstraintSummary {
+                    name: constraint.name.clone(),
+                    room: found.room + 0.0,
+                    unit: constraint.parts[0].unit.clone(),
+                    at: found.at.map(|at| drive.printed(at)),
+                    price: found.price,
+                }
+            };
+            outcomes.map(summary).collect()
+        });
+        let added = optimise.targets.iter().filter(|t| !t.stations.is_empty());
+        let added = added.map(|t| AddedStations {
+            target: name(t),
+            at: t
+                .stations
+                .iter()
+                .map(|at| drive_of(t).printed(*at))
+                .collect(),
+        });
         let targets = optimise.targets.iter().enumerate().map(|(k, target)| {
-            let unit = target.characteristic.info().unit;
             let deviation = |fulfilment: &Fulfilment| {
                 let d = fulfilment.targets[k];
                 DeviationSummary {
                     rms: d.rms,
                     worst: d.worst,
-                    worst_at: study.motion.drive.printed(d.worst_at),
+                    worst_at: drive_of(target).printed(d.worst_at),
+                    worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
                 }
             };
             TargetSummary {
-                output: target.characteristic.column(suspension.length_unit),
-                tolerance: target.tolerance * unit.printed_factor(),
+                output: name(target),
+                tolerance: target.tolerance * target.of.factor().abs(),
                 weight: target.weight,
                 before: tuning.before.as_ref().ok().map(deviation),
                 after: best.map(|b| deviation(&b.after)),
@@ -173,6 +258,19 @@ impl TuningSummary {
                         .collect()
                 })
                 .unwrap_or_default(),
+            good_enough: optimise.good_enough,
+            constraints,
+            unmoved: tuning
+                .unmoved
+                .iter()
+                .map(|t| name(&optimise.targets[*t]))
+                .collect(),
+            contradiction: tuning
+                .contradiction
+                .iter()
+                .map(|c| optimise.constraints[*c].name.clone())
+                .collect(),
+            added_stations: added.collect(),
             condition: after.and_then(|curves| ConditionSummary::of(curves, study.motion.drive)),
             certificate: after.and_then(|curves| CertificateSummary::of(study, curves)),
         }
@@ -286,6 +384,81 @@ impl TuningSummary {
             .collect()
     }
 
+    /// How the constraints are kept; none where there are none.
+    pub fn constraints_table(&self) -> Option<Table> {
+        if self.constraints.is_empty() {
+            return None;
+        }
+        let mut table = Table::new(["constraint", "room", "unit", "at", "kept", "price"]);
+        for c in &self.constraints {
+            let kept = match c.room {
+                room if room < -VISIBLE => Some("VIOLATED".to_owned()),
+                room if room < BINDING => Some("binds".to_owned()),
+                _ => None,
+            };
+            let room = match c.room.abs() < BINDING {
+                true => Cell::shown(c.room, "0".to_owned()),
+                false => c.room.into(),
+            };
+            table.push([
+                Cell::from(c.name.as_str()),
+                room,
+                c.unit.as_str().into(),
+                c.at.map(|at| Cell::shown(at, as_written(at))).into(),
+                kept.into(),
+                c.price.into(),
+            ]);
+        }
+        Some(table)
+    }
+
+    /// What has to be said of targets and constraints, in sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        for added in &self.added_stations {
+            let at: Vec<String> = added.at.iter().map(|at| as_written(*at)).collect();
+            remarks.push(format!(
+                "{} has fewer stations of the motion than its curve has points: compared at {} as well",
+                added.target,
+                at.join(", ")
+            ));
+        }
+        for target in &self.unmoved {
+            remarks.push(format!(
+                "no variable moves {target}: it stays as far from its target as it is"
+            ));
+        }
+        for c in &self.constraints {
+            if let Some(price) = c.price {
+                remarks.push(format!(
+                    "{} costs {} tolerances per {}",
+                    c.name,
+                    brief(price),
+                    c.unit
+                ));
+            }
+        }
+        match self.contradiction.as_slice() {
+            [] => {}
+            [alone] => remarks.push(format!("nothing within the ranges keeps this: {alone}")),
+            several => remarks.push(format!(
+                "these cannot be kept together: {}",
+                several.join("; ")
+            )),
+        }
+        remarks
+    }
+
+    /// Whether something asked for cannot be had: a constraint is violated, or a target that nothing moves
+    /// is missed by more than its tolerance.
+    pub fn falls_short(&self) -> bool {
+        let missed = |target: &TargetSummary| {
+            let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
+            rms > 1.0 && self.unmoved.contains(&target.output)
+        };
+        self.constraints.iter().any(|c| c.room < -VISIBLE) || self.targets.iter().any(missed)
+    }
+
     /// How each start ended.
     pub fn starts_table(&self) -> Table {
         let columns = [
@@ -340,11 +513,23 @@ impl TuningSummary {
     /// The outcome in a sentence or two.
     pub fn headline(&self) -> String {
         match (self.misfit_before, self.misfit_after) {
-            (Some(before), Some(after)) => format!(
-                "misfit {} -> {} tolerances",
-                hundredths(before),
-                hundredths(after)
-            ),
+            (Some(before), Some(after)) => {
+                let violated = self
+                    .constraints
+                    .iter()
+                    .filter(|c| c.room < -VISIBLE)
+                    .count();
+                let kept = match violated {
+                    0 => String::new(),
+                    1 => "; a constraint is violated".to_owned(),
+                    several => format!("; {several} constraints are violated"),
+                };
+                format!(
+                    "misfit {} -> {} tolerances{kept}",
+                    hundredths(before),
+                    hundredths(after)
+                )
+            }
             (None, Some(after)) => format!(
                 "misfit {} tolerances; the design itself cannot be compared: {}",
                 hundredths(after),
@@ -378,6 +563,11 @@ impl TuningSummary {
 
 /// As many starts are listed one by one.
 const FEW_STARTS: usize = 8;
+
+/// Constraints violated by less than this (a millimetre, a degree are 1) are kept.
+const VISIBLE: f64 = 1e-6;
+/// Constraints with less room than this bind.
+const BINDING: f64 = 1e-6;
 
 /// A misfit for reading: two decimals, or its order of magnitude.
 fn hundredths(value: f64) -> String {

@@ -6,11 +6,28 @@ use super::value::{Number, Text};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads a curve from a file with these two columns; its path is relative to the study's directory.
+/// What is wanted of a file.
+pub struct Wished<'a> {
+    /// The column of drive values.
+    pub drive: &'a str,
+    /// The column of values.
+    pub value: &'a str,
+    /// The column of rack displacements, where the file has one: only rows of these displacements count.
+    pub rack: &'a str,
+    /// The displacements.
+    pub racks: &'a [f64],
+    /// Whether points stay as they were measured. If not, they are sorted, and the ways there and back of a
+    /// loop averaged.
+    pub as_measured: bool,
+}
+
+/// Reads a curve from a file with a column of drive values and one of values; its path is relative to the
+/// study's directory. Columns are parted by commas, semicolons or tabs; other columns are left alone, rows
+/// without a value left out.
 pub fn read(
     path: &Text,
     directory: &Path,
-    columns: [&str; 2],
+    wished: &Wished<'_>,
     problems: &mut Problems,
 ) -> Option<Vec<[f64; 2]>> {
     let full = directory.join(path.get_ref());
@@ -29,7 +46,7 @@ pub fn read(
         name: full.display().to_string(),
         text,
     });
-    match curve(&source, columns) {
+    match curve(&source, wished) {
         Ok(curve) => Some(curve),
         Err(errors) => {
             problems.append(errors);
@@ -38,55 +55,152 @@ pub fn read(
     }
 }
 
-fn curve(source: &Arc<Source>, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, StudyErrors> {
+fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, StudyErrors> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
+        .delimiter(delimiter(&source.text))
         .trim(csv::Trim::All)
         .from_reader(source.text.as_bytes());
-    let expected = format!("expected the columns {},{}", columns[0], columns[1]);
-    let mut header_seen = false;
-    let mut curve: Vec<[f64; 2]> = Vec::new();
+    let expected = format!("expected the columns {},{}", wished.drive, wished.value);
+    let mut columns: Option<([usize; 2], Option<usize>)> = None;
+    let mut points: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
         let start = record.position().map_or(0, |p| p.byte() as usize);
         let error = |message: String| Err(at_record(source, start, message));
-        if !header_seen {
-            header_seen = true;
-            if record.iter().ne(columns) {
+        let Some((places, rack)) = columns else {
+            let place = |name: &str| record.iter().position(|column| column == name);
+            let (Some(drive), Some(value)) = (place(wished.drive), place(wished.value)) else {
                 let found = record.iter().collect::<Vec<_>>().join(",");
                 return error(format!("{expected}, found {found}"));
-            }
+            };
+            columns = Some(([drive, value], place(wished.rack)));
+            continue;
+        };
+        let number = |place: usize, column: &str| {
+            let text = record.get(place).unwrap_or("");
+            let parsed = match text {
+                "" => return Ok(None),
+                text => Number::parsed(text),
+            };
+            parsed.map(Some).map_err(|wanted| {
+                let message = format!("expected {wanted} as {column}, found {text:?}");
+                at_record(source, start, message)
+            })
+        };
+        if record.len() <= places[0].max(places[1]) {
+            let least = places[0].max(places[1]) + 1;
+            let many = if least == 2 { "two" } else { "more" };
+            return error(format!("expected {many} values, found {}", record.len()));
+        }
+        if let Some(rack) = rack
+            && let Some(rack) = number(rack, wished.rack)?
+            && !wished.racks.contains(&rack)
+        {
             continue;
         }
-        if record.len() != 2 {
-            return error(format!("expected two values, found {}", record.len()));
+        let pair = [
+            number(places[0], wished.drive)?,
+            number(places[1], wished.value)?,
+        ];
+        if let [Some(drive), Some(value)] = pair {
+            points.push([drive, value]);
         }
-        let mut row = [0.0; 2];
-        for ((place, text), column) in row.iter_mut().zip(&record).zip(columns) {
-            *place = match Number::parsed(text) {
-                Ok(number) => number,
-                Err(wanted) => {
-                    return error(format!("expected {wanted} as {column}, found {text:?}"));
-                }
-            };
-        }
-        if let Some([before, _]) = curve.last().filter(|[before, _]| *before >= row[0]) {
-            return error(format!(
-                "{} does not rise above {before}, the one before",
-                row[0]
-            ));
-        }
-        curve.push(row);
     }
+    let curve = match wished.as_measured {
+        true => points,
+        false => function(points),
+    };
     if curve.len() < 2 {
-        let message = match header_seen {
-            false => format!("the file is empty; {expected}"),
-            true => format!("a curve has at least two points, found {}", curve.len()),
+        let message = match columns {
+            None => format!("the file is empty; {expected}"),
+            Some(_) => format!("a curve has at least two points, found {}", curve.len()),
         };
         return Err(StudyError::of_file(&source.name, message).into());
     }
     Ok(curve)
+}
+
+/// What parts the columns: the first of tab, semicolon and comma that the first line has.
+fn delimiter(text: &str) -> u8 {
+    let header = text.trim_start().lines().next().unwrap_or("");
+    let found = ['\t', ';'].into_iter().find(|c| header.contains(*c));
+    found.map_or(b',', |c| c as u8)
+}
+
+/// A function of the drive value: the mean of the ways there and back where a measurement went to and fro
+/// over much the same range, and of values at the same place; by rising drive value.
+fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let ways = ways(&points);
+    let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);
+    let first = ways
+        .iter()
+        .map(|w| reach(w).0)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let last = ways
+        .iter()
+        .map(|w| reach(w).1)
+        .fold(f64::INFINITY, f64::min);
+    let all = points.iter().map(|p| p[0]);
+    let (lowest, highest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+        (l.min(x), h.max(x))
+    });
+    // A loop has few ways, each over most of the range; anything else is points out of order.
+    let is_loop = (2..=8).contains(&ways.len()) && last - first > 0.5 * (highest - lowest);
+    let mut sorted = points.clone();
+    if is_loop {
+        sorted.retain(|p| (first..=last).contains(&p[0]));
+        for point in &mut sorted {
+            let values = ways.iter().map(|way| along(way, point[0]));
+            point[1] = values.sum::<f64>() / ways.len() as f64;
+        }
+    }
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let same = sorted.chunk_by(|a, b| a[0] == b[0]);
+    same.map(|at| {
+        let sum: f64 = at.iter().map(|p| p[1]).sum();
+        [at[0][0], sum / at.len() as f64]
+    })
+    .collect()
+}
+
+/// The ways that run in one direction, each by rising drive value.
+fn ways(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+    let mut ways: Vec<Vec<[f64; 2]>> = Vec::new();
+    let mut begin = 0;
+    let mut rising = None;
+    for k in 1..=points.len() {
+        let step = points.get(k).map(|p| p[0] - points[k - 1][0]);
+        let turns = match (step, rising) {
+            (None, _) => true,
+            (Some(step), Some(rising)) => step != 0.0 && (step > 0.0) != rising,
+            _ => false,
+        };
+        if turns {
+            let mut way = points[begin..k].to_vec();
+            if rising == Some(false) {
+                way.reverse();
+            }
+            way.dedup_by(|a, b| a[0] == b[0]);
+            ways.push(way);
+            begin = k - 1;
+            rising = None;
+        }
+        if let (Some(step), None) = (step, rising)
+            && step != 0.0
+        {
+            rising = Some(step > 0.0);
+        }
+    }
+    ways
+}
+
+/// The value of a way at a place, on straight lines.
+fn along(way: &[[f64; 2]], x: f64) -> f64 {
+    let right = way.partition_point(|p| p[0] <= x).clamp(1, way.len() - 1);
+    let ([x0, y0], [x1, y1]) = (way[right - 1], way[right]);
+    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
 /// A mistake in the record that starts at this byte, or after the blank lines there.
@@ -95,4 +209,58 @@ fn at_record(source: &Arc<Source>, start: usize, message: String) -> StudyErrors
     let blank = rest.len() - rest.trim_start().len();
     let span = start + blank..source.text.len();
     StudyError::new(source.clone(), Some(span), message).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, as_measured: bool) -> Vec<[f64; 2]> {
+        let source = Arc::new(Source {
+            name: "curve.csv".to_owned(),
+            text: text.to_owned(),
+        });
+        let wished = Wished {
+            drive: "travel_mm",
+            value: "camber_deg",
+            rack: "rack_mm",
+            racks: &[0.0],
+            as_measured,
+        };
+        curve(&source, &wished).unwrap()
+    }
+
+    #[test]
+    fn columns_are_found_whatever_parts_them() {
+        let wanted = [[-1.0, 0.5], [2.0, -0.25]];
+        for text in [
+            "travel_mm,camber_deg\n-1,0.5\n2,-0.25\n",
+            "camber_deg;travel_mm\n0.5;-1\n-0.25;2\n",
+            "travel_mm\track_mm\tcamber_deg\n2\t0\t-0.25\n2\t5\t9\n-1\t0\t0.5\n",
+            "travel_mm,toe_deg,camber_deg,status\n-1,3,0.5,ok\n1,3,,unreachable\n2,3,-0.25,ok\n",
+        ] {
+            assert_eq!(read(text, false), wanted, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_loop_is_averaged_unless_both_branches_are_wanted() {
+        let text = "travel_mm,camber_deg\n-10,1\n0,0\n10,-1\n5,-0.3\n-5,0.7\n-10,1.2\n";
+        let averaged = read(text, false);
+        assert_eq!(averaged.first(), Some(&[-10.0, 1.1]));
+        let at_zero = averaged.iter().find(|p| p[0] == 0.0).unwrap()[1];
+        assert!((at_zero - 0.1).abs() < 1e-15, "{at_zero}");
+        assert!(averaged.windows(2).all(|p| p[0][0] < p[1][0]));
+        assert_eq!(read(text, true).len(), 6);
+    }
+
+    #[test]
+    fn points_out_of_order_are_sorted_and_repeated_ones_averaged() {
+        let text = "travel_mm,camber_deg\n3,1\n1,2\n2,3\n1,4\n5,0\n4,0\n7,0\n6,0\n9,0\n8,0\n10,0\n0,0\n11,0\n";
+        let found = read(text, false);
+        assert_eq!(
+            &found[..4],
+            [[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 1.0]]
+        );
+    }
 }

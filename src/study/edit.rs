@@ -72,6 +72,7 @@ pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -
             .collect();
         if let Some(target) = target(document.as_table_mut(), *place) {
             target.remove("file");
+            target.remove("column");
             target.insert("points", Item::Value(points.into()));
         }
     }

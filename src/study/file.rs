@@ -3,7 +3,9 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{MemberName, Number, RightWheel, Selection, Text, Values, Whole};
+use super::value::{
+    LimitText, MemberName, Number, Numbers, RightWheel, Selection, Text, Values, Whole,
+};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -38,6 +40,9 @@ pub struct File {
     pub tyre: Option<Spanned<Rate>>,
     /// `[motion]`
     pub motion: Spanned<Motion>,
+    /// `[motions.NAME]`
+    #[serde(default)]
+    pub motions: BTreeMap<Text, Spanned<Motion>>,
     /// `[solver]`
     #[serde(default)]
     pub solver: Solver,
@@ -70,6 +75,9 @@ pub struct Suspension {
     /// `[suspension.bodies]`: what ends of springs and rods stand on.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
+    /// `[suspension.studs]`: directions of the studs of ball joints.
+    #[serde(default)]
+    pub studs: BTreeMap<Text, Coordinates>,
     /// `[suspension.extra_points]`
     #[serde(default)]
     pub extra_points: BTreeMap<Text, ExtraPoint>,
@@ -324,10 +332,17 @@ pub struct Optimise {
     pub seed: Option<Whole>,
     /// Cap on iterations.
     pub max_iterations: Option<Whole>,
+    /// The misfit below which no design is better than another.
+    pub good_enough: Option<Number>,
+    /// Whether the targets are measurements.
+    pub fit: Option<Spanned<bool>>,
     /// What may move.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// What is wanted.
     pub targets: Spanned<Vec<Spanned<Target>>>,
+    /// What must hold.
+    #[serde(default)]
+    pub constraints: Vec<Spanned<Constraint>>,
 }
 
 /// An element of `variables`.
@@ -336,30 +351,56 @@ pub struct Optimise {
 pub struct Variable {
     /// Name of the hardpoint,
     pub hardpoint: Option<Text>,
-    /// or names of several that move together.
+    /// or names of several that move together,
     pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// or of several that are one body.
+    pub rigid: Option<Spanned<Vec<Text>>>,
     /// How far each of them moves per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`.
-    pub axis: Text,
+    pub axis: Option<Text>,
     /// Lowest and highest offset, two numbers if they are right.
-    pub range: Spanned<Vec<Number>>,
+    pub range: Option<Spanned<Vec<Number>>>,
+    /// How far a body is shifted along each axis, both ways.
+    pub shift: Option<Number>,
+    /// How far it is turned about each axis, both ways, degrees.
+    pub turn: Option<Number>,
+    /// What a move across the range costs against others.
+    pub cost: Option<Number>,
 }
 
 /// An element of `targets`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
-    /// Name of the characteristic.
-    pub characteristic: Text,
+    /// Name of the characteristic,
+    pub characteristic: Option<Text>,
+    /// or of a point,
+    pub point: Option<Text>,
+    /// with its coordinate,
+    pub axis: Option<Text>,
+    /// or a length.
+    pub length: Option<Spanned<MemberName>>,
     /// A curve: pairs of drive value and wanted value.
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
     /// A curve in a CSV file.
     pub file: Option<Text>,
+    /// The file's column of values.
+    pub column: Option<Text>,
     /// A single drive value,
     pub at: Option<Number>,
     /// and what is wanted there.
     pub value: Option<Number>,
+    /// Two limits.
+    pub between: Option<Spanned<Vec<LimitText>>>,
+    /// A lower limit.
+    pub at_least: Option<Spanned<LimitText>>,
+    /// An upper limit.
+    pub at_most: Option<Spanned<LimitText>>,
+    /// Rack displacement, or several.
+    pub rack: Option<Spanned<Numbers>>,
+    /// Name of a motion.
+    pub motion: Option<Text>,
     /// The deviation that still is acceptable.
     pub tolerance: Number,
     /// Weight against the other targets.
@@ -450,4 +491,101 @@ pub struct Band {
     pub at_least: Option<Number>,
     /// or the highest alone.
     pub at_most: Option<Number>,
+}
+
+/// An element of `constraints`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Constraint {
+    /// What it is called.
+    pub name: Option<Text>,
+    /// A length: of a member, or between two points.
+    pub length: Option<Spanned<MemberName>>,
+    /// A point.
+    pub point: Option<Text>,
+    /// Two members that stay apart.
+    pub members: Option<Spanned<Vec<Text>>>,
+    /// A joint.
+    pub articulation: Option<Text>,
+    /// A characteristic.
+    pub characteristic: Option<Text>,
+    /// Points of one plane.
+    pub coplanar: Option<Spanned<Vec<Text>>>,
+    /// Points of one line.
+    pub line: Option<Spanned<Vec<Text>>>,
+    /// Two limits.
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// A lower limit.
+    pub at_least: Option<Number>,
+    /// An upper limit.
+    pub at_most: Option<Number>,
+    /// Whether a length stays what it is in the design.
+    pub kept: Option<Spanned<bool>>,
+    /// Where a point stays.
+    pub inside: Option<Spanned<Region>>,
+    /// Where a point does not go.
+    pub outside: Option<Spanned<Region>>,
+    /// What must be between.
+    pub clearance: Option<Number>,
+    /// Radii of two members.
+    pub radii: Option<Spanned<Vec<Number>>>,
+    /// `design` for the design position alone.
+    pub at: Option<Text>,
+    /// Rack displacement, or several.
+    pub rack: Option<Spanned<Numbers>>,
+    /// Name of a motion.
+    pub motion: Option<Text>,
+}
+
+/// A place, one of these.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Two opposite corners.
+    #[serde(rename = "box")]
+    pub corners: Option<Spanned<Vec<Coordinates>>>,
+    /// What lies on the side a normal points to.
+    pub half_space: Option<HalfSpace>,
+    /// A ball.
+    pub sphere: Option<Sphere>,
+    /// A tube with closed ends.
+    pub cylinder: Option<Cylinder>,
+    /// The radius of the rim's inside, about the spin axis,
+    pub rim: Option<Number>,
+    /// from so far outboard of the wheel centre
+    pub from: Option<Number>,
+    /// to so far.
+    pub to: Option<Number>,
+}
+
+/// `half_space`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HalfSpace {
+    /// A point of its border.
+    pub point: Coordinates,
+    /// Into it.
+    pub normal: Coordinates,
+}
+
+/// `sphere`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Its centre.
+    pub centre: Coordinates,
+    /// Its radius.
+    pub radius: Number,
+}
+
+/// `cylinder`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// One end of its axis.
+    pub from: Coordinates,
+    /// The other.
+    pub to: Coordinates,
+    /// Its radius.
+    pub radius: Number,
 }

@@ -9,6 +9,7 @@
 
 mod axle;
 mod axle_forces;
+mod constraints;
 mod curve_file;
 mod designs_file;
 mod edit;
@@ -30,6 +31,7 @@ mod schema;
 mod setup;
 mod solver;
 mod source;
+mod subject;
 mod suspension;
 mod sweep;
 mod targets;
@@ -43,8 +45,8 @@ pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 
 use crate::build::BuildParameter;
-use crate::characteristics::Characteristic;
-use crate::model::{Axis, PointId, Suspension};
+use crate::characteristics::{Characteristic, Measure, Quantity, Unit};
+use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::Vector3;
 
 /// A study, resolved and validated.
@@ -62,6 +64,8 @@ pub struct Study {
     pub suspension: Suspension,
     /// The motion.
     pub motion: Motion,
+    /// Further motions by name, in the order of the names.
+    pub motions: Vec<(String, Motion)>,
     /// How poses are found.
     pub formulation: Formulation,
     /// What is asked for.
@@ -275,30 +279,134 @@ pub struct Optimise {
     pub variables: Vec<Variable>,
     /// What is wanted.
     pub targets: Vec<Target>,
+    /// What must hold.
+    pub constraints: Vec<Constraint>,
+    /// The misfit below which no design is better than another, so that the one that moves least is
+    /// taken; 0 for the least misfit.
+    pub good_enough: f64,
+    /// Whether the targets are measurements, so that standard errors mean something.
+    pub fit: bool,
 }
 
-/// What may move: a coordinate, or several together.
+impl Optimise {
+    /// The targets that designs of a sweep are compared with: all of them, or none where a sweep cannot
+    /// compare with each.
+    pub fn swept_targets(&self) -> &[Target] {
+        match self.targets.iter().all(Target::is_plain) && !self.fit {
+            true => &self.targets,
+            false => &[],
+        }
+    }
+}
+
+/// What may move: a coordinate, several together, or the direction of a group of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
     pub name: String,
-    /// The coordinates it moves, along one axis; at least one.
+    /// The coordinates it moves, along one axis; none for a turn.
     pub moves: Vec<Move>,
-    /// Lowest and highest offset from the design, in the study's axes.
+    /// What it turns, as one of the three components of a rotation vector in degrees.
+    pub turn: Option<Turn>,
+    /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
     pub range: [f64; 2],
+    /// What a move across the range costs against those of the other variables, where the design that moves
+    /// least is taken.
+    pub cost: f64,
 }
 
-/// A wanted curve or value. Values in radians or length units (for gains: radians per length unit).
+/// Points that are turned as one body about their centroid, before anything else moves them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    /// The points.
+    pub points: Vec<PointId>,
+    /// The component of the rotation vector, in the study's axes.
+    pub axis: Axis,
+}
+
+/// What targets and constraints are about, as the study speaks of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// What it is in the kernel's frame.
+    pub measure: Measure,
+    /// Name, with the unit, as a column has it.
+    pub column: String,
+    /// Kind of quantity.
+    pub unit: Unit,
+    /// -1 where the study's axis points the other way than the kernel's.
+    pub sign: f64,
+}
+
+impl Subject {
+    /// A characteristic.
+    pub fn characteristic(characteristic: Characteristic, length: LengthUnit) -> Self {
+        Subject {
+            measure: Measure::Quantity(Quantity::Characteristic(characteristic)),
+            column: characteristic.column(length),
+            unit: characteristic.info().unit,
+            sign: 1.0,
+        }
+    }
+
+    /// What a value in the kernel's frame, in radians or length units, is multiplied by to be printed.
+    pub fn factor(&self) -> f64 {
+        self.unit.printed_factor() * self.sign
+    }
+
+    /// The value in the kernel's frame of a printed one.
+    pub fn from_printed(&self, printed: f64) -> f64 {
+        self.unit.from_printed(printed) * self.sign
+    }
+
+    /// The characteristic, if it is one.
+    pub fn as_characteristic(&self) -> Option<Characteristic> {
+        match self.measure {
+            Measure::Quantity(Quantity::Characteristic(c)) => Some(c),
+            _ => None,
+        }
+    }
+}
+
+/// In which motion, and where the rack is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Site {
+    /// Name of a motion; the study's `[motion]` without it.
+    pub motion: Option<(String, Motion)>,
+    /// Rack displacements along the study's +y; where the motion has it without any, or straight ahead where
+    /// the motion moves it.
+    pub racks: Vec<f64>,
+}
+
+/// A wanted curve, value or band. Values in the kernel's frame, in radians or length units (for gains:
+/// radians per length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Of which characteristic.
-    pub characteristic: Characteristic,
+    /// Of what.
+    pub of: Subject,
     /// What is wanted of it.
     pub wanted: Wanted,
     /// The deviation that still is acceptable, in the same unit.
     pub tolerance: f64,
     /// Weight against the other targets.
     pub weight: f64,
+    /// Where.
+    pub site: Site,
+    /// Drive values at which it is compared beside those of the motion.
+    pub stations: Vec<f64>,
+}
+
+impl Target {
+    /// The drive values of a motion, and those added for this target.
+    pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
+        let added = self.stations.iter().filter(|v| !motion.values.contains(v));
+        motion.values.iter().chain(added).copied().collect()
+    }
+
+    /// Whether it is a value or a curve of a characteristic in the study's own motion: what sweeps compare.
+    pub fn is_plain(&self) -> bool {
+        let point = !matches!(self.wanted, Wanted::Band { .. });
+        point && self.site == Site::default() && self.of.as_characteristic().is_some()
+    }
 }
 
 /// What a target wants.
@@ -318,6 +426,57 @@ pub enum Wanted {
         /// Wanted value.
         value: f64,
     },
+    /// Measured points, each compared where it was measured: drive value and value.
+    Points(Vec<[f64; 2]>),
+    /// Anything between two limits.
+    Band {
+        /// The one drive value where it is wanted; the stations of the motion without it.
+        at: Option<f64>,
+        /// Nothing below this.
+        lower: Option<Limit>,
+        /// Nothing above this.
+        upper: Option<Limit>,
+    },
+}
+
+/// The limit of a band.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Limit {
+    /// The same everywhere.
+    Value(f64),
+    /// A curve over the drive, which limits between its ends.
+    Curve {
+        /// Drive value and limit, by rising drive value.
+        points: Vec<[f64; 2]>,
+        /// How to read it between its points.
+        interpolation: Interpolation,
+    },
+}
+
+/// What must hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// What it is, in words.
+    pub name: String,
+    /// What must be within limits; all of them.
+    pub parts: Vec<Limited>,
+    /// Where, if not in the design position alone.
+    pub site: Option<Site>,
+}
+
+/// A measure that must be within limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limited {
+    /// Of what.
+    pub of: Measure,
+    /// Not less than this.
+    pub lower: Option<f64>,
+    /// Not more than this; with `lower` the same, just this.
+    pub upper: Option<f64>,
+    /// How much of the measure anybody would see: a millimetre, a degree.
+    pub scale: f64,
+    /// What that is called.
+    pub unit: String,
 }
 
 /// How a curve runs between its points.

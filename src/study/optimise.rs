@@ -1,15 +1,18 @@
-//! `[optimise]`: what may move.
+//! `[optimise]`: what may move, and how.
 
+use super::constraints::constraints;
 use super::error::Problems;
 use super::file;
 use super::motion::within;
 use super::moves;
 use super::names::choose;
+use super::outputs::hardpoint;
 use super::resolve::Context;
+use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
-use super::value::Whole;
-use super::{Optimise, Variable};
-use crate::model::Suspension;
+use super::value::{Text, Whole};
+use super::{Move, Optimise, Turn, Variable};
+use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
 /// The optimisation, if nothing is wrong with it, and the target curves that came from files, by the
@@ -30,6 +33,23 @@ pub fn optimise(
     let seed = whole(&section.seed, 1, 0..=i64::from(u32::MAX));
     let max_iterations = whole(&section.max_iterations, 200, 1..=i64::MAX);
     let variables = variables(section, context.suspension, problems);
+    let good_enough = match &section.good_enough {
+        None => Some(None),
+        Some(number) if number.value >= 0.0 => Some(Some(number.value)),
+        Some(number) => {
+            let message = format!("expected a misfit from 0 up, found {}", number.value);
+            problems.add(number.span.clone(), message);
+            None
+        }
+    };
+    let fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
+    if let (true, Some(number)) = (fit, &section.good_enough)
+        && number.value != 0.0
+    {
+        let message = "a fit wants the least misfit: with fit = true, good_enough is 0";
+        problems.add(number.span.clone(), message);
+    }
+    let constraints = constraints(section, context, problems);
     let targets = targets(section, context, problems);
     let (targets, curves): (Vec<_>, Vec<_>) = targets?.into_iter().unzip();
     let curves = curves.into_iter().enumerate();
@@ -42,9 +62,17 @@ pub fn optimise(
         max_iterations: u64::try_from(max_iterations?).ok()?,
         variables: variables?,
         targets,
+        constraints: constraints?,
+        good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
+        fit,
     };
     Some((optimise, curves))
 }
+
+/// Below a tenth of a tolerance nobody sees a difference.
+const GOOD_ENOUGH: f64 = 0.1;
+/// The largest turn of a body, in degrees: as far as the rotation is summed to all digits.
+const LARGEST_TURN: f64 = 15.0;
 
 fn variables(
     section: &file::Optimise,
@@ -61,8 +89,15 @@ fn variables(
     }
     let resolved: Vec<_> = written
         .iter()
-        .map(|v| variable(v, suspension, problems))
+        .flat_map(|v| match &v.get_ref().rigid {
+            Some(points) => rigid(v, points, suspension, problems),
+            None => vec![variable(v, suspension, problems)],
+        })
         .collect();
+    if written.iter().any(|v| v.get_ref().rigid.is_some()) {
+        // A body may be shifted and a point of it moved besides.
+        return resolved.into_iter().collect();
+    }
     let place = |i: usize| {
         let variable = &written[i];
         let points = &variable.get_ref().hardpoint;
@@ -90,16 +125,37 @@ fn variable(
     problems: &mut Problems,
 ) -> Option<Variable> {
     let written = variable.get_ref();
+    let missing = |key: &str, problems: &mut Problems| {
+        problems.add(variable.span(), format!("the key \"{key}\" is missing"));
+    };
+    for (key, given) in [("shift", &written.shift), ("turn", &written.turn)] {
+        if let Some(given) = given {
+            let message = format!("{key} belongs to rigid, points that are one body");
+            problems.add(given.span.clone(), message);
+        }
+    }
+    let (Some(axis), Some(range)) = (&written.axis, &written.range) else {
+        for (key, absent) in [
+            ("axis", written.axis.is_none()),
+            ("range", written.range.is_none()),
+        ] {
+            if absent {
+                missing(key, problems);
+            }
+        }
+        return None;
+    };
     let moved = moves::Written {
         place: variable.span(),
         hardpoint: &written.hardpoint,
         hardpoints: &written.hardpoints,
         factors: &written.factors,
-        axis: &written.axis,
+        axis,
     };
     let moves = moves::moves(&moved, suspension, problems);
-    let place = written.range.span();
-    let range = match written.range.get_ref().as_slice() {
+    let cost = cost(written, problems);
+    let place = range.span();
+    let range = match range.get_ref().as_slice() {
         [low, high] => [low.value, high.value],
         other => {
             let message = format!(
@@ -133,6 +189,117 @@ fn variable(
     Some(Variable {
         name: moves::names(&moves, suspension),
         moves,
+        turn: None,
         range,
+        cost: cost?,
     })
+}
+
+fn cost(written: &file::Variable, problems: &mut Problems) -> Option<f64> {
+    match &written.cost {
+        None => Some(1.0),
+        Some(cost) => above_zero(cost, problems),
+    }
+}
+
+/// The six variables of a body: three shifts and three turns, or those of them that are asked for.
+fn rigid(
+    variable: &Spanned<file::Variable>,
+    points: &Spanned<Vec<Text>>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Vec<Option<Variable>> {
+    let written = variable.get_ref();
+    let others = [
+        ("axis", written.axis.as_ref().map(Spanned::span)),
+        ("range", written.range.as_ref().map(Spanned::span)),
+        ("factors", written.factors.as_ref().map(Spanned::span)),
+        ("hardpoint", written.hardpoint.as_ref().map(Spanned::span)),
+        ("hardpoints", written.hardpoints.as_ref().map(Spanned::span)),
+    ];
+    let mut wrong = false;
+    for (key, place) in others {
+        if let Some(place) = place {
+            let message = format!("{key} does not belong to rigid: a body has shift and turn");
+            problems.add(place, message);
+            wrong = true;
+        }
+    }
+    let names = points.get_ref();
+    let ids: Vec<Option<_>> = names
+        .iter()
+        .map(|name| hardpoint(name, suspension, problems))
+        .collect();
+    let Some(ids) = ids.into_iter().collect::<Option<Vec<_>>>() else {
+        return vec![None];
+    };
+    for (i, name) in names.iter().enumerate() {
+        if ids[..i].contains(&ids[i]) {
+            problems.add(name.span(), format!("{:?} is listed twice", name.get_ref()));
+            wrong = true;
+        }
+    }
+    if ids.len() < 2 {
+        problems.add(points.span(), "a body has at least two points");
+        return vec![None];
+    }
+    let shift = written
+        .shift
+        .as_ref()
+        .map(|number| above_zero(number, problems));
+    let turn = written.turn.as_ref().map(|number| {
+        let turn = above_zero(number, problems)?;
+        if turn > LARGEST_TURN {
+            let message = format!("expected at most {LARGEST_TURN} degrees, found {turn}");
+            problems.add(number.span.clone(), message);
+            return None;
+        }
+        Some(turn)
+    });
+    let cost = cost(written, problems);
+    if shift.is_none() && turn.is_none() {
+        let message = "expected shift, turn or both: how far the body moves, both ways";
+        problems.add(variable.span(), message);
+        return vec![None];
+    }
+    let (shift, turn, Some(cost), false) = (shift.flatten(), turn.flatten(), cost, wrong) else {
+        return vec![None];
+    };
+    let name = names
+        .iter()
+        .map(|n| n.get_ref().as_str())
+        .collect::<Vec<_>>()
+        .join("+");
+    let mut variables = Vec::new();
+    for axis in Axis::ALL {
+        if let Some(shift) = shift {
+            let moved = ids.iter().map(|point| Move {
+                point: *point,
+                axis,
+                factor: 1.0,
+            });
+            variables.push(Some(Variable {
+                name: name.clone(),
+                moves: moved.collect(),
+                turn: None,
+                range: [-shift, shift],
+                cost,
+            }));
+        }
+    }
+    for axis in Axis::ALL {
+        if let Some(turn) = turn {
+            variables.push(Some(Variable {
+                name: name.clone(),
+                moves: Vec::new(),
+                turn: Some(Turn {
+                    points: ids.clone(),
+                    axis,
+                }),
+                range: [-turn, turn],
+                cost,
+            }));
+        }
+    }
+    variables
 }

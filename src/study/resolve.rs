@@ -2,7 +2,7 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
+    Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
     source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
@@ -15,6 +15,10 @@ pub struct Context<'a> {
     pub suspension: &'a Suspension,
     /// The motion, if nothing is wrong with it.
     pub motion: Option<&'a Motion>,
+    /// Further motions by name.
+    pub motions: &'a [(String, Motion)],
+    /// The file as written.
+    pub file: &'a super::file::File,
     /// Where the study file is.
     pub directory: &'a Path,
 }
@@ -70,6 +74,12 @@ fn resolve(
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, &mut problems),
     };
+    let mut motions = Vec::new();
+    for (name, section) in &file.motions {
+        if let Some(motion) = motion::motion(section, &mut problems) {
+            motions.push((name.get_ref().clone(), motion));
+        }
+    }
     // Without a suspension there are no names that the rest could be right or wrong about.
     let Some(suspension) = suspension else {
         return problems.finish(None);
@@ -84,6 +94,20 @@ fn resolve(
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
+    for (name, section) in &file.motions {
+        let same = |named: &&(String, Motion)| named.0 == *name.get_ref();
+        if let Some((_, motion)) = motions.iter().find(same) {
+            motion::check_drive(section, motion, &suspension, &mut problems);
+            if motion.drive == Drive::PaperTheta || motion.time.is_some() {
+                let message = "a named motion is by travel or arm_angle, without time";
+                problems.add(section.span(), message);
+            }
+        }
+        if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
+            let message = "the name of a motion is part of a file's name: letters, digits and _";
+            problems.add(name.span(), message);
+        }
+    }
     let formulation = solver::formulation(&file, &suspension, &mut problems);
     solver::refuse_accuracy(&file, &mut problems);
     let outputs = match of_axle {
@@ -96,6 +120,8 @@ fn resolve(
     let context = Context {
         suspension: &suspension,
         motion: motion.as_ref(),
+        motions: &motions,
+        file: &file,
         directory,
     };
     let optimise = match &file.optimise {
@@ -155,6 +181,7 @@ fn resolve(
             .collect(),
         suspension,
         motion,
+        motions,
         formulation,
         outputs,
         optimise,

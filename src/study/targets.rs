@@ -1,15 +1,14 @@
-//! `targets` of `[optimise]`: wanted curves and values.
+//! `targets` of `[optimise]`: wanted curves, values and bands.
 
-use super::curve_file;
+use super::curve_file::{self, Wished};
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
-use super::outputs::characteristic;
 use super::resolve::Context;
+use super::subject::{About, site, subject};
 use super::suspension::above_zero;
-use super::value::Number;
-use super::{Interpolation, Motion, Target, Wanted};
-use crate::characteristics::Unit;
+use super::value::{LimitText, Number};
+use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -33,21 +32,30 @@ pub fn targets(
         );
         return None;
     }
+    let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
     let resolved: Vec<_> = written
         .iter()
-        .map(|t| target(t, context, problems))
+        .map(|t| target(t, is_fit, context, problems))
         .collect();
     resolved.into_iter().collect()
 }
 
 fn target(
-    written: &Spanned<Written>,
+    spanned: &Spanned<Written>,
+    is_fit: bool,
     context: &Context,
     problems: &mut Problems,
 ) -> Option<(Target, Option<WrittenCurve>)> {
-    let place = written.span();
-    let written = written.get_ref();
-    let characteristic = characteristic(&written.characteristic, context.suspension, problems);
+    let place = spanned.span();
+    let written = spanned.get_ref();
+    let about = About {
+        place: place.clone(),
+        characteristic: &written.characteristic,
+        point: &written.point,
+        axis: &written.axis,
+        length: &written.length,
+    };
+    let of = subject(&about, context.suspension, problems);
     let tolerance = not_tiny(&written.tolerance, problems);
     if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
         let message =
@@ -60,73 +68,134 @@ fn target(
         Some(weight) => not_tiny(weight, problems),
     };
     let interpolation = interpolation(written, problems);
-    let characteristic = characteristic?;
-    let unit = characteristic.info().unit;
+    let site = site(&written.motion, &written.rack, context, problems);
+    if let (Some(column), None) = (&written.column, &written.file) {
+        problems.add(
+            column.span(),
+            "column belongs to file: it names one of its columns",
+        );
+    }
+    let (of, site) = (of?, site?);
+    let motion = site.motion.as_ref().map(|(_, motion)| motion);
+    let place = Place {
+        motion: motion.or(context.motion)?,
+        place,
+        of: &of,
+        interpolation: interpolation?,
+    };
 
     let mut from_file = None;
-    let wanted = match (&written.points, &written.file, &written.at, &written.value) {
-        (Some(points), None, None, None) => {
-            let curve = curve(points, problems)?;
-            wanted_curve(
-                &curve,
-                points.span(),
-                unit,
-                interpolation?,
-                context,
-                problems,
-            )
+    let band = written.between.is_some() || written.at_least.is_some() || written.at_most.is_some();
+    let given = (
+        &written.points,
+        &written.file,
+        &written.at,
+        &written.value,
+        band,
+    );
+    let wanted = match given {
+        (Some(points), None, None, None, false) => {
+            let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
+            place.curve(&curve, points.span(), is_fit, problems)
         }
-        (None, Some(path), None, None) => {
-            let drive = drive_column(context);
-            let value = characteristic.column(context.suspension.length_unit);
-            let curve = curve_file::read(path, context.directory, [&drive, &value], problems)?;
-            let wanted = wanted_curve(&curve, path.span(), unit, interpolation?, context, problems);
+        (None, Some(path), None, None, false) => {
+            let drive = place.drive_column(context);
+            let wished = Wished {
+                drive: &drive,
+                value: written.column.as_ref().map_or(&*of.column, |c| c.get_ref()),
+                rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
+                racks: &rack_displacements(&site, place.motion),
+                as_measured: is_fit,
+            };
+            let curve = curve_file::read(path, context.directory, &wished, problems)?;
+            let wanted = place.curve(&curve, path.span(), is_fit, problems);
             from_file = Some(curve);
             wanted
         }
-        (None, None, Some(at), Some(value)) => wanted_value(at, value, unit, context, problems),
-        (None, None, Some(at), None) => {
+        (None, None, Some(at), Some(value), false) => place.value(at, value, problems),
+        (None, None, at, None, true) => place.band(written, at.as_ref(), problems),
+        (None, None, Some(at), None, false) => {
             problems.add(at.span.clone(), "at needs value: what is wanted there");
             None
         }
-        (None, None, None, Some(value)) => {
+        (None, None, None, Some(value), false) => {
             problems.add(
                 value.span.clone(),
                 "value needs at: the drive value where it is wanted",
             );
             None
         }
-        (None, None, None, None) => {
+        (None, None, None, None, false) => {
             let message = "expected what is wanted: points = [[drive, value], ...], file = \"curve.csv\", \
-                           or at and value";
-            problems.add(place, message);
+                           at and value, or a band: between, at_least, at_most";
+            problems.add(place.place.clone(), message);
             None
         }
         _ => {
-            let message = "expected one of points, file, or at with value, found more than one";
-            problems.add(place, message);
+            let message =
+                "expected one of points, file, at with value, or a band, found more than one";
+            problems.add(place.place.clone(), message);
             None
         }
     };
+    let wanted = wanted?;
     let target = Target {
-        characteristic,
-        wanted: wanted?,
-        tolerance: unit.from_printed(tolerance?),
+        tolerance: of.from_printed(tolerance?).abs(),
+        stations: added_stations(&wanted, place.motion),
+        of: of.clone(),
+        wanted,
         weight: weight?,
+        site: site.clone(),
     };
     Some((target, from_file))
 }
 
-/// The number, which must be above zero by so much that quotients by it, and their squares, do not overflow.
-fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
-    const LEAST: f64 = 1e-12;
-    let value = above_zero(number, problems)?;
-    if value >= LEAST {
-        return Some(value);
+/// The rack displacements of a site.
+fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
+    match (site.racks.as_slice(), motion.rack_moves) {
+        ([], true) => vec![0.0],
+        ([], false) => vec![motion.rack[0]],
+        (racks, _) => racks.to_vec(),
     }
-    let message = format!("expected a number of at least {LEAST:e}, found {value:e}");
-    problems.add(number.span.clone(), message);
-    None
+}
+
+/// Stations beside those of the motion: a curve with fewer stations between its ends than it has points
+/// within the motion would be judged by less than was asked for.
+fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
+    let (lowest, highest) = ends(&motion.values);
+    let curves: Vec<&[[f64; 2]]> = match wanted {
+        Wanted::Curve { points, .. } => vec![points],
+        Wanted::Band {
+            at: None,
+            lower,
+            upper,
+        } => {
+            let limits = [lower, upper].into_iter().flatten();
+            let curves = limits.filter_map(|limit| match limit {
+                Limit::Value(_) => None,
+                Limit::Curve { points, .. } => Some(points.as_slice()),
+            });
+            curves.collect()
+        }
+        _ => Vec::new(),
+    };
+    let mut added = Vec::new();
+    for points in curves {
+        let on_curve = points[0][0]..=points[points.len() - 1][0];
+        let own = motion
+            .values
+            .iter()
+            .filter(|v| on_curve.contains(v))
+            .count();
+        let knots = points.iter().map(|p| p[0]);
+        let knots: Vec<f64> = knots.filter(|k| (lowest..=highest).contains(k)).collect();
+        if own < knots.len() {
+            added.extend(knots.iter().filter(|k| !motion.values.contains(k)));
+        }
+    }
+    added.sort_by(f64::total_cmp);
+    added.dedup();
+    added
 }
 
 fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpolation> {
@@ -145,11 +214,13 @@ fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpola
 
 /// The points of a curve as written.
 fn curve(
-    points: &Spanned<Vec<Spanned<Vec<Number>>>>,
+    points: &[Spanned<Vec<Number>>],
+    place: Span<usize>,
+    as_measured: bool,
     problems: &mut Problems,
 ) -> Option<WrittenCurve> {
     let mut curve: WrittenCurve = Vec::new();
-    for point in points.get_ref() {
+    for point in points {
         let [drive, value] = point.get_ref().as_slice() else {
             let message = format!(
                 "expected a pair [drive value, wanted value], found {} numbers",
@@ -158,7 +229,8 @@ fn curve(
             problems.add(point.span(), message);
             return None;
         };
-        if let Some([before, _]) = curve.last().filter(|[before, _]| *before >= drive.value) {
+        let last = curve.last().filter(|_| !as_measured);
+        if let Some([before, _]) = last.filter(|[before, _]| *before >= drive.value) {
             let message = format!(
                 "{} does not rise above {before}, the one before",
                 drive.value
@@ -171,14 +243,11 @@ fn curve(
     }
     match curve.as_slice() {
         [] => {
-            problems.add(
-                points.span(),
-                "expected at least two points, found an empty list",
-            );
+            problems.add(place, "expected at least two points, found an empty list");
             None
         }
         [[drive, value]] => {
-            let error = problems.add(points.span(), "a curve has at least two points, found one");
+            let error = problems.add(place, "a curve has at least two points, found one");
             error.help(format!(
                 "a single value is at = {drive:?}, value = {value:?}"
             ));
@@ -188,73 +257,164 @@ fn curve(
     }
 }
 
-fn wanted_curve(
-    curve: &[[f64; 2]],
+/// Where a target is, and what it is about.
+struct Place<'a> {
+    motion: &'a Motion,
     place: Span<usize>,
-    unit: Unit,
+    of: &'a Subject,
     interpolation: Interpolation,
-    context: &Context,
-    problems: &mut Problems,
-) -> Option<Wanted> {
-    let motion = context.motion?;
-    let points: Vec<[f64; 2]> = curve
-        .iter()
-        .map(|[drive, value]| [drive_value(motion, *drive), unit.from_printed(*value)])
-        .collect();
-    let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
-    let ends = points[0][0]..=points[points.len() - 1][0];
-    if !motion.values.iter().any(|station| ends.contains(station)) {
-        let message = format!(
-            "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
-            reach(motion)
-        );
-        problems.add(place, message);
-        return None;
-    }
-    Some(Wanted::Curve {
-        points,
-        interpolation,
-    })
 }
 
-fn wanted_value(
-    at: &Number,
-    value: &Number,
-    unit: Unit,
-    context: &Context,
-    problems: &mut Problems,
-) -> Option<Wanted> {
-    let motion = context.motion?;
-    let drive = drive_value(motion, at.value);
-    let (lowest, highest) = ends(&motion.values);
-    if drive < lowest || drive > highest {
-        let message = format!(
-            "{} is outside of the motion, which {}",
-            at.value,
-            reach(motion)
-        );
-        problems.add(at.span.clone(), message);
-        return None;
+impl Place<'_> {
+    fn curve(
+        &self,
+        curve: &[[f64; 2]],
+        place: Span<usize>,
+        as_measured: bool,
+        problems: &mut Problems,
+    ) -> Option<Wanted> {
+        let motion = self.motion;
+        let mut points: Vec<[f64; 2]> = curve
+            .iter()
+            .map(|[drive, value]| [self.drive_value(*drive), self.of.from_printed(*value)])
+            .collect();
+        let (lowest, highest) = ends(&motion.values);
+        let within = |p: &[f64; 2]| (lowest..=highest).contains(&p[0]);
+        let ends = points[0][0]..=points[points.len() - 1][0];
+        let has_station = motion.values.iter().any(|station| ends.contains(station));
+        if !(has_station && !as_measured || points.iter().any(within)) {
+            let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
+            let message = format!(
+                "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
+                reach(motion)
+            );
+            problems.add(place, message);
+            return None;
+        }
+        if as_measured {
+            points.retain(within);
+            return Some(Wanted::Points(points));
+        }
+        Some(Wanted::Curve {
+            points,
+            interpolation: self.interpolation,
+        })
     }
-    Some(Wanted::At {
-        drive,
-        value: unit.from_printed(value.value),
-    })
-}
 
-/// The drive value a target speaks of: degrees become radians.
-fn drive_value(motion: &Motion, written: f64) -> f64 {
-    match motion.drive.is_angle() {
-        false => written,
-        true => written.to_radians(),
+    fn value(&self, at: &Number, value: &Number, problems: &mut Problems) -> Option<Wanted> {
+        Some(Wanted::At {
+            drive: self.single(at, problems)?,
+            value: self.of.from_printed(value.value),
+        })
     }
-}
 
-/// The name of the drive's column in files.
-fn drive_column(context: &Context) -> String {
-    match context.motion.map(|motion| motion.drive) {
-        Some(drive) if drive.is_angle() => format!("{}_deg", drive.key()),
-        _ => format!("travel_{}", context.suspension.length_unit.symbol()),
+    /// A single drive value, which must be within the motion.
+    fn single(&self, at: &Number, problems: &mut Problems) -> Option<f64> {
+        let drive = self.drive_value(at.value);
+        let (lowest, highest) = ends(&self.motion.values);
+        if drive < lowest || drive > highest {
+            let message = format!(
+                "{} is outside of the motion, which {}",
+                at.value,
+                reach(self.motion)
+            );
+            problems.add(at.span.clone(), message);
+            return None;
+        }
+        Some(drive)
+    }
+
+    fn band(
+        &self,
+        written: &Written,
+        at: Option<&Number>,
+        problems: &mut Problems,
+    ) -> Option<Wanted> {
+        let (least, most) = (written.at_least.as_ref(), written.at_most.as_ref());
+        let [lower, upper] = match (&written.between, least, most) {
+            (Some(between), None, None) => {
+                let [lower, upper] = between.get_ref().as_slice() else {
+                    let message = format!(
+                        "expected two limits [lower, upper], found {}",
+                        between.get_ref().len()
+                    );
+                    problems.add(between.span(), message);
+                    return None;
+                };
+                [Some((lower, between.span())), Some((upper, between.span()))]
+            }
+            (None, least, most) => {
+                [least, most].map(|limit| Some((limit?.get_ref(), limit?.span())))
+            }
+            (Some(between), _, _) => {
+                let message =
+                    "between says both limits; expected it alone, or at_least and at_most";
+                problems.add(between.span(), message);
+                return None;
+            }
+        };
+        let mut limit = |given: Option<(&LimitText, Span<usize>)>| match given {
+            None => Some(None),
+            Some((LimitText::Value(value), _)) => {
+                Some(Some(Limit::Value(self.of.from_printed(*value))))
+            }
+            Some((LimitText::Curve(points), place)) => {
+                let curve = curve(points, place, false, problems)?;
+                let points = curve.iter();
+                let points = points.map(|[d, v]| [self.drive_value(*d), self.of.from_printed(*v)]);
+                Some(Some(Limit::Curve {
+                    points: points.collect(),
+                    interpolation: self.interpolation,
+                }))
+            }
+        };
+        let (lower, upper) = (limit(lower)?, limit(upper)?);
+        // An axis that points the other way exchanges them.
+        let [lower, upper] = match self.of.sign < 0.0 {
+            true => [upper, lower],
+            false => [lower, upper],
+        };
+        let at = match at {
+            None => None,
+            Some(at) => Some(self.single(at, problems)?),
+        };
+        let wanted = Wanted::Band { at, lower, upper };
+        let mut stations = self.motion.values.clone();
+        stations.extend(added_stations(&wanted, self.motion));
+        let samples = wanted.samples(&stations);
+        if samples.is_empty() {
+            let message = format!(
+                "no station of the motion, which {}, is within this band",
+                reach(self.motion)
+            );
+            problems.add(self.place.clone(), message);
+            return None;
+        }
+        if let Some(sample) = samples.iter().find(|s| s.low > s.high) {
+            let message = format!(
+                "the band is empty at {}: its lower limit is above the upper one",
+                self.motion.drive.printed(sample.drive)
+            );
+            problems.add(self.place.clone(), message);
+            return None;
+        }
+        Some(wanted)
+    }
+
+    /// The drive value a target speaks of: degrees become radians.
+    fn drive_value(&self, written: f64) -> f64 {
+        match self.motion.drive.is_angle() {
+            false => written,
+            true => written.to_radians(),
+        }
+    }
+
+    /// The name of the drive's column in files.
+    fn drive_column(&self, context: &Context) -> String {
+        match self.motion.drive {
+            drive if drive.is_angle() => format!("{}_deg", drive.key()),
+            _ => format!("travel_{}", context.suspension.length_unit.symbol()),
+        }
     }
 }
 

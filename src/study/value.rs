@@ -250,3 +250,85 @@ impl<'de> Visitor<'de> for MemberNameVisitor {
         Ok(MemberName::Ends(ends))
     }
 }
+
+/// One number, or a list of them.
+#[derive(Clone, Debug)]
+pub enum Numbers {
+    /// One.
+    One(f64),
+    /// Several.
+    Many(Vec<Number>),
+}
+
+impl<'de> Deserialize<'de> for Numbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NumbersVisitor)
+    }
+}
+
+struct NumbersVisitor;
+
+impl<'de> Visitor<'de> for NumbersVisitor {
+    type Value = Numbers;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number or a list of numbers")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Numbers, E> {
+        FiniteVisitor.visit_f64(value).map(Numbers::One)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Numbers, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Numbers, A::Error> {
+        let mut list = Vec::new();
+        while let Some(number) = seq.next_element()? {
+            list.push(number);
+        }
+        Ok(Numbers::Many(list))
+    }
+}
+
+/// A limit: one number, or a curve of pairs.
+#[derive(Clone, Debug)]
+pub enum LimitText {
+    /// The same everywhere.
+    Value(f64),
+    /// Pairs of drive value and limit.
+    Curve(Vec<Spanned<Vec<Number>>>),
+}
+
+impl<'de> Deserialize<'de> for LimitText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LimitVisitor)
+    }
+}
+
+struct LimitVisitor;
+
+impl<'de> Visitor<'de> for LimitVisitor {
+    type Value = LimitText;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number or a curve [[drive value, limit], ...]")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<LimitText, E> {
+        FiniteVisitor.visit_f64(value).map(LimitText::Value)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<LimitText, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<LimitText, A::Error> {
+        let mut list = Vec::new();
+        while let Some(point) = seq.next_element()? {
+            list.push(point);
+        }
+        Ok(LimitText::Curve(list))
+    }
+}

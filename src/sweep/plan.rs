@@ -67,9 +67,9 @@ impl<'s> SweepPlan<'s> {
                 Samples::Table(DesignTable::read(path, suspension).map_err(NotBegun::Designs)?)
             }
         };
-        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
         let wanted: Vec<_> = targets
-            .map(|t| (t, t.wanted.at_stations(&study.motion.values)))
+            .map(|t| (t, t.wanted.at_stations(&t.stations_in(&study.motion))))
             .collect();
         let further: Vec<f64> = wanted.iter().flat_map(|w| &w.1).map(|w| w.0).collect();
         let stations = Stations::of(&study.motion, &suspension.frame, &further);
@@ -78,7 +78,7 @@ impl<'s> SweepPlan<'s> {
         let wishes = wanted.iter().map(|(target, wanted)| TargetSample {
             quantity: quantities
                 .iter()
-                .position(|q| *q == Quantity::Characteristic(target.characteristic))
+                .position(|q| target.of.measure.quantity() == Some(*q))
                 .expect("the plan has the targets' characteristics"),
             tolerance: target.tolerance,
             weight: target.weight,
@@ -370,12 +370,12 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             })
             .collect(),
     });
-    let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
     let targets = targets.map(|t| {
-        let factor = t.characteristic.info().unit.printed_factor();
-        let wanted = t.wanted.at_stations(&motion.values).into_iter();
+        let factor = t.of.factor();
+        let wanted = t.wanted.at_stations(&t.stations_in(motion)).into_iter();
         TargetColumn {
-            column: t.characteristic.column(unit),
+            column: t.of.column.clone(),
             tolerance: t.tolerance * factor,
             weight: t.weight,
             points: wanted

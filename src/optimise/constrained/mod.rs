@@ -36,6 +36,7 @@ mod solver;
 #[cfg(test)]
 mod tests;
 
+pub(super) use solver::KEPT;
 pub use solver::{ConstrainedFit, constrained_fit};
 
 use super::{Evaluation, Infeasible};

@@ -2,7 +2,7 @@
 
 use super::super::active_set::Held;
 use super::super::levenberg_marquardt::{State, of};
-use super::super::{Bounds, Control, Infeasible, Iteration, Options, Termination};
+use super::super::{Bounds, Control, Evaluation, Infeasible, Iteration, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::{Assessment, Constrained};
@@ -148,6 +148,14 @@ impl SequentialConvex<'_> {
         }
     }
 
+    /// The residuals a run is told by: those held to a level, where there are any.
+    fn reported(&self) -> &Evaluation {
+        match self.current.level.residuals.is_empty() {
+            true => &self.current.goal,
+            false => &self.current.level,
+        }
+    }
+
     /// Goal and violation of a point.
     fn pair(&self, of: &Assessment) -> [f64; 2] {
         [of.goal.cost(), of.violation(self.equalities, self.level)]
@@ -217,8 +225,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         self.filter = Filter::new(violation);
         let log = self.record(Iteration {
             iteration: 0,
-            cost,
-            misfit: self.current.goal.misfit(),
+            cost: self.reported().cost(),
+            misfit: self.reported().misfit(),
             step: 0.0,
             damping: 0.0,
             held: 0,
@@ -322,8 +330,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         let held = self.bounds.holds(&x);
         let log = self.record(Iteration {
             iteration: state.iter + 1,
-            cost,
-            misfit: self.current.goal.misfit(),
+            cost: self.reported().cost(),
+            misfit: self.reported().misfit(),
             step,
             damping: 0.0,
             held: super::super::levenberg_marquardt::count_held(&held),

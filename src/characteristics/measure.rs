@@ -1,0 +1,463 @@
+//! What targets and constraints are about: quantities of the catalogue, and the geometry of parts.
+//!
+//! A [`Measure`] has a value in every pose. Those of geometry are formulas of up to six vectors, each the
+//! position of a point or a direction, now or in the design position. A formula is written once, over
+//! [`Scalar`]; its derivatives by what it reads come from running it on derivative numbers, and from there
+//! the adjoint leads to the hardpoints.
+//!
+//! Values are smooth but for these places, where a derivative is that of one of the sides: the edges and
+//! the inside of what a box or a tube must keep clear of, a member's end taking over from its middle as
+//! the nearest place, members that are parallel (the middle of where they overlap is taken), and members
+//! that cut one another: their distance is 0 there and grows again beyond.
+
+use super::{Quantity, Slot};
+use crate::derive::Seeds;
+use crate::mechanism::Configuration;
+use crate::model::{Mechanism, PointId, RockerId};
+use crate::number::{Dual, Jet, Scalar, Vector3};
+
+/// Something that has a value in every pose. In the kernel's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measure {
+    /// A quantity of the catalogue.
+    Quantity(Quantity),
+    /// The distance of two points.
+    Length([PointId; 2]),
+    /// How far a point is from a plane, on the side its unit normal points to.
+    Height {
+        /// The point.
+        point: PointId,
+        /// A point of the plane.
+        over: Vector3<f64>,
+        /// Its unit normal.
+        normal: Vector3<f64>,
+    },
+    /// The distance of a point from a fixed one.
+    DistanceFrom(PointId, Vector3<f64>),
+    /// The distance of a point from a line.
+    FromLine {
+        /// The point.
+        point: PointId,
+        /// A point of the line.
+        through: Vector3<f64>,
+        /// Unit vector along it.
+        along: Vector3<f64>,
+    },
+    /// The distance of a point from a box along the axes, negative inside of it.
+    FromBox {
+        /// The point.
+        point: PointId,
+        /// The box's middle.
+        middle: Vector3<f64>,
+        /// Half its edges.
+        half: Vector3<f64>,
+    },
+    /// The distance of a point from a tube with closed ends, negative inside of it.
+    FromTube {
+        /// The point.
+        point: PointId,
+        /// The middle of its axis.
+        middle: Vector3<f64>,
+        /// Unit vector along the axis.
+        along: Vector3<f64>,
+        /// Half its length.
+        half: f64,
+        /// Its radius.
+        radius: f64,
+    },
+    /// The distance of a point from the spin axis.
+    FromSpinAxis(PointId),
+    /// How far outboard of the wheel centre a point is along the spin axis.
+    AlongSpinAxis(PointId),
+    /// The distance of two members' centre lines, each between two points.
+    Clearance([[PointId; 2]; 2]),
+    /// Of a ball joint between wheel carrier and arm: 1 less the cosine of the angle by which the stud
+    /// has left its direction in the arm.
+    BallJoint {
+        /// The joint.
+        joint: PointId,
+        /// The arm's axis.
+        axis: [PointId; 2],
+        /// The stud.
+        stud: Stud,
+    },
+    /// Of a rod's joint on the wheel carrier: the change of the angle between stud and rod.
+    RodEnd {
+        /// The joint, and the rod's other end.
+        rod: [PointId; 2],
+        /// The stud.
+        stud: Stud,
+    },
+    /// How far the fourth point is from the plane through the other three.
+    OffPlane([PointId; 4]),
+    /// How far the third point is from the line through the other two, along the axis of this number.
+    OffLine([PointId; 3], usize),
+}
+
+/// The direction of a joint's stud, fixed in the wheel carrier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stud {
+    /// From one point to another, in the design position.
+    Between(PointId, PointId),
+    /// This one, in the design position.
+    Along(Vector3<f64>),
+}
+
+/// The most vectors that a formula reads.
+const MOST: usize = 6;
+
+/// A vector that a formula reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Input {
+    /// The position of a point.
+    Now(PointId),
+    /// Its position in the design position.
+    Designed(PointId),
+    /// The spin axis.
+    SpinAxis,
+    /// A stud, now.
+    StudNow(Stud),
+    /// A stud in the design position.
+    StudDesigned(Stud),
+}
+
+impl Measure {
+    /// The quantity of the catalogue, if it is one.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Measure::Quantity(quantity) => Some(*quantity),
+            _ => None,
+        }
+    }
+
+    /// Derivatives by the drive that the value itself takes.
+    pub fn rate_order(&self) -> usize {
+        self.quantity().map_or(0, Quantity::rate_order)
+    }
+
+    /// What of wheel and steering axis it is made of.
+    pub fn reads(&self) -> &'static [Slot] {
+        self.quantity().map_or(&[], Quantity::reads)
+    }
+
+    /// The rockers it moves with.
+    pub fn rockers(&self, mechanism: &Mechanism) -> Vec<RockerId> {
+        if let Measure::Quantity(quantity) = self {
+            return quantity.rockers(mechanism);
+        }
+        let (inputs, count) = self.inputs(mechanism);
+        let points = inputs[..count].iter().filter_map(|input| match input {
+            Input::Now(point) => mechanism.rockers_moving(*point).next(),
+            _ => None,
+        });
+        points.collect()
+    }
+
+    /// Whether the value is the same in every pose: of two points of one part, or of the ends of a rod or
+    /// of a leg of an arm.
+    pub fn is_fixed(&self, mechanism: &Mechanism) -> bool {
+        match self {
+            Measure::Length([a, b]) => mechanism.are_rigidly_joined(*a, *b),
+            Measure::OffPlane(_) | Measure::OffLine(..) => true,
+            _ => false,
+        }
+    }
+
+    fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
+        let list = |given: &[Input]| {
+            let mut inputs = [Input::SpinAxis; MOST];
+            inputs[..given.len()].copy_from_slice(given);
+            (inputs, given.len())
+        };
+        use Input::{Designed, Now, StudDesigned, StudNow};
+        match *self {
+            Measure::Quantity(_) => list(&[]),
+            Measure::Length([a, b]) => list(&[Now(a), Now(b)]),
+            Measure::Height { point, .. }
+            | Measure::DistanceFrom(point, _)
+            | Measure::FromLine { point, .. }
+            | Measure::FromBox { point, .. }
+            | Measure::FromTube { point, .. } => list(&[Now(point)]),
+            Measure::FromSpinAxis(point) | Measure::AlongSpinAxis(point) => {
+                list(&[Now(point), Now(mechanism.wheel_centre), Input::SpinAxis])
+            }
+            Measure::Clearance([[a, b], [c, d]]) => list(&[Now(a), Now(b), Now(c), Now(d)]),
+            Measure::BallJoint { joint, axis, stud } => list(&[
+                StudNow(stud),
+                StudDesigned(stud),
+                Designed(axis[0]),
+                Designed(axis[1]),
+                Designed(joint),
+                Now(joint),
+            ]),
+            Measure::RodEnd {
+                rod: [joint, other],
+                stud,
+            } => list(&[
+                StudNow(stud),
+                StudDesigned(stud),
+                Now(joint),
+                Now(other),
+                Designed(joint),
+                Designed(other),
+            ]),
+            Measure::OffPlane([a, b, c, d]) => {
+                list(&[Designed(a), Designed(b), Designed(c), Designed(d)])
+            }
+            Measure::OffLine([a, b, c], _) => list(&[Designed(a), Designed(b), Designed(c)]),
+        }
+    }
+
+    /// The value of a geometric measure along a series of poses. Quantities of the catalogue are read by
+    /// [`WheelReading`](super::WheelReading).
+    pub fn value<T: Scalar>(&self, at: &Configuration<T>) -> T {
+        let (inputs, count) = self.inputs(at.mechanism);
+        let like = at.rack;
+        let mut vectors = [Vector3::new(like, like, like).zero(); MOST];
+        for (vector, input) in vectors.iter_mut().zip(&inputs[..count]) {
+            *vector = input.read(at);
+        }
+        self.formula(&vectors)
+    }
+
+    /// Seeds the adjoint of a geometric measure with its derivatives by what it reads.
+    pub fn seed<const N: usize>(
+        &self,
+        at: &Configuration<Jet<f64, N>>,
+        seeds: &mut Seeds<'_, '_, Jet<f64, N>>,
+    ) {
+        let (inputs, count) = self.inputs(at.mechanism);
+        let mut vectors = [Vector3::new(0.0, 0.0, 0.0); MOST];
+        for (vector, input) in vectors.iter_mut().zip(&inputs[..count]) {
+            *vector = input.read(at).map(|c| c[0]);
+        }
+        for (k, input) in inputs[..count].iter().enumerate() {
+            let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
+            let v = vectors[k];
+            seeded[k] = Vector3::new(
+                Dual::input(v.x, 0),
+                Dual::input(v.y, 1),
+                Dual::input(v.z, 2),
+            );
+            let gradient = Vector3::from(self.formula(&seeded).partials);
+            input.push(gradient.map(Jet::constant), at, seeds);
+        }
+    }
+
+    /// The formula, of the vectors that `inputs` names.
+    fn formula<T: Scalar>(&self, v: &[Vector3<T>; MOST]) -> T {
+        match self {
+            Measure::Quantity(_) => v[0].x.lit(f64::NAN),
+            Measure::Length(_) => (v[0] - v[1]).norm(),
+            Measure::Height { over, normal, .. } => {
+                let p = v[0];
+                (p - p.lit(*over)).dot(p.lit(*normal))
+            }
+            Measure::DistanceFrom(_, centre) => (v[0] - v[0].lit(*centre)).norm(),
+            Measure::FromLine { through, along, .. } => {
+                let (p, along) = (v[0], v[0].lit(*along));
+                (p - p.lit(*through)).cross(along).norm()
+            }
+            Measure::FromBox { middle, half, .. } => {
+                let away = (v[0] - v[0].lit(*middle)).to_array();
+                let half = half.to_array();
+                outside(&std::array::from_fn::<T, 3, _>(|i| {
+                    magnitude(away[i]) - away[i].lit(half[i])
+                }))
+            }
+            Measure::FromTube {
+                middle,
+                along,
+                half,
+                radius,
+                ..
+            } => {
+                let (p, along) = (v[0], v[0].lit(*along));
+                let away = p - p.lit(*middle);
+                let radial = away.cross(along).norm() - away.x.lit(*radius);
+                let axial = magnitude(away.dot(along)) - away.x.lit(*half);
+                outside(&[radial, axial])
+            }
+            Measure::FromSpinAxis(_) => (v[0] - v[1]).cross(v[2]).norm(),
+            Measure::AlongSpinAxis(_) => (v[0] - v[1]).dot(v[2]),
+            Measure::Clearance(_) => between_segments([v[0], v[1]], [v[2], v[3]]),
+            Measure::BallJoint { .. } => {
+                let [now, designed, front, rear, joint, joint_now] = *v;
+                let axis = (rear - front).normalised();
+                let across = |p: Vector3<T>| p - axis * axis.dot(p);
+                let (radius, radius_now) = (across(joint - front), across(joint_now - front));
+                let inverse = axis.x.one() / radius.norm_squared();
+                let cosine = radius.dot(radius_now) * inverse;
+                let sine = axis.dot(radius.cross(radius_now)) * inverse;
+                // The stud's direction as the arm carries it.
+                let lever = across(designed);
+                let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
+                (now.normalised() - carried.normalised())
+                    .norm_squared()
+                    .scaled(0.5)
+            }
+            Measure::RodEnd { .. } => {
+                let angle = |stud: Vector3<T>, joint: Vector3<T>, other: Vector3<T>| {
+                    let rod = other - joint;
+                    stud.cross(rod).norm().atan2(stud.dot(rod))
+                };
+                angle(v[0], v[2], v[3]) - angle(v[1], v[4], v[5])
+            }
+            Measure::OffPlane(_) => {
+                let normal = (v[1] - v[0]).cross(v[2] - v[0]).normalised();
+                normal.dot(v[3] - v[0])
+            }
+            Measure::OffLine(_, axis) => {
+                let along = (v[1] - v[0]).normalised();
+                let away = v[2] - v[0];
+                (away - along * along.dot(away)).to_array()[*axis]
+            }
+        }
+    }
+}
+
+/// |x|, from the side it is on.
+fn magnitude<T: Scalar>(x: T) -> T {
+    if x.value() < 0.0 { -x } else { x }
+}
+
+/// The distance from a body that is where all of these are negative: outside the length of those that are
+/// positive, inside the largest.
+fn outside<T: Scalar>(excess: &[T]) -> T {
+    let mut largest = excess[0];
+    let mut square = largest.zero();
+    let mut positive = 0;
+    for &e in excess {
+        if e.value() > largest.value() {
+            largest = e;
+        }
+        if e.value() > 0.0 {
+            square = square + e.squared();
+            positive += 1;
+        }
+    }
+    match positive {
+        0 | 1 => largest,
+        _ => square.sqrt(),
+    }
+}
+
+/// The distance of two segments. The nearest places are found on plain numbers: to first order they need
+/// not move with what the distance is differentiated by, since there it is least.
+fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
+    let plain = |v: Vector3<T>| v.map(|c| c.value());
+    let (p, q) = (plain(first[0]), plain(second[0]));
+    let (u, w) = (plain(first[1]) - p, plain(second[1]) - q);
+    let (uu, ww, uw) = (u.dot(u), w.dot(w), u.dot(w));
+    let apart = p - q;
+    let (ua, wa) = (u.dot(apart), w.dot(apart));
+    let determinant = uu * ww - uw * uw;
+    let on_second = |s: f64| ((uw * s + wa) / ww).clamp(0.0, 1.0);
+    let on_first = |t: f64| ((uw * t - ua) / uu).clamp(0.0, 1.0);
+    let (s, t) = if determinant > 1e-12 * uu * ww {
+        let s = ((uw * wa - ww * ua) / determinant).clamp(0.0, 1.0);
+        let t = on_second(s);
+        (on_first(t), t)
+    } else {
+        // Parallel: the middle of where they are beside one another.
+        let ends = [on_first(0.0), on_first(1.0)];
+        let s = 0.5 * (ends[0] + ends[1]);
+        (s, on_second(s))
+    };
+    let place = |ends: [Vector3<T>; 2], share: f64| {
+        let share = ends[0].x.lit(share);
+        ends[0] + (ends[1] - ends[0]) * share
+    };
+    (place(first, s) - place(second, t)).norm()
+}
+
+impl Stud {
+    fn designed<T: Scalar>(self, at: &Configuration<T>) -> Vector3<T> {
+        match self {
+            Stud::Between(from, to) => at.designed(to) - at.designed(from),
+            Stud::Along(direction) => at.pose.origin.lit(direction),
+        }
+    }
+
+    fn push_designed<T: Scalar>(self, gradient: Vector3<T>, seeds: &mut Seeds<'_, '_, T>) {
+        if let Stud::Between(from, to) = self {
+            seeds.hardpoint(to, gradient);
+            seeds.hardpoint(from, -gradient);
+        }
+    }
+}
+
+impl Input {
+    fn read<T: Scalar>(self, at: &Configuration<T>) -> Vector3<T> {
+        match self {
+            Input::Now(point) => at.point(point),
+            Input::Designed(point) => at.designed(point),
+            Input::SpinAxis => at.spin_axis(),
+            Input::StudNow(stud) => at.pose.rotation.apply(stud.designed(at)),
+            Input::StudDesigned(stud) => stud.designed(at),
+        }
+    }
+
+    fn push<T: Scalar>(
+        self,
+        gradient: Vector3<T>,
+        at: &Configuration<T>,
+        seeds: &mut Seeds<'_, '_, T>,
+    ) {
+        match self {
+            Input::Now(point) => seeds.point(point, gradient),
+            Input::Designed(point) => seeds.hardpoint(point, gradient),
+            Input::SpinAxis => seeds.spin_axis(gradient),
+            Input::StudNow(stud) => {
+                seeds.turn(self.read(at).cross(gradient));
+                stud.push_designed(at.pose.rotation.apply_transposed(gradient), seeds);
+            }
+            Input::StudDesigned(stud) => stud.push_designed(gradient, seeds),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vector(x: f64, y: f64, z: f64) -> Vector3<f64> {
+        Vector3::new(x, y, z)
+    }
+
+    #[test]
+    fn distances_of_segments_are_those_of_their_nearest_places() {
+        let along_x = [vector(0.0, 0.0, 0.0), vector(10.0, 0.0, 0.0)];
+        for (other, distance) in [
+            // Crossing above, beyond an end, end to end, parallel beside, parallel beyond.
+            ([vector(5.0, -5.0, 3.0), vector(5.0, 5.0, 3.0)], 3.0),
+            ([vector(13.0, 4.0, 0.0), vector(13.0, 9.0, 0.0)], 5.0),
+            ([vector(12.0, 0.0, 0.0), vector(20.0, 1.0, 0.0)], 2.0),
+            ([vector(4.0, 0.0, 7.0), vector(30.0, 0.0, 7.0)], 7.0),
+            ([vector(13.0, 4.0, 0.0), vector(20.0, 4.0, 0.0)], 5.0),
+        ] {
+            let found = between_segments(along_x, other);
+            assert!((found - distance).abs() < 1e-12, "{found} {distance}");
+            let swapped = between_segments(other, along_x);
+            assert!((swapped - distance).abs() < 1e-12, "{swapped} {distance}");
+        }
+    }
+
+    #[test]
+    fn a_box_is_negative_inside_and_round_outside() {
+        let measure = Measure::FromBox {
+            point: PointId(0),
+            middle: vector(0.0, 0.0, 0.0),
+            half: vector(1.0, 2.0, 3.0),
+        };
+        let at = |x, y, z| {
+            let mut inputs = [vector(0.0, 0.0, 0.0); MOST];
+            inputs[0] = vector(x, y, z);
+            measure.formula(&inputs)
+        };
+        assert_eq!(at(0.0, 0.0, 0.0), -1.0);
+        assert_eq!(at(0.0, -1.5, 0.0), -0.5);
+        assert_eq!(at(-3.0, 0.0, 0.0), 2.0);
+        assert_eq!(at(4.0, 6.0, 0.0), 5.0);
+    }
+}

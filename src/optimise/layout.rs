@@ -1,0 +1,447 @@
+//! What is looked at where: targets and constraints laid out over the stations of the motions.
+
+use super::interpolation::Sample;
+use crate::characteristics::{Measure, Slots};
+use crate::model::{Axis, Drive, Frame, Mechanism};
+use crate::solve::StationOrder;
+use crate::study::{Motion, Optimise, Site};
+use nalgebra::DVector;
+
+/// What a target wants at one station.
+#[derive(Clone, Debug)]
+pub(super) struct TargetSample {
+    pub row: usize,
+    pub target: usize,
+    /// Anything between these is right.
+    pub low: f64,
+    pub high: f64,
+    /// Residual per deviation.
+    pub scale: f64,
+}
+
+/// A part of a constraint at one station, and the rows it makes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Check {
+    pub part: usize,
+    /// The row of its lower limit, the one of its upper limit; of an equality `equal` alone.
+    pub lower: Option<usize>,
+    pub upper: Option<usize>,
+    pub equal: Option<usize>,
+}
+
+/// The most extreme value of a part along a motion, sought between the stations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extreme {
+    pub part: usize,
+    /// 1 for the largest value, -1 for the least.
+    pub sign: f64,
+    pub row: usize,
+}
+
+/// A motion with the rack in one place.
+#[derive(Clone, Debug)]
+pub(super) struct Leg {
+    pub drive: Drive,
+    /// Towards the kernel's +y.
+    pub rack: f64,
+    pub order: StationOrder,
+    pub targets: Vec<Vec<TargetSample>>,
+    pub checks: Vec<Vec<Check>>,
+    pub extremes: Vec<Extreme>,
+    /// Stations by rising drive value.
+    pub sorted: Vec<usize>,
+}
+
+/// A part of a constraint.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub constraint: usize,
+    pub of: Measure,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub scale: f64,
+}
+
+/// What a row of the constraints stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowLabel {
+    /// Number of the constraint.
+    pub constraint: usize,
+    /// Number of its part.
+    pub part: usize,
+    /// Whether it is the upper limit.
+    pub is_upper: bool,
+    /// Number of the motion with the rack in one place.
+    pub leg: usize,
+    /// The station; `None` for the place between stations.
+    pub station: Option<usize>,
+}
+
+/// Targets and constraints laid out: which row of the problem is about what, where.
+#[derive(Clone, Debug)]
+pub struct TargetLayout {
+    pub(super) legs: Vec<Leg>,
+    pub(super) rows: usize,
+    /// What each target is about.
+    pub(super) measures: Vec<Measure>,
+    pub(super) parts: Vec<Part>,
+    pub(super) labels: Vec<RowLabel>,
+    pub(super) equalities: usize,
+    /// Residual per deviation in tolerances, by target.
+    shares: Vec<f64>,
+    rate_order: usize,
+    /// What of wheel and steering axis is read.
+    pub(super) reads: Slots,
+}
+
+/// A motion with the rack in one place, while it is collected.
+struct Draft {
+    drive: Drive,
+    rack: f64,
+    values: Vec<f64>,
+    /// Row, target, station and what is wanted.
+    targets: Vec<(usize, usize, usize, Sample)>,
+    /// Part and station.
+    checks: Vec<(usize, usize)>,
+    extremes: Vec<usize>,
+}
+
+impl Draft {
+    fn station(&mut self, drive: f64) -> usize {
+        let known = self.values.iter().position(|v| *v == drive);
+        known.unwrap_or_else(|| {
+            self.values.push(drive);
+            self.values.len() - 1
+        })
+    }
+}
+
+/// The legs of a site, each with the values of its motion.
+fn legs_of<'m>(
+    site: &'m Site,
+    motion: &'m Motion,
+    frame: &Frame,
+    drafts: &mut Vec<Draft>,
+) -> (&'m Motion, Vec<usize>) {
+    let motion = site.motion.as_ref().map_or(motion, |(_, motion)| motion);
+    let home = if motion.rack_moves {
+        0.0
+    } else {
+        motion.rack[0]
+    };
+    let racks = match site.racks.as_slice() {
+        [] => vec![home],
+        racks => racks.to_vec(),
+    };
+    let drive = motion.drive.in_kernel();
+    let of_rack = |rack: f64| {
+        let rack = frame.sign(Axis::Y) * rack;
+        let same = |d: &Draft| d.drive == drive && d.rack == rack && d.starts_with(&motion.values);
+        drafts.iter().position(same).unwrap_or_else(|| {
+            drafts.push(Draft {
+                drive,
+                rack,
+                values: motion.values.clone(),
+                targets: Vec::new(),
+                checks: Vec::new(),
+                extremes: Vec::new(),
+            });
+            drafts.len() - 1
+        })
+    };
+    (motion, racks.into_iter().map(of_rack).collect())
+}
+
+impl Draft {
+    fn starts_with(&self, values: &[f64]) -> bool {
+        self.values.len() >= values.len() && self.values[..values.len()] == *values
+    }
+}
+
+impl TargetLayout {
+    /// Lays out the targets and constraints of a mechanism. Curves are compared at the stations of the
+    /// motion between their ends and at those added for them; single values at their own. The rack is
+    /// where the study puts it, or straight ahead where the study moves it.
+    pub fn of(optimise: &Optimise, motion: &Motion, frame: &Frame, mechanism: &Mechanism) -> Self {
+        let mut drafts: Vec<Draft> = Vec::new();
+        let mut rows = 0;
+        let mut own = vec![0; optimise.targets.len()];
+        for (number, target) in optimise.targets.iter().enumerate() {
+            let (motion, legs) = legs_of(&target.site, motion, frame, &mut drafts);
+            let stations = target.stations_in(motion);
+            for leg in legs {
+                for sample in target.wanted.samples(&stations) {
+                    let station = drafts[leg].station(sample.drive);
+                    drafts[leg].targets.push((rows, number, station, sample));
+                    own[number] += 1;
+                    rows += 1;
+                }
+            }
+        }
+        let (parts, at_design) = parts(optimise, mechanism);
+        for (place, part) in parts.iter().enumerate() {
+            let default = Site::default();
+            let site = optimise.constraints[part.constraint].site.as_ref();
+            let (motion, legs) = legs_of(site.unwrap_or(&default), motion, frame, &mut drafts);
+            if at_design[place] {
+                // The design position has the rack straight ahead.
+                let home = design_leg(motion, &mut drafts);
+                let station = drafts[home].station(0.0);
+                drafts[home].checks.push((place, station));
+                continue;
+            }
+            for leg in legs {
+                for station in 0..motion.values.len() {
+                    drafts[leg].checks.push((place, station));
+                }
+                drafts[leg].extremes.push(place);
+            }
+        }
+        Self::finished(optimise, drafts, parts, rows, &own)
+    }
+
+    fn finished(
+        optimise: &Optimise,
+        drafts: Vec<Draft>,
+        parts: Vec<Part>,
+        rows: usize,
+        own: &[usize],
+    ) -> Self {
+        let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
+        let shares: Vec<f64> = optimise
+            .targets
+            .iter()
+            .zip(own)
+            .map(|(target, own)| match optimise.fit {
+                // A measured point counts as one, however many there are of its kind.
+                true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
+                false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
+            })
+            .collect();
+        let is_equality = |part: &Part| part.lower.is_some() && part.lower == part.upper;
+        let mut labels = Vec::new();
+        // The equalities first.
+        let mut equal_rows = Vec::new();
+        for (leg, draft) in drafts.iter().enumerate() {
+            for &(part, station) in draft.checks.iter().filter(|c| is_equality(&parts[c.0])) {
+                equal_rows.push(((leg, part, station), labels.len()));
+                labels.push(RowLabel {
+                    constraint: parts[part].constraint,
+                    part,
+                    is_upper: true,
+                    leg,
+                    station: Some(station),
+                });
+            }
+        }
+        let equalities = labels.len();
+        let mut legs: Vec<Leg> = Vec::new();
+        for (number, draft) in drafts.into_iter().enumerate() {
+            let mut targets = vec![Vec::new(); draft.values.len()];
+            let mut checks = vec![Vec::new(); draft.values.len()];
+            for (row, target, station, sample) in draft.targets {
+                targets[station].push(TargetSample {
+                    row,
+                    target,
+                    low: sample.low,
+                    high: sample.high,
+                    scale: shares[target] / optimise.targets[target].tolerance,
+                });
+            }
+            let mut label = |part: usize, is_upper: bool, station: Option<usize>| {
+                labels.push(RowLabel {
+                    constraint: parts[part].constraint,
+                    part,
+                    is_upper,
+                    leg: number,
+                    station,
+                });
+                labels.len() - 1
+            };
+            for &(part, station) in &draft.checks {
+                let mut check = Check {
+                    part,
+                    lower: None,
+                    upper: None,
+                    equal: None,
+                };
+                let place =
+                    |(key, _): &&((usize, usize, usize), usize)| *key == (number, part, station);
+                if let Some((_, row)) = equal_rows.iter().find(place) {
+                    check.equal = Some(*row);
+                } else {
+                    let limits = (parts[part].lower, parts[part].upper);
+                    check.lower = limits.0.map(|_| label(part, false, Some(station)));
+                    check.upper = limits.1.map(|_| label(part, true, Some(station)));
+                }
+                checks[station].push(check);
+            }
+            let mut extremes = Vec::new();
+            for &part in draft.extremes.iter().filter(|p| !is_equality(&parts[**p])) {
+                for (limit, sign) in [(parts[part].lower, -1.0), (parts[part].upper, 1.0)] {
+                    if limit.is_some() {
+                        let row = label(part, sign > 0.0, None);
+                        extremes.push(Extreme { part, sign, row });
+                    }
+                }
+            }
+            // Stations nobody wants anything of are not visited.
+            let used: Vec<usize> = (0..draft.values.len())
+                .filter(|s| !targets[*s].is_empty() || !checks[*s].is_empty())
+                .collect();
+            if used.is_empty() {
+                continue;
+            }
+            let values: Vec<f64> = used.iter().map(|s| draft.values[*s]).collect();
+            for label in labels.iter_mut().filter(|label| label.leg == number) {
+                label.leg = legs.len();
+                label.station = label
+                    .station
+                    .map(|s| used.iter().position(|u| *u == s).expect("it is used"));
+            }
+            let mut sorted: Vec<usize> = (0..values.len()).collect();
+            sorted.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+            legs.push(Leg {
+                drive: draft.drive,
+                rack: draft.rack,
+                order: StationOrder::through(&values),
+                targets: used.iter().map(|s| targets[*s].clone()).collect(),
+                checks: used.iter().map(|s| checks[*s].clone()).collect(),
+                extremes,
+                sorted,
+            });
+        }
+        let measures: Vec<Measure> = optimise
+            .targets
+            .iter()
+            .map(|t| t.of.measure.clone())
+            .collect();
+        let all = || measures.iter().chain(parts.iter().map(|p| &p.of));
+        TargetLayout {
+            rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
+            reads: all().fold(Slots::default(), |slots, m| slots.with(m.reads())),
+            legs,
+            rows,
+            measures,
+            parts,
+            labels,
+            equalities,
+            shares,
+        }
+    }
+
+    /// Derivatives by the drive that some target or constraint takes.
+    pub fn rate_order(&self) -> usize {
+        self.rate_order
+    }
+
+    /// Number of residuals.
+    pub fn residuals(&self) -> usize {
+        self.rows
+    }
+
+    /// What the rows of the constraints stand for, equalities first.
+    pub fn labels(&self) -> &[RowLabel] {
+        &self.labels
+    }
+
+    /// The target of each residual.
+    pub fn targets_of_rows(&self) -> Vec<usize> {
+        let mut of = vec![0; self.rows];
+        for sample in self
+            .legs
+            .iter()
+            .flat_map(|leg| leg.targets.iter().flatten())
+        {
+            of[sample.row] = sample.target;
+        }
+        of
+    }
+
+    /// The residual of a target per deviation in tolerances.
+    pub fn share(&self, target: usize) -> f64 {
+        self.shares[target]
+    }
+
+    /// The deviations of each target in tolerances, from the residuals.
+    pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
+        self.shares
+            .iter()
+            .enumerate()
+            .map(|(target, share)| {
+                let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, (0.0, 0.0));
+                for leg in &self.legs {
+                    for (station, samples) in leg.targets.iter().enumerate() {
+                        for sample in samples.iter().filter(|s| s.target == target) {
+                            let deviation = residuals[sample.row] / share;
+                            sum += deviation * deviation;
+                            count += 1;
+                            if deviation.abs() >= worst.abs() {
+                                worst = deviation;
+                                at = (leg.order.values()[station], leg.rack);
+                            }
+                        }
+                    }
+                }
+                Deviation {
+                    rms: (sum / count as f64).sqrt(),
+                    worst,
+                    worst_at: at.0,
+                    worst_rack: at.1,
+                    stations: count,
+                }
+            })
+            .collect()
+    }
+}
+
+/// The parts of all constraints, and whether each is looked at in the design position alone.
+fn parts(optimise: &Optimise, mechanism: &Mechanism) -> (Vec<Part>, Vec<bool>) {
+    let mut parts = Vec::new();
+    let mut at_design = Vec::new();
+    for (number, constraint) in optimise.constraints.iter().enumerate() {
+        for part in &constraint.parts {
+            at_design.push(constraint.site.is_none() || part.of.is_fixed(mechanism));
+            parts.push(Part {
+                constraint: number,
+                of: part.of.clone(),
+                lower: part.lower,
+                upper: part.upper,
+                scale: part.scale,
+            });
+        }
+    }
+    (parts, at_design)
+}
+
+/// The leg through the design position.
+fn design_leg(motion: &Motion, drafts: &mut Vec<Draft>) -> usize {
+    let drive = motion.drive.in_kernel();
+    let same = |d: &Draft| d.drive == drive && d.rack == 0.0;
+    drafts.iter().position(same).unwrap_or_else(|| {
+        drafts.push(Draft {
+            drive,
+            rack: 0.0,
+            values: vec![0.0],
+            targets: Vec::new(),
+            checks: Vec::new(),
+            extremes: Vec::new(),
+        });
+        drafts.len() - 1
+    })
+}
+
+/// How far a target is missed, in its tolerances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Root mean square over the target's stations.
+    pub rms: f64,
+    /// The largest deviation, with its sign.
+    pub worst: f64,
+    /// The drive value where it is.
+    pub worst_at: f64,
+    /// The rack's displacement there, towards the kernel's +y.
+    pub worst_rack: f64,
+    /// Number of stations.
+    pub stations: usize,
+}

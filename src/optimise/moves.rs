@@ -1,0 +1,218 @@
+//! How variables move the design, and the derivatives of that.
+//!
+//! Points that are turned as one body go to c + R(w) (p - c), c being their centroid in the design and w
+//! the rotation vector; everything else is added to that. With the angle a = |w|, R is Cayley's rotation
+//! of the Rodrigues vector w tan(a/2)/a, a power series in w.w that is summed to double precision up to the
+//! largest turn a study may ask for.
+
+use crate::model::{Axis, Frame};
+use crate::number::{Dual, Matrix3, Real, Vector3};
+use crate::study::Variable;
+use nalgebra::DVector;
+
+/// tan(x)/x - 1 by powers of x^2, from the first on (M. Abramowitz, I. A. Stegun, Handbook of mathematical
+/// functions, 4.3.67).
+const TANGENT: [f64; 7] = [
+    1.0 / 3.0,
+    2.0 / 15.0,
+    17.0 / 315.0,
+    62.0 / 2835.0,
+    1382.0 / 155_925.0,
+    21_844.0 / 6_081_075.0,
+    929_569.0 / 638_512_875.0,
+];
+
+/// The rotation of a rotation vector, in radians.
+fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
+    let square = w.norm_squared().scaled(0.25);
+    let sum = TANGENT
+        .iter()
+        .rev()
+        .fold(square.zero(), |sum, c| (sum + square.lit(*c)) * square);
+    let factor = (square.one() + sum).scaled(0.5);
+    Matrix3::by_rodrigues(w * factor)
+}
+
+/// The unit vector of a study's axis, in the kernel's frame.
+fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
+    let mut unit = [0.0; 3];
+    unit[axis as usize] = frame.sign(axis);
+    unit.into()
+}
+
+/// The rotation vector that the variables of one group add up to, in the kernel's frame and radians.
+fn rotation_vector(
+    frame: &Frame,
+    variables: &[Variable],
+    x: &DVector<f64>,
+    of: &Variable,
+) -> Vector3<f64> {
+    let points = |v: &Variable| v.turn.as_ref().map(|turn| turn.points.clone());
+    let group = points(of);
+    let mut w = [0.0; 3];
+    for (variable, offset) in variables.iter().zip(x) {
+        if let Some(turn) = &variable.turn
+            && points(variable) == group
+        {
+            w[turn.axis as usize] += frame.turn_sign(turn.axis) * offset.to_radians();
+        }
+    }
+    w.into()
+}
+
+fn centroid(design: &[Vector3<f64>], variable: &Variable) -> Vector3<f64> {
+    let points = &variable.turn.as_ref().expect("asked of turns alone").points;
+    let sum = points
+        .iter()
+        .fold(Vector3::new(0.0, 0.0, 0.0), |sum, p| sum + design[p.0]);
+    sum * (1.0 / points.len() as f64)
+}
+
+/// The design with its variables moved by `x`.
+pub fn moved_design(
+    design: &[Vector3<f64>],
+    frame: &Frame,
+    variables: &[Variable],
+    x: &DVector<f64>,
+    moved: &mut [Vector3<f64>],
+) {
+    moved.copy_from_slice(design);
+    for variable in variables {
+        let Some(turn) = &variable.turn else { continue };
+        let w = rotation_vector(frame, variables, x, variable);
+        if w.norm_squared() == 0.0 {
+            continue;
+        }
+        let (rotation, centre) = (rotation(w), centroid(design, variable));
+        for point in &turn.points {
+            moved[point.0] = centre + rotation.apply(design[point.0] - centre);
+        }
+    }
+    for (variable, offset) in variables.iter().zip(x) {
+        for m in &variable.moves {
+            let point = &mut moved[m.point.0];
+            let coordinate = match m.axis {
+                Axis::X => &mut point.x,
+                Axis::Y => &mut point.y,
+                Axis::Z => &mut point.z,
+            };
+            *coordinate += frame.sign(m.axis) * m.factor * offset;
+        }
+    }
+}
+
+/// How a variable moves a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// The variable.
+    pub column: usize,
+    /// The point.
+    pub point: usize,
+    /// The derivative of its position by the variable.
+    pub by: Vector3<f64>,
+}
+
+/// How the variables move the points at `x`, by rising number of the point.
+pub(super) fn ways(
+    design: &[Vector3<f64>],
+    frame: &Frame,
+    variables: &[Variable],
+    x: &DVector<f64>,
+    into: &mut Vec<Way>,
+) {
+    into.clear();
+    for (column, variable) in variables.iter().enumerate() {
+        for m in &variable.moves {
+            let (point, by) = (m.point.0, along(frame, m.axis) * m.factor);
+            into.push(Way { column, point, by });
+        }
+        let Some(turn) = &variable.turn else { continue };
+        let w = rotation_vector(frame, variables, x, variable).to_array();
+        let seeded = Vector3::from(std::array::from_fn(|i| Dual::<f64, 3>::input(w[i], i)));
+        let (rotation, centre) = (rotation(seeded), centroid(design, variable));
+        let per_degree = frame.turn_sign(turn.axis) * 1.0_f64.to_radians();
+        for point in &turn.points {
+            let lever = (design[point.0] - centre).map(Dual::constant);
+            let image = rotation.apply(lever);
+            let by = image.map(|c| c.partials[turn.axis as usize] * per_degree);
+            let point = point.0;
+            into.push(Way { column, point, by });
+        }
+    }
+    into.sort_by_key(|way| way.point);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{FrameConvention, PointId, Side};
+    use crate::study::Turn;
+
+    fn turns() -> Vec<Variable> {
+        let turn = |axis| Variable {
+            name: "body".to_owned(),
+            moves: Vec::new(),
+            turn: Some(Turn {
+                points: vec![PointId(0), PointId(1), PointId(2)],
+                axis,
+            }),
+            range: [-10.0, 10.0],
+            cost: 1.0,
+        };
+        Axis::ALL.map(turn).to_vec()
+    }
+
+    /// Distances stay, the centroid stays, and a turn about one axis is by its angle.
+    #[test]
+    fn a_body_is_turned_about_its_centroid() {
+        let frame = Frame::new(FrameConvention::Iso8855, Side::Left);
+        let design = [
+            Vector3::new(3.0, 600.0, 120.0),
+            Vector3::new(-8.0, 550.0, 340.0),
+            Vector3::new(60.0, 560.0, 150.0),
+        ];
+        let mut moved = design;
+        let x = DVector::from_column_slice(&[3.0, -7.0, 15.0]);
+        moved_design(&design, &frame, &turns(), &x, &mut moved);
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            let (before, after) = ((design[i] - design[j]).norm(), (moved[i] - moved[j]).norm());
+            assert!((before - after).abs() < 1e-12 * before);
+        }
+        let sum = |p: [Vector3<f64>; 3]| p[0] + p[1] + p[2];
+        assert!((sum(moved) - sum(design)).norm() < 1e-11);
+
+        let x = DVector::from_column_slice(&[0.0, 0.0, 15.0]);
+        moved_design(&design, &frame, &turns(), &x, &mut moved);
+        let edge = |p: [Vector3<f64>; 3]| p[2] - p[0];
+        let (a, b) = (edge(design), edge(moved));
+        let angle = (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y);
+        assert!((angle - 15.0_f64.to_radians()).abs() < 1e-15);
+    }
+
+    /// Against differences of fourth order.
+    #[test]
+    fn ways_are_the_derivatives_of_the_moves() {
+        let frame = Frame::new(FrameConvention::SaeJ670, Side::Right);
+        let design = [
+            Vector3::new(3.0, 600.0, 120.0),
+            Vector3::new(-8.0, 550.0, 340.0),
+            Vector3::new(60.0, 560.0, 150.0),
+        ];
+        let variables = turns();
+        let x = DVector::from_column_slice(&[4.0, -2.0, 1.0]);
+        let mut found = Vec::new();
+        ways(&design, &frame, &variables, &x, &mut found);
+        for way in found {
+            let at = |step: f64| {
+                let (mut x, mut moved) = (x.clone(), design);
+                x[way.column] += step;
+                moved_design(&design, &frame, &variables, &x, &mut moved);
+                moved[way.point]
+            };
+            let h = 0.02;
+            let near = (at(h) - at(-h)) * (8.0 / (12.0 * h));
+            let slope = near - (at(2.0 * h) - at(-2.0 * h)) * (1.0 / (12.0 * h));
+            assert!((slope - way.by).norm() < 1e-9, "{slope:?} {way:?}");
+        }
+    }
+}

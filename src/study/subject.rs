@@ -1,0 +1,189 @@
+//! What targets and constraints name: characteristics, coordinates of points, lengths, members, motions.
+
+use super::error::Problems;
+use super::names::choose;
+use super::outputs::characteristic;
+use super::resolve::Context;
+use super::value::{MemberName, Numbers, Text};
+use super::{Site, Subject};
+use crate::characteristics::{Measure, Quantity, Unit};
+use crate::model::{Axis, Constraint, PointId, Suspension};
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// A point of the study, hardpoint or extra point.
+pub fn point(text: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
+    let points = suspension.mechanism.points.iter().enumerate();
+    let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
+    choose(text, "point", &points, problems)
+}
+
+/// The members of a suspension by the names that columns of loads give them: rods, legs of arms, spring.
+pub fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
+    let mechanism = &suspension.mechanism;
+    let mut members: Vec<(String, [PointId; 2])> = Vec::new();
+    for constraint in &mechanism.constraints {
+        match *constraint {
+            Constraint::Link { inner, outer } => {
+                let name = mechanism.name(inner);
+                let name = name.strip_suffix("_inner").unwrap_or(name);
+                members.push((name.to_owned(), [inner, outer]));
+            }
+            Constraint::StrutLine { top, lower, .. } => {
+                members.push(("strut".to_owned(), [top, lower]));
+            }
+            Constraint::Revolute { .. } => {}
+        }
+    }
+    for rocker in &mechanism.rockers {
+        let name = rocker.rod.to_string().replace(' ', "_");
+        members.push((name, [rocker.inner, rocker.outer]));
+    }
+    if let Some(spring) = mechanism.spring {
+        members.push(("spring".to_owned(), [spring.upper, spring.lower]));
+    }
+    members
+}
+
+/// The member of this name.
+pub fn member(
+    text: &Text,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<[PointId; 2]> {
+    let members = members(suspension);
+    let options: Vec<_> = members.iter().map(|(n, m)| (n.as_str(), *m)).collect();
+    choose(text, "member", &options, problems)
+}
+
+/// A length: that of a member, or the distance of two points; with what it is called.
+pub fn length(
+    written: &Spanned<MemberName>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<(String, [PointId; 2])> {
+    match written.get_ref() {
+        MemberName::Name(name) => {
+            let text = Spanned::new(written.span(), name.clone());
+            Some((name.clone(), member(&text, suspension, problems)?))
+        }
+        MemberName::Ends(names) => {
+            let [a, b] = names.as_slice() else {
+                let message = format!("expected two points, found {}", names.len());
+                problems.add(written.span(), message);
+                return None;
+            };
+            let ends = [a, b].map(|text| point(text, suspension, problems));
+            let [Some(first), Some(second)] = ends else {
+                return None;
+            };
+            if first == second {
+                problems.add(b.span(), "a length is between two different points");
+                return None;
+            }
+            let name = format!("{}_to_{}", a.get_ref(), b.get_ref());
+            Some((name, [first, second]))
+        }
+    }
+}
+
+/// The keys of a target that say what it is about.
+pub struct About<'a> {
+    /// Where they are.
+    pub place: Span<usize>,
+    /// A characteristic,
+    pub characteristic: &'a Option<Text>,
+    /// or a point
+    pub point: &'a Option<Text>,
+    /// with a coordinate,
+    pub axis: &'a Option<Text>,
+    /// or a length.
+    pub length: &'a Option<Spanned<MemberName>>,
+}
+
+/// What a target is about.
+pub fn subject(
+    about: &About<'_>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Subject> {
+    let unit = suspension.length_unit;
+    match (about.characteristic, about.point, about.length) {
+        (Some(name), None, None) => {
+            let found = characteristic(name, suspension, problems)?;
+            Some(Subject::characteristic(found, unit))
+        }
+        (None, Some(name), None) => {
+            let id = point(name, suspension, problems);
+            let Some(axis) = about.axis else {
+                problems.add(
+                    name.span(),
+                    "point needs axis: the coordinate that is wanted",
+                );
+                return None;
+            };
+            let axes = Axis::ALL.map(|axis| (axis.name(), axis));
+            let axis = choose(axis, "axis", &axes, problems)?;
+            Some(Subject {
+                measure: Measure::Quantity(Quantity::Coordinate(id?, axis)),
+                column: format!("{}_{}_{}", name.get_ref(), axis.name(), unit.symbol()),
+                unit: Unit::Length,
+                sign: suspension.frame.sign(axis),
+            })
+        }
+        (None, None, Some(written)) => {
+            let (name, ends) = length(written, suspension, problems)?;
+            Some(Subject {
+                measure: Measure::Length(ends),
+                column: format!("{name}_length_{}", unit.symbol()),
+                unit: Unit::Length,
+                sign: 1.0,
+            })
+        }
+        (None, None, None) => {
+            let message = "expected what it is about: characteristic, point with axis, or length";
+            problems.add(about.place.clone(), message);
+            None
+        }
+        _ => {
+            let message = "expected one of characteristic, point and length, found more than one";
+            problems.add(about.place.clone(), message);
+            None
+        }
+    }
+}
+
+/// In which motion, and where the rack is.
+pub fn site(
+    motion: &Option<Text>,
+    rack: &Option<Spanned<Numbers>>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Site> {
+    let motion = match motion {
+        None => None,
+        Some(text) => {
+            let motions = context.motions.iter();
+            let options: Vec<_> = motions.map(|named| (named.0.as_str(), named)).collect();
+            if options.is_empty() {
+                let message = "this study names no motions; they are sections [motions.NAME]";
+                problems.add(text.span(), message);
+                return None;
+            }
+            Some(choose(text, "motion", &options, problems)?.clone())
+        }
+    };
+    let racks = match rack.as_ref().map(Spanned::get_ref) {
+        None => Vec::new(),
+        Some(Numbers::One(rack)) => vec![*rack],
+        Some(Numbers::Many(list)) => {
+            if list.is_empty() {
+                let place = rack.as_ref().map_or(0..0, Spanned::span);
+                problems.add(place, "expected at least one rack displacement");
+                return None;
+            }
+            list.iter().map(|number| number.value).collect()
+        }
+    };
+    Some(Site { motion, racks })
+}

@@ -1,6 +1,8 @@
 //! A planted geometry comes back.
 
-use hardpoint::optimise::{Control, moved_design, tune};
+use hardpoint::optimise::{
+    Assessment, Constrained, Control, Objective, TargetLayout, moved_design, tune,
+};
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
 
@@ -200,4 +202,235 @@ fn only_the_proportion_of_weights_matters() {
     let (a, b) = (best(optimise), best(scaled));
     assert_eq!(a.after, b.after);
     assert_eq!(a.offsets, b.offsets);
+}
+
+/// The study of a file with something edited.
+fn edited(file: &str, overrides: &[&str]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(file);
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Every kind of target and constraint, at designs away from the study's own: derivatives against differences
+/// of sixth order, to 1e-9 of the largest of the row; of rows between stations to 1e-7.
+#[test]
+fn derivatives_of_targets_and_constraints_are_exact() {
+    let rim = "{ point = \"tie_rod_outer\", inside = { rim = 150.0, from = -90.0, to = 20.0 }, clearance = 4.0 }";
+    let places = "{ point = \"tie_rod_outer\", inside = { box = [[-500, 0, 0], [500, 900, 900]] } }, \
+        { point = \"wheel_centre\", outside = { box = [[-100, 100, 0], [100, 300, 200]] }, clearance = 3.0 }, \
+        { point = \"tie_rod_outer\", outside = { cylinder = { from = [0, 100, 100], to = [50, 400, 120], radius = 30.0 } } }, \
+        { point = \"tie_rod_inner\", inside = { sphere = { centre = [10.0, 300.0, 200.0], radius = 500.0 } } }, \
+        { point = \"tie_rod_outer\", inside = { cylinder = { from = [0, 0, 0], to = [0, 900, 100], radius = 600.0 } } }, \
+        { point = \"wheel_centre\", inside = { half_space = { point = [0, 0, 0], normal = [0.1, 1.0, 0.2] } } }";
+    let parts = "{ members = [\"tie_rod\", \"lower_arm_front\"], radii = [8.0, 9.0], clearance = 5.0 }, \
+        { articulation = \"lower_ball_joint\", at_most = 20.0 }, \
+        { articulation = \"tie_rod_outer\", at_most = 25.0 }, \
+        { length = \"tie_rod\", between = [100.0, 900.0] }, \
+        { length = [\"tie_rod_outer\", \"lower_arm_front\"], at_least = 10.0 }, \
+        { coplanar = [\"lower_arm_front\", \"lower_arm_rear\", \"lower_ball_joint\", \"tie_rod_outer\"] }, \
+        { line = [\"lower_arm_front\", \"lower_arm_rear\", \"tie_rod_inner\"] }, \
+        { characteristic = \"camber\", between = [-9.0, 9.0] }";
+    let constraints = format!("optimise.constraints=[{rim}, {places}, {parts}]");
+    let variables = "optimise.variables=[\
+        { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"lower_arm_front\", axis = \"y\", range = [-20.0, 20.0] }, \
+        { rigid = [\"lower_ball_joint\", \"tie_rod_outer\", \"wheel_centre\"], shift = 10.0, turn = 3.0 }]";
+    let targets = "optimise.targets=[\
+        { characteristic = \"camber\", between = [[[-80.0, -1.0], [80.0, 0.5]], [[-80.0, 1.0], [80.0, 2.5]]], tolerance = 0.05 }, \
+        { characteristic = \"bump_steer\", at_most = 0.002, tolerance = 0.0005, rack = [0.0, 10.0] }, \
+        { point = \"tie_rod_outer\", axis = \"x\", at = 10.0, value = -130.0, tolerance = 0.5 }, \
+        { length = [\"tie_rod_inner\", \"wheel_centre\"], at_least = 100.0, tolerance = 0.5 }, \
+        { characteristic = \"toe\", points = [[-40.0, 0.1], [40.0, -0.1]], tolerance = 0.05, motion = \"steer\" }]";
+    let steer = "motions.steer={ travel = [-40.0, 0.0, 40.0], rack = 12.0 }";
+    let travel = "motion.travel={ from = -60.0, to = 60.0, steps = 7 }";
+    for file in ["macpherson_front.toml", "double_wishbone_front.toml"] {
+        let study = edited(file, &[travel, steer, variables, targets, &constraints]);
+        let optimise = study.optimise.as_ref().unwrap();
+        let suspension = &study.suspension;
+        let layout = TargetLayout::of(
+            optimise,
+            &study.motion,
+            &suspension.frame,
+            &suspension.mechanism,
+        );
+        let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let n = optimise.variables.len();
+        let shape = Constrained::shape(&problem);
+        let mut at = |x: &nalgebra::DVector<f64>| {
+            let mut found = Assessment::new(shape, n);
+            problem.assess(x, &mut found).unwrap();
+            found
+        };
+        let x = nalgebra::DVector::from_fn(n, |j, _| 2.0 * ((j * 7 + 3) as f64).sin());
+        let here = at(&x);
+        for j in 0..n {
+            let h = 0.05;
+            let moved = |steps: f64| {
+                let mut moved = x.clone();
+                moved[j] += steps * h;
+                moved
+            };
+            let steps = [1.0, 2.0, 3.0].map(|k| (at(&moved(k)), at(&moved(-k))));
+            for (goal, rows, count) in [(true, false, shape.goal), (false, true, shape.rows)] {
+                let part = |of: &Assessment, row: usize| match (goal, rows) {
+                    (true, _) => of.goal.residuals[row],
+                    _ => of.rows.residuals[row],
+                };
+                for row in 0..count {
+                    let weights = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
+                    let differences = steps.iter().zip(weights);
+                    let slope: f64 = differences
+                        .map(|((up, down), w)| w * (part(up, row) - part(down, row)))
+                        .sum::<f64>()
+                        / h;
+                    let of = if goal { &here.goal } else { &here.rows };
+                    // At the edge of a band a derivative is that of one side.
+                    if goal && of.residuals[row] == 0.0 {
+                        continue;
+                    }
+                    let largest = of.jacobian.row(row).amax().max(1e-3);
+                    let between = rows && layout.labels()[row].station.is_none();
+                    let bound = if between { 1e-7 } else { 2e-9 };
+                    let off = (slope - of.jacobian[(row, j)]).abs() / largest;
+                    assert!(
+                        off < bound,
+                        "{file}: variable {j}, {} {row}: {slope} {} ({off:e})",
+                        if goal { "residual" } else { "row" },
+                        of.jacobian[(row, j)]
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Two lengths that exclude one another are named, and nothing else.
+#[test]
+fn a_planted_contradiction_is_named() {
+    let study = edited(
+        "macpherson_front.toml",
+        &[
+            "motion.travel={ from = -60.0, to = 60.0, steps = 7 }",
+            "optimise.starts=1",
+            "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"y\", range = [-20.0, 20.0] }, \
+             { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-10.0, 10.0] }]",
+            "optimise.constraints=[{ length = \"lower_arm_front\", at_least = 300.0 }, \
+             { name = \"short\", length = \"tie_rod\", at_most = 355.0 }, \
+             { name = \"long\", length = [\"tie_rod_inner\", \"tie_rod_outer\"], at_least = 365.0 }]",
+        ],
+    );
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(
+        &study.suspension,
+        &study.motion,
+        optimise,
+        Control::default(),
+    )
+    .unwrap();
+    assert_eq!(tuning.contradiction, [1, 2]);
+    let best = tuning.best.unwrap();
+    assert!(best.constraints[1].room < -1.0 || best.constraints[2].room < -1.0);
+}
+
+/// Three stations see nothing of a value that is most extreme between them; the constraint does.
+#[test]
+fn constraints_hold_between_stations() {
+    let constraint =
+        "optimise.constraints=[{ characteristic = \"half_track_change\", at_most = 1.0 }]";
+    let study = |steps: &str| {
+        edited(
+            "double_wishbone_front.toml",
+            &[
+                steps,
+                constraint,
+                "optimise.good_enough=0.0",
+                "optimise.starts=1",
+            ],
+        )
+    };
+    let coarse = study("motion.travel=[-60.0, -20.0, 20.0, 60.0]");
+    let optimise = coarse.optimise.as_ref().unwrap();
+    let tuning = tune(
+        &coarse.suspension,
+        &coarse.motion,
+        optimise,
+        Control::default(),
+    )
+    .unwrap();
+    let best = tuning.best.unwrap();
+    assert!(best.constraints[0].room > -1e-6, "{:?}", best.constraints);
+    // Looked at closely, the tuned design keeps it everywhere.
+    let fine = study("motion.travel={ from = -60.0, to = 60.0, steps = 241 }");
+    let tuned = hardpoint::model::Suspension {
+        design: best.design,
+        ..fine.suspension.clone()
+    };
+    let plan = hardpoint::plan::Plan::with_targets(&Study {
+        outputs: hardpoint::study::Outputs {
+            characteristics: vec![hardpoint::characteristics::Characteristic::HalfTrackChange],
+            ..fine.outputs.clone()
+        },
+        ..fine.clone()
+    });
+    let curves = hardpoint::curves::curves(&tuned, &plan).unwrap();
+    let column = curves
+        .columns
+        .iter()
+        .position(|c| c.name == "half_track_change_mm");
+    let values = curves
+        .stations
+        .iter()
+        .map(|s| s.values[column.unwrap()].unwrap());
+    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    assert!(most < 1.0 + 1e-4, "{most}");
+}
+
+/// Of the designs that are good enough, the one kept moves least: it moves less than the one of least misfit,
+/// and what no target feels stays.
+#[test]
+fn the_nearest_good_design_is_kept() {
+    let variables = "optimise.variables=[\
+        { hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"lower_ball_joint\", axis = \"y\", range = [-10.0, 10.0] }, \
+        { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"lower_arm_rear\", axis = \"z\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"wheel_centre\", axis = \"x\", range = [-20.0, 20.0] }]";
+    let run = |good_enough: &str| {
+        let study = edited(
+            "macpherson_front.toml",
+            &[
+                variables,
+                good_enough,
+                "optimise.starts=2",
+                "motion.travel={ from = -60.0, to = 60.0, steps = 7 }",
+                "optimise.targets=[{ characteristic = \"kingpin_inclination\", at = 0.0, value = 12.0, tolerance = 0.1 }]",
+            ],
+        );
+        let optimise = study.optimise.as_ref().unwrap();
+        let tuning = tune(
+            &study.suspension,
+            &study.motion,
+            optimise,
+            Control::default(),
+        )
+        .unwrap();
+        tuning.best.unwrap()
+    };
+    let movement = |offsets: &[f64]| offsets.iter().map(|o| o * o).sum::<f64>().sqrt();
+    let (least, nearest) = (
+        run("optimise.good_enough=0.0"),
+        run("optimise.good_enough=0.1"),
+    );
+    assert!(
+        (nearest.after.misfit - 0.1).abs() < 1e-6,
+        "{}",
+        nearest.after.misfit
+    );
+    assert!(least.after.misfit < 1e-6);
+    assert!(movement(&nearest.offsets) < movement(&least.offsets));
+    assert_eq!(nearest.offsets[4], 0.0);
+    let study_itself = run("optimise.good_enough=1e9");
+    assert_eq!(movement(&study_itself.offsets), 0.0);
 }

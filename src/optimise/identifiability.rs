@@ -12,6 +12,55 @@ pub struct Direction {
     /// By how much (root mean square, in tolerances) the residuals change along `change`, to first
     /// order.
     pub effect: f64,
+    /// How much of `change`, up and down, keeps within the ranges and really raises the misfit by no more
+    /// than [`Direction::RISE`]; nothing until that was tried.
+    pub free: [f64; 2],
+}
+
+impl Direction {
+    /// The rise of the misfit, in tolerances, that is not felt.
+    pub const RISE: f64 = 0.1;
+
+    /// Finds out how much of the change is free, from `x` with a misfit: `misfit_at` tells that of another
+    /// point, where there is one.
+    pub fn try_out(
+        &mut self,
+        x: &DVector<f64>,
+        misfit: f64,
+        bounds: &Bounds,
+        mut misfit_at: impl FnMut(&DVector<f64>) -> Option<f64>,
+    ) {
+        for (free, sign) in self.free.iter_mut().zip([1.0, -1.0]) {
+            // As far as the ranges go.
+            let mut most: f64 = 1.0;
+            for j in 0..x.len() {
+                let change = sign * self.change[j];
+                let room = match change {
+                    change if change > 0.0 => (bounds.upper()[j] - x[j]) / change,
+                    change if change < 0.0 => (bounds.lower()[j] - x[j]) / change,
+                    _ => continue,
+                };
+                most = most.min(room.max(0.0));
+            }
+            let mut keeps = |share: f64| {
+                let moved = bounds.nearest(&(x + &self.change * (sign * share)));
+                misfit_at(&moved).is_some_and(|found| found <= misfit + Direction::RISE)
+            };
+            if keeps(most) {
+                *free = most;
+                continue;
+            }
+            let (mut low, mut high) = (0.0, most);
+            for _ in 0..10 {
+                let middle = 0.5 * (low + high);
+                match keeps(middle) {
+                    true => low = middle,
+                    false => high = middle,
+                }
+            }
+            *free = low;
+        }
+    }
 }
 
 /// The singular value decomposition of the Jacobian scaled by the ranges, and what it means.
@@ -59,6 +108,7 @@ impl Identifiability {
             .map(|direction| Direction {
                 effect: effect(&direction),
                 change: direction.component_mul(bounds.width()),
+                free: [0.0; 2],
             })
             .collect();
         Identifiability {
@@ -79,7 +129,7 @@ fn across(direction: DVector<f64>) -> DVector<f64> {
 /// until all are at right angles (one-sided Jacobi: G. H. Golub, Ch. F. Van Loan, Matrix
 /// Computations, 4th ed., 8.6.3). It finds even small singular values of badly scaled columns to high
 /// relative accuracy.
-fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let n = a.ncols();
     let mut columns = a.clone();
     let mut vectors = DMatrix::identity(n, n);

@@ -29,6 +29,7 @@ mod objective;
 mod options;
 mod problem;
 mod qr;
+mod standard_errors;
 #[cfg(test)]
 mod test_problems;
 #[cfg(test)]
@@ -48,4 +49,5 @@ pub use multistart::{Multistart, Start, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;
 pub use problem::{Evaluation, Infeasible, LeastSquares};
+pub use standard_errors::{StandardError, StandardErrors};
 pub use tune::{Best, ConstraintOutcome, Fulfilment, Tuning, tune};

@@ -31,9 +31,9 @@ use std::ops::ControlFlow;
 
 /// The place of an extreme is known when a step of the search is shorter than this share of the distance
 /// between stations: the value then is exact to the square of it.
-const PLACED: f64 = 1e-6;
+const PLACED: f64 = 1e-9;
 /// The most steps of the search.
-const SEARCHES: usize = 5;
+const SEARCHES: usize = 8;
 
 /// The problem, with its workspace. `N` is one more than [`TargetLayout::rate_order`].
 pub struct Objective<'a, const N: usize> {

@@ -11,8 +11,8 @@ use super::multistart::every_start;
 use super::nearest::NearDesign;
 use super::{
     Bounds, ConstraintState, Control, Deviation, Evaluation, Fit, Held, Identifiability,
-    Infeasible, LeastSquares, Multistart, Objective, Options, TargetLayout, Termination,
-    moved_design, multistart,
+    Infeasible, LeastSquares, Multistart, Objective, Options, StandardErrors, TargetLayout,
+    Termination, moved_design, multistart,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -31,6 +31,8 @@ const NO_MOVE: f64 = 1e-9;
 /// A target that a move across the range of any variable changes by less than this (in tolerances) is one
 /// that nothing moves.
 const UNMOVED: f64 = 1e-9;
+/// So many of the directions that targets do not see are tried out.
+const TRIED_OUT: usize = 8;
 /// So many starts are tried before constraints are said to exclude one another.
 const STARTS_BEFORE_REFUSAL: usize = 4;
 
@@ -72,6 +74,8 @@ pub struct Best {
     pub identifiability: Identifiability,
     /// How it keeps the constraints, one by one.
     pub constraints: Vec<ConstraintOutcome>,
+    /// What is known of the variables, where the targets are measurements.
+    pub errors: Option<StandardErrors>,
 }
 
 /// How a constraint is kept.
@@ -367,9 +371,34 @@ impl<'a, const N: usize> Tuner<'a, N> {
             offsets: fit.x.iter().copied().collect(),
             design: moved,
             after: self.fulfilment(&fit.evaluation),
-            identifiability: Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN),
+            identifiability: self.identifiability(fit),
             constraints: self.outcomes(fit),
+            errors: self.errors(fit),
         }
+    }
+
+    /// What the targets tell apart, directions they do not see tried out.
+    fn identifiability(&self, fit: &Fit) -> Identifiability {
+        let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
+        let mut problem = self.problem();
+        let mut evaluation = Evaluation::new(self.layout.residuals(), fit.x.len());
+        for direction in found.unseen.iter_mut().take(TRIED_OUT) {
+            direction.try_out(&fit.x, fit.misfit(), &self.bounds, |x| {
+                LeastSquares::evaluate(&mut problem, x, &mut evaluation).ok()?;
+                Some(evaluation.misfit())
+            });
+        }
+        found
+    }
+
+    /// Standard errors of a fit that ended at a minimum.
+    fn errors(&self, fit: &Fit) -> Option<StandardErrors> {
+        if !self.optimise.fit || !fit.termination.at_minimum() || fit.constraints.is_some() {
+            return None;
+        }
+        let of = self.layout.targets_of_rows();
+        let weights: Vec<f64> = of.iter().map(|target| self.layout.share(*target)).collect();
+        StandardErrors::of(&fit.evaluation, &fit.holds, &self.bounds, &weights)
     }
 
     /// How each constraint is kept.

@@ -1,7 +1,7 @@
 //! What a tuning came to.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
-use super::figure::{as_written, brief};
+use super::figure::{as_written, brief, with_decimals};
 use super::table::{Cell, Column, Table};
 use crate::curves::Curves;
 use crate::model::Axis;
@@ -30,6 +30,12 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Combinations of variables that the targets cannot tell apart: offsets by variable.
     unseen: Vec<Vec<f64>>,
+    /// Of a fit: the scatter of measurements about it, in tolerances.
+    #[serde(default)]
+    scatter: Option<f64>,
+    /// Of a fit: variables that the measurements hardly tell apart.
+    #[serde(default)]
+    correlations: Vec<(String, String, f64)>,
     /// The misfit below which no design was preferred to a nearer one.
     #[serde(default)]
     good_enough: f64,
@@ -65,6 +71,12 @@ struct VariableSummary {
     range: [f64; 2],
     /// `lower` or `upper` where the variable ended at that bound.
     at_bound: Option<String>,
+    /// Of a fit: the standard error.
+    #[serde(default)]
+    standard_error: Option<f64>,
+    /// Of a fit: half the interval that holds the truth in 95 of 100 fits.
+    #[serde(default)]
+    interval: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -123,6 +135,7 @@ impl TuningSummary {
         let suspension = &study.suspension;
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
+        let error = |k: usize| best.and_then(|b| b.errors.as_ref()?.errors[k]);
         let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
             let first = v.moves.first();
             let coordinate = |design: &[crate::number::Vector3<f64>]| {
@@ -147,6 +160,8 @@ impl TuningSummary {
                     ActiveBound::Lower => Some("lower".to_owned()),
                     ActiveBound::Upper => Some("upper".to_owned()),
                 }),
+                standard_error: error(k).map(|e| e.sigma),
+                interval: error(k).map(|e| e.interval),
             }
         });
         let drive_of = |target: &crate::study::Target| {
@@ -250,14 +265,26 @@ impl TuningSummary {
             singular_values: best
                 .map(|b| b.identifiability.singular_values.clone())
                 .unwrap_or_default(),
-            unseen: best
-                .map(|b| {
-                    let directions = b.identifiability.unseen.iter();
-                    directions
-                        .map(|d| d.change.iter().copied().collect())
-                        .collect()
-                })
-                .unwrap_or_default(),
+            unseen: best.map_or(Vec::new(), |b| {
+                let directions = b.identifiability.unseen.iter().filter_map(|d| {
+                    let [up, down] = d.free;
+                    let share = if up >= down { up } else { -down };
+                    // A hundredth of the range is no freedom.
+                    (share.abs() > 0.01).then(|| d.change.iter().map(|c| c * share).collect())
+                });
+                directions.collect()
+            }),
+            scatter: best.and_then(|b| Some(b.errors.as_ref()?.scatter)),
+            correlations: best.map_or(Vec::new(), |b| {
+                let errors = b.errors.iter().flat_map(|e| &e.correlations);
+                let name = |j: usize| {
+                    let v = &optimise.variables[j];
+                    let axis = v.moves.first().map(|m| m.axis);
+                    let axis = axis.or(v.turn.as_ref().map(|t| t.axis));
+                    format!("{}.{}", v.name, axis.map_or("", Axis::name))
+                };
+                errors.map(|(i, j, c)| (name(*i), name(*j), *c)).collect()
+            }),
             good_enough: optimise.good_enough,
             constraints,
             unmoved: tuning
@@ -305,8 +332,19 @@ impl TuningSummary {
         let range = Column::for_readers("range");
         let ends = ["range min", "range max"].map(Column::for_programs);
         let columns = columns.into_iter().chain([range]).chain(ends);
-        let mut table = Table::with_columns(columns.chain(["bound".into()]));
+        let interval = self.scatter.map(|_| Column::from("95 % +-"));
+        let columns = columns.chain(["bound".into()]).chain(interval);
+        let mut table = Table::with_columns(columns);
         for v in &self.variables {
+            // A fit shows no more digits than it knows: two of the standard error.
+            let brief = |value: f64| match v.standard_error {
+                Some(sigma) if sigma > 0.0 => {
+                    let decimals = (1.0 - sigma.log10().floor()).clamp(0.0, 12.0);
+                    with_decimals(value, decimals as usize)
+                }
+                _ => brief(value),
+            };
+            let tuned = v.tuned.map(|value| Cell::shown(value, brief(value)));
             let moved = v.offset.map(|o| match brief(o) {
                 text if o > 0.0 => Cell::shown(o, format!("+{text}")),
                 text => Cell::shown(o, text),
@@ -314,17 +352,24 @@ impl TuningSummary {
             let [low, high] = v.range;
             let range = format!("{} .. {}", as_written(low), as_written(high));
             let bound = v.at_bound.as_ref().map(|side| format!("at {side} bound"));
-            table.push([
+            let mut row = vec![
                 Cell::from(v.hardpoint.as_str()),
                 v.axis.as_str().into(),
                 v.design.into(),
-                v.tuned.into(),
+                tuned.into(),
                 moved.into(),
                 range.into(),
                 low.into(),
                 high.into(),
                 bound.into(),
-            ]);
+            ];
+            if self.scatter.is_some() {
+                row.push(match v.interval {
+                    Some(interval) => Cell::shown(interval, brief(interval)),
+                    None => Cell::from("not determined"),
+                });
+            }
+            table.push_row(row);
         }
         table
     }
@@ -426,6 +471,18 @@ impl TuningSummary {
         for target in &self.unmoved {
             remarks.push(format!(
                 "no variable moves {target}: it stays as far from its target as it is"
+            ));
+        }
+        if let Some(scatter) = self.scatter {
+            remarks.push(format!(
+                "measurements scatter by {} of their tolerances about the fit; with 95 % each coordinate is \
+                 within the interval beside it, one \"not determined\" anywhere in its range",
+                brief(scatter)
+            ));
+        }
+        for (first, second, correlation) in self.correlations.iter().take(3) {
+            remarks.push(format!(
+                "the measurements hardly tell {first} from {second}: correlation {correlation:.3}"
             ));
         }
         for c in &self.constraints {

@@ -178,13 +178,20 @@ impl<'a> Problem<'a> {
                     axis,
                     factor: 1.0,
                 }],
+                turn: None,
                 range: [-1.0, 1.0],
+                cost: 1.0,
             })
         });
         Problem {
             study,
             variables: variables.collect(),
-            layout: TargetLayout::of(optimise, &study.motion, &study.suspension.frame),
+            layout: TargetLayout::of(
+                optimise,
+                &study.motion,
+                &study.suspension.frame,
+                &study.suspension.mechanism,
+            ),
             before: coordinates(study, design),
         }
     }

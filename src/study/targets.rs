@@ -198,6 +198,18 @@ fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     added
 }
 
+/// The number, which must be above zero by so much that quotients by it, and their squares, do not overflow.
+fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
+    const LEAST: f64 = 1e-12;
+    let value = above_zero(number, problems)?;
+    if value >= LEAST {
+        return Some(value);
+    }
+    let message = format!("expected a number of at least {LEAST:e}, found {value:e}");
+    problems.add(number.span.clone(), message);
+    None
+}
+
 fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpolation> {
     let kinds = [
         ("linear", Interpolation::Linear),

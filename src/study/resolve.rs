@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
-    source, suspension, sweep, tolerance,
+    Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup,
+    solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;

@@ -23,8 +23,8 @@ use crate::mechanism::{
     Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, turned_by_rod,
 };
 use crate::model::Point;
-use crate::model::PointId;
 use crate::model::{Arm, Body, Rod, SpinAxis, Suspension};
+use crate::model::{PointId, RockerId};
 use crate::number::{Matrix3, Real, Vector3};
 use crate::solve::Solver;
 use std::fmt;
@@ -235,8 +235,7 @@ impl Assembler {
             if moved * (moved / before).min(1.0) <= self.rounding && moved <= before {
                 return Some(pose);
             }
-            // Written so that NaN is refused.
-            if !(moved <= 0.5 * before) {
+            if moved.is_nan() || moved > 0.5 * before {
                 return None;
             }
             before = moved;
@@ -365,9 +364,9 @@ impl Assembler {
         let mechanism = &self.suspension.mechanism;
         let drawn = |id: PointId| parts.points[id.0].lit(self.drawn.points[id.0]);
         let at = self.configuration(parts, pose);
-        for i in 0..parts.points.len() {
-            let (id, point) = (PointId(i), parts.points[i]);
-            into[i] = match mechanism.body(id) {
+        for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
+            let id = PointId(i);
+            *place = match mechanism.body(id) {
                 Body::Chassis | Body::Rack | Body::Rocker(_) => point,
                 Body::Knuckle => at.carried(id),
                 Body::StrutRod(top) => {
@@ -395,9 +394,9 @@ impl Assembler {
             let outer = inner + along * length;
             let ends = [first, second, inner, outer, into[rocker.outer.0]];
             let turned = turned_by_rod(ends);
-            for i in 0..parts.points.len() {
-                if mechanism.body(PointId(i)) == Body::Rocker(crate::model::RockerId(number)) {
-                    into[i] = turned(set(parts.points[i]));
+            for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
+                if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
+                    *place = turned(set(point));
                 }
             }
         }

@@ -74,7 +74,7 @@ impl Assembler {
         for _ in 0..MOST_STEPS {
             let [now, by_height] = self.spring_by(built, &[], 1.0).ok_or(Reject::Spring)?;
             let step = (wanted - now) / by_height;
-            if !(step.abs() <= size) {
+            if step.is_nan() || step.abs() > size {
                 return Err(Reject::Spring);
             }
             // The last step is taken where it halves no more: rounding.

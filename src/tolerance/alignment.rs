@@ -144,7 +144,7 @@ impl Alignment {
             if largest <= ROUNDING * self.size {
                 return Ok(());
             }
-            if !(largest <= self.size) {
+            if largest.is_nan() || largest > self.size {
                 break;
             }
         }

@@ -210,8 +210,11 @@ struct Poses<'p> {
     slots: Slots,
     constants: Constants,
     /// By station.
-    poses: Vec<Option<(crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>)>>,
+    poses: Vec<Option<SolvedStation>>,
 }
+
+/// A pose, where it is, and the factors of its Jacobian.
+type SolvedStation = (crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>);
 
 impl<'p> Poses<'p> {
     fn of(problem: &Problem, readable: &'p [bool]) -> Option<Self> {

@@ -38,8 +38,8 @@ fn first_order_is_the_monte_carlo_where_it_says_so() {
         let problem = problem(&study);
         let (drawn, expansion, builds) = built(&problem);
         let mut looked_at = 0;
-        for cell in 0..problem.cells() {
-            let (linear, spread) = (expansion.variance[cell].sqrt(), &builds.spreads[cell]);
+        for (cell, spread) in builds.spreads.iter().enumerate() {
+            let linear = expansion.variance[cell].sqrt();
             assert!(spread.count == 3000 && spread.mean != drawn[cell]);
             if expansion.holds(cell) == Some(true) {
                 let off = (spread.sigma - linear).abs();

@@ -140,7 +140,6 @@ impl Function {
     /// Values and exact Jacobians of designs (n, variables): (n, outputs, stations) and (n, outputs, stations,
     /// variables).
     #[pyo3(signature = (x, threads=None))]
-    #[allow(clippy::type_complexity, reason = "three arrays, as Python takes them")]
     fn value_and_jacobian<'py>(
         &self,
         py: Python<'py>,

@@ -4,6 +4,11 @@
 //! wrong with a study is a `StudyError`; everything else that cannot be done is a `HardpointError`. The global
 //! interpreter lock is released while numbers are computed, and Ctrl-C is heard between pieces.
 
+#![allow(
+    clippy::type_complexity,
+    reason = "tuples of arrays are what Python takes and gives"
+)]
+
 mod errors;
 mod function;
 mod study;

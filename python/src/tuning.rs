@@ -69,7 +69,12 @@ impl Residuals {
                 "the study has no [optimise], which says what may move and what is wanted",
             ));
         };
-        let layout = TargetLayout::of(optimise, &own.motion, &own.suspension.frame);
+        let layout = TargetLayout::of(
+            optimise,
+            &own.motion,
+            &own.suspension.frame,
+            &own.suspension.mechanism,
+        );
         Ok(Residuals {
             study: own.clone(),
             layout,

@@ -110,7 +110,7 @@ macro_rules! catalogue {
         /// A quantity of the axle as a whole.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum AxleQuantity {
-            $(#[doc = concat!("`", $name, "`: ", $formula)] $axle,)*
+            $(#[doc = concat!("`", $name, "`: `", $formula, "`")] $axle,)*
         }
 
         impl WheelQuantity {

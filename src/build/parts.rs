@@ -72,7 +72,7 @@ pub enum BuildParameter {
 pub struct Parts<T> {
     /// Every point as its part has it: in the body, or in its carrier as that was drawn.
     pub points: Vec<Vector3<T>>,
-    /// Lengths of members, by [`Member::place`]; 0 for a constraint that is no rod.
+    /// Lengths of members, by the place of the constraint; 0 for a constraint that is no rod.
     pub lengths: Vec<T>,
 }
 

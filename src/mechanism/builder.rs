@@ -37,7 +37,7 @@ pub enum BuildError {
     SpinAxis,
     /// The hardpoints make no suspension.
     #[error(transparent)]
-    Geometry(#[from] GeometryFault),
+    Geometry(Box<GeometryFault>),
 }
 
 /// A suspension in the making: hardpoints by name, in the axes and the unit of whoever gives them.
@@ -181,7 +181,7 @@ impl SuspensionBuilder {
             vehicle: self.vehicle,
         };
         match GeometryFault::all_of(&suspension).into_iter().next() {
-            Some(fault) => Err(fault.into()),
+            Some(fault) => Err(BuildError::Geometry(Box::new(fault))),
             None => Ok(suspension),
         }
     }

@@ -368,8 +368,8 @@ pub(crate) fn gradient_by<T: Real, const K: usize>(
     let mut by = [Vector3::new(zero, zero, zero); K];
     // A loop, and the image of one seed in a function of its own: unrolled over nested numbers they would
     // take the compiler longer than anything else.
-    for k in 0..K {
-        by[k] = along_seed(&inputs, k, gradient, &image);
+    for (k, by) in by.iter_mut().enumerate() {
+        *by = along_seed(&inputs, k, gradient, &image);
     }
     by
 }

@@ -127,7 +127,7 @@ struct Worst(f64, String);
 impl Worst {
     fn note(&mut self, error: f64, what: impl FnOnce() -> String) {
         // Written so that NaN is the worst.
-        if !(error <= self.0) {
+        if error.is_nan() || error > self.0 {
             *self = Worst(error, what());
         }
     }

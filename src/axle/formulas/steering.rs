@@ -165,6 +165,6 @@ pub fn turning_circle<T: Scalar>(state: &State<T>) -> T {
 
 /// Whether the wheels are so near straight ahead that percentages of differences say nothing.
 pub fn is_straight_ahead(state: &State<f64>) -> bool {
-    // Written so that NaN is straight ahead.
-    !(mean_steer(state).abs() >= STRAIGHT_AHEAD)
+    let steer = mean_steer(state);
+    steer.is_nan() || steer.abs() < STRAIGHT_AHEAD
 }

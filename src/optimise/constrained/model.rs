@@ -518,13 +518,13 @@ impl<'a> ConvexModel<'a> {
     pub fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];
-        for j in 0..n {
+        for (j, y) in y.iter_mut().enumerate() {
             let part = |a: &Evaluation, b: &Evaluation, weights: &[f64]| {
                 let columns = b.jacobian.column(j).into_iter().zip(a.jacobian.column(j));
                 let terms = columns.zip(weights).map(|((b, a), w)| (b - a) * w);
                 terms.sum::<f64>() * self.half[j]
             };
-            y[j] = part(&before.goal, &after.goal, after.goal.residuals.as_slice())
+            *y = part(&before.goal, &after.goal, after.goal.residuals.as_slice())
                 + part(&before.rows, &after.rows, &self.row_multipliers);
             if self.level_multiplier > 0.0 {
                 let held = part(
@@ -532,7 +532,7 @@ impl<'a> ConvexModel<'a> {
                     &after.level,
                     after.level.residuals.as_slice(),
                 );
-                y[j] += self.level_multiplier * held;
+                *y += self.level_multiplier * held;
             }
         }
         self.curvature.learn(&self.step, &y);

@@ -1,10 +1,10 @@
-//! The README says what the program does.
+//! The README and the manual say what the program does.
 
 use hardpoint::characteristics::Characteristic;
 use std::fs;
 use std::path::Path;
 
-/// The table of characteristics is the catalogue's. To renew it after a change of the catalogue, run
+/// The manual's table of characteristics is the catalogue's. To renew it after a change of the catalogue, run
 /// `UPDATE_README=1 cargo test --test readme`.
 #[test]
 fn the_table_of_characteristics_is_the_catalogue() {
@@ -17,7 +17,7 @@ fn the_table_of_characteristics_is_the_catalogue() {
         );
     }
     table.push('\n');
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/characteristics.md");
     let readme = fs::read_to_string(&path).unwrap();
     let (start, end) = ("<!-- characteristics -->\n", "<!-- /characteristics -->");
     let from = readme.find(start).unwrap() + start.len();

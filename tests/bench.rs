@@ -198,7 +198,7 @@ fn throughput_is_measured_by_every_way_there_is() {
 
 fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
     let mut program = Command::cargo_bin("hardpoint").unwrap();
-    program.args(arguments).assert()
+    program.env("COLUMNS", "400").args(arguments).assert()
 }
 
 #[test]

@@ -146,6 +146,9 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         let points = scatter.block();
         careful.evaluate(&points, &mut wanted);
         found.left += lanes.evaluate(&points, &mut block);
+        let left: Vec<bool> = (0..BLOCK)
+            .map(|k| lanes.one_by_one().contains(&k))
+            .collect();
         found.designs += BLOCK;
         assert_eq!(block.faults(), wanted.faults());
         let key = |b: &Block| -> Vec<(usize, usize)> {
@@ -166,6 +169,11 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                         // is as smooth as the rest.
                         let pole = b * b / suspension.size();
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
+                        // What comes so near to a fold or toggle that it is left to be solved one by one
+                        // is at the mercy of its own condition, which the continuation feels as well.
+                        if left[design] && deviation < BESIDE_FOLDS {
+                            continue;
+                        }
                         if deviation > BOUND {
                             let n = suspension.design.len();
                             let design = &points[design * n..][..n];
@@ -183,7 +191,7 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 }
                 let (a, b) = (block.slope(design, k), wanted.slope(design, k));
                 assert_eq!(a.is_nan(), b.is_nan(), "slope of {quantity:?}");
-                if !a.is_nan() {
+                if !a.is_nan() && !left[design] {
                     let scale = (scale / unit_of_drive).max(b.abs());
                     found.worst_slope = found.worst_slope.max((a - b).abs() / scale);
                 }
@@ -281,6 +289,11 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
 /// which this allows for with the roundings of both paths. What is left are quotients of which both parts all
 /// but vanish, such as the roll centre of a wheel that turns about its contact point.
 const BOUND: f64 = 1e-12;
+
+/// Rates lose twice the digits of the condition number, which is below 1e3 where a station's condition is called
+/// ordinary: six digits of sixteen, with a factor of ten for the roundings of both paths. Of designs that are left
+/// to be solved one by one alone.
+const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
     for (by, found) in all {

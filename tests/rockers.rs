@@ -550,7 +550,8 @@ fn limits_name_the_toggles() {
     let path = directory.path().join("study.toml");
     fs::write(&path, with_lines(&[NEAR_TOGGLE])).unwrap();
     let mut command = Command::cargo_bin("hardpoint").unwrap();
-    let shown = command.arg("limits").arg(path).assert().success();
+    let shown = command.env("COLUMNS", "400").arg("limits").arg(path);
+    let shown = shown.assert().success();
     let shown = String::from_utf8(shown.get_output().stdout.clone()).unwrap();
     let line = shown.lines().find(|l| l.contains("pushrod_travel_mm"));
     assert!(

@@ -104,7 +104,7 @@ macro_rules! catalogue {
         /// A quantity that each wheel has, beside the wheel characteristics.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum WheelQuantity {
-            $(#[doc = concat!("`", $wname, "`: ", $wformula)] $wheel,)*
+            $(#[doc = concat!("`", $wname, "`: `", $wformula, "`")] $wheel,)*
         }
 
         /// A quantity of the axle as a whole.

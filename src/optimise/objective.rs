@@ -313,7 +313,9 @@ impl<'a, const N: usize> Objective<'a, N> {
             let worst = |a: &&usize, b: &&usize| {
                 (extreme.sign * found[**a]).total_cmp(&(extreme.sign * found[**b]))
             };
-            let Some(&station) = leg.sorted.iter().max_by(worst) else {
+            // Stations that only targets look at have no value of it.
+            let looked_at = leg.sorted.iter().filter(|s| !found[**s].is_nan());
+            let Some(&station) = looked_at.max_by(worst) else {
                 continue;
             };
             let Some(mut search) = Search::about(leg, found, station) else {

@@ -31,19 +31,20 @@ pub struct AxleStudy {
 
 /// Refuses what is of an axle in a study of one wheel.
 pub fn refuse_without_axle(file: &File, problems: &mut Problems) {
-    let motion = file.motion.get_ref();
-    let keys = [
-        ("heave", &motion.heave),
-        ("roll", &motion.roll),
-        ("travel_left", &motion.travel_left),
-        ("travel_right", &motion.travel_right),
-        ("steering_wheel_angle", &motion.steering_wheel_angle),
-    ];
-    let mut places: Vec<_> = keys
-        .into_iter()
-        .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
-        .collect();
-    places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    let mut places = Vec::new();
+    for motion in std::iter::once(&file.motion).chain(file.motions.values()) {
+        let motion = motion.get_ref();
+        let keys = [
+            ("heave", &motion.heave),
+            ("roll", &motion.roll),
+            ("travel_left", &motion.travel_left),
+            ("travel_right", &motion.travel_right),
+            ("steering_wheel_angle", &motion.steering_wheel_angle),
+        ];
+        let keys = keys.into_iter();
+        places.extend(keys.filter_map(|(key, values)| Some((key, values.as_ref()?.span()))));
+        places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    }
     let sections = [
         ("[steering]", file.steering.as_ref().map(Spanned::span)),
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
@@ -132,6 +133,10 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     add(
         motion.time.as_ref().map(Spanned::span),
         "time is not yet there for an axle",
+    );
+    add(
+        file.motions.values().next().map(Spanned::span),
+        "further motions are not yet there for an axle",
     );
     add(
         file.solver.formulation.as_ref().map(Text::span),

@@ -10,7 +10,6 @@
 //! `suspension.hardpoints{}` for each value of a table whose keys are names.
 
 use super::file::File;
-use crate::characteristics::Characteristic;
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
@@ -480,7 +479,7 @@ fn names(path: &str) -> Option<Vec<&'static str>> {
         "suspension.side" => Side::ALL.map(Side::name).to_vec(),
         "suspension.length_unit" => LengthUnit::ALL.map(LengthUnit::symbol).to_vec(),
         "suspension.frame" => FrameConvention::ALL.map(FrameConvention::name).to_vec(),
-        "outputs.characteristics[]" => Characteristic::ALL.iter().map(|c| c.info().name).collect(),
+        "outputs.characteristics[]" => crate::axle::Quantity::names(),
         _ => return None,
     })
 }

@@ -217,6 +217,11 @@ impl<'a> Evaluator<'a> {
         }
     }
 
+    /// The designs of the last block that were left to be solved one by one, by rising number.
+    pub fn one_by_one(&self) -> &[usize] {
+        &self.left
+    }
+
     /// Evaluates designs given as the points of one after the other, in the kernel's frame. Returns how
     /// many were left to be solved one by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {

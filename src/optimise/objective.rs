@@ -402,17 +402,22 @@ struct Search {
 }
 
 impl Search {
-    /// From the parabola through the worst station and its neighbours; `None` at an end of the motion.
+    /// From the parabola through the worst station and its neighbours among those that are looked at; `None` at an
+    /// end of the motion.
     fn about(leg: &Leg, found: &[f64], station: usize) -> Option<Self> {
-        let place = leg.sorted.iter().position(|s| *s == station)?;
-        let looked_at = |k: usize| {
-            let station = *leg.sorted.get(k)?;
-            let value = found[station];
-            (!value.is_nan()).then_some((leg.order.values()[station], value))
-        };
-        let (x0, y0) = looked_at(place.checked_sub(1)?)?;
-        let (x1, y1) = looked_at(place)?;
-        let (x2, y2) = looked_at(place + 1)?;
+        let mut looked_at = leg.sorted.iter().filter(|s| !found[**s].is_nan());
+        let mut before = None;
+        loop {
+            let here = *looked_at.next()?;
+            if here == station {
+                break;
+            }
+            before = Some(here);
+        }
+        let at = |station: usize| (leg.order.values()[station], found[station]);
+        let (x0, y0) = at(before?);
+        let (x1, y1) = at(station);
+        let (x2, y2) = at(*looked_at.next()?);
         let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
         let curvature = 2.0 * (right - left) / (x2 - x0);
         let slope = (left * (x2 - x1) + right * (x1 - x0)) / (x2 - x0);

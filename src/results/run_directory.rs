@@ -232,11 +232,17 @@ impl RunDirectory {
         let before = state.manifest.clone();
         for name in names {
             if !self.force && self.path.join(name).symlink_metadata().is_ok() {
-                let is_own = state
-                    .manifest
-                    .author(name)
-                    .is_some_and(|run| self.is_own(run));
-                if !is_own {
+                let is_own = |manifest: &Manifest| {
+                    let author = manifest.author(name);
+                    author.is_some_and(|run| self.is_own(run))
+                };
+                // Another shard of the same sweep may have recorded it meanwhile.
+                if !is_own(&state.manifest)
+                    && let Ok(present) = Manifest::read(&self.path)
+                {
+                    state.manifest = present;
+                }
+                if !is_own(&state.manifest) {
                     let message =
                         "it is there already, and not from this run; --force overwrites it";
                     let error = io::Error::new(io::ErrorKind::AlreadyExists, message);

@@ -16,7 +16,7 @@
 //! row taken there needs no derivative of the place, along which the value does not change.
 
 use super::constrained::{Assessment, Constrained, Shape};
-use super::layout::{Extreme, Leg, Part, TargetLayout};
+use super::layout::{Extreme, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible, LeastSquares};
 use crate::characteristics::{Constants, Measure, WheelReading};
@@ -306,7 +306,6 @@ impl<'a, const N: usize> Objective<'a, N> {
         };
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
-        let stations = leg.order.values();
         for extreme in &leg.extremes {
             let part = &layout.parts[extreme.part];
             let found = &values[extreme.part];
@@ -319,7 +318,7 @@ impl<'a, const N: usize> Objective<'a, N> {
                 continue;
             };
             let Some(mut search) = Search::about(leg, found, station) else {
-                let same = rows_at(leg, station, extreme, part);
+                let same = row_at(leg, station, extreme);
                 copy_row(rows, same, extreme.row);
                 continue;
             };
@@ -366,14 +365,13 @@ impl<'a, const N: usize> Objective<'a, N> {
                     break;
                 }
             }
-            debug_assert!(stations.contains(&stations[station]));
         }
         Ok(())
     }
 }
 
 /// The row of an extreme's limit at a station.
-fn rows_at(leg: &Leg, station: usize, extreme: &Extreme, _: &Part) -> usize {
+fn row_at(leg: &Leg, station: usize, extreme: &Extreme) -> usize {
     let check = leg.checks[station].iter().find(|c| c.part == extreme.part);
     let check = check.expect("extremes are of parts looked at at every station");
     let row = if extreme.sign > 0.0 {

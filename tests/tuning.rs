@@ -25,17 +25,12 @@ fn planted(study: &Study) -> Optimise {
             .iter()
             .position(|c| c.name == column)
             .unwrap();
-        let unit = target.of.unit;
+        let of = target.of.clone();
         target.wanted = Wanted::Curve {
             points: curves
                 .stations
                 .iter()
-                .map(|s| {
-                    [
-                        s.travel.unwrap(),
-                        unit.from_printed(s.values[index].unwrap()),
-                    ]
-                })
+                .map(|s| [s.travel.unwrap(), of.from_printed(s.values[index].unwrap())])
                 .collect(),
             interpolation: Interpolation::Linear,
         };

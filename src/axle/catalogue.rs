@@ -337,6 +337,26 @@ impl Quantity {
         }
     }
 
+    /// Whether it moves with a rocker of a side.
+    pub fn moves_with_rocker(self, side: Side) -> bool {
+        let of_side = match self {
+            Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
+            Quantity::Axle(_) => true,
+        };
+        let mut rockers = self.reads().iter().filter(|slot| {
+            matches!(
+                slot,
+                Slot::Spring
+                    | Slot::SpringLength
+                    | Slot::SpringLengthRate
+                    | Slot::RockerAngle
+                    | Slot::BarAngle
+                    | Slot::BarAngleRate
+            )
+        });
+        of_side && rockers.next().is_some()
+    }
+
     /// Whether it is a derivative along a motion on a plane ground.
     fn is_of_the_plane(self) -> bool {
         matches!(

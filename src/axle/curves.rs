@@ -3,7 +3,6 @@
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 use super::state::Motion;
 use super::{Axle, Course, Quantity, Void, WheelMotion};
-use crate::characteristics::Slot;
 use crate::curves::Status;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side};
@@ -208,27 +207,6 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     })
 }
 
-/// Whether a quantity moves with a rocker of a side.
-fn moves_with_rocker(quantity: Quantity, side: Side) -> bool {
-    let of_side = match quantity {
-        Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
-        Quantity::Axle(_) => true,
-    };
-    let reads = quantity.reads().iter();
-    let mut rockers = reads.filter(|slot| {
-        matches!(
-            slot,
-            Slot::Spring
-                | Slot::SpringLength
-                | Slot::SpringLengthRate
-                | Slot::RockerAngle
-                | Slot::BarAngle
-                | Slot::BarAngleRate
-        )
-    });
-    of_side && rockers.next().is_some()
-}
-
 /// The curves of both wheels at one place of the rack, where their travels are given.
 #[derive(Default)]
 struct Curves {
@@ -282,13 +260,8 @@ fn values(
     placed: Placed,
     read: &Read,
 ) -> AxleStation {
-    let is_stuck = |quantity: Quantity| {
-        [Side::Left, Side::Right]
-            .into_iter()
-            .any(|side| read.toggles[side as usize] && moves_with_rocker(quantity, side))
-    };
     let value = |column: &AxleColumn| {
-        if is_stuck(column.quantity) {
+        if read.is_stuck(column.quantity) {
             return Err(Void::Toggle);
         }
         let value = column.quantity.value(&read.state)?;

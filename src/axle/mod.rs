@@ -6,6 +6,7 @@
 //! roll are positive to the left and about +x.
 
 mod catalogue;
+mod coordinate;
 mod course;
 mod curves;
 mod formulas;
@@ -19,6 +20,7 @@ mod taylor;
 mod unit;
 
 pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
+pub use coordinate::Coordinate;
 pub use course::{Course, WheelMotion};
 pub use curves::{AxleColumn, AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};
 pub use ground::Ground;

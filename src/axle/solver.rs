@@ -59,6 +59,27 @@ impl Placement {
     }
 }
 
+impl std::fmt::Display for Placement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Placement::Roll { heave, roll, rack } => {
+                let roll = roll.to_degrees();
+                write!(
+                    f,
+                    "roll {roll:.6} deg, heave {heave}, rack {rack} to the left"
+                )
+            }
+            Placement::Travels {
+                travels: [left, right],
+                rack,
+                ..
+            } => {
+                write!(f, "travels {left} and {right}, rack {rack} to the left")
+            }
+        }
+    }
+}
+
 /// Why an axle has no position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxleFailure {
@@ -264,6 +285,14 @@ pub struct Read<'a> {
     pub condition: f64,
     /// Whether a rocker of either wheel is at toggle or beyond.
     pub toggles: [bool; 2],
+}
+
+impl Read<'_> {
+    /// Whether a quantity moves with a rocker that is at toggle or beyond.
+    pub fn is_stuck(&self, quantity: Quantity) -> bool {
+        let mut sides = [Side::Left, Side::Right].into_iter();
+        sides.any(|side| self.toggles[side as usize] && quantity.moves_with_rocker(side))
+    }
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {

@@ -53,4 +53,12 @@ impl Unit {
             Unit::AnglePerAngle | Unit::Force | Unit::ForcePerLength | Unit::Frequency => 1.0,
         }
     }
+
+    /// The value (radians, length units, newtons) of a printed one.
+    pub fn from_printed(self, printed: f64, length: LengthUnit) -> f64 {
+        match self {
+            Unit::Corner(unit) => unit.from_printed(printed),
+            _ => printed / self.printed_factor(length),
+        }
+    }
 }

@@ -1,17 +1,25 @@
-//! `hardpoint solve` and `hardpoint check` of an axle; what other commands say of one.
+//! `hardpoint solve`, `optimise` and `check` of an axle; what other commands say of one.
 
 use super::exit::{Exit, Stop};
-use super::output::Output;
+use super::optimise::{say_openings, say_outcome, tune_with_progress};
+use super::output::{Output, pool};
 use super::printer::Printer;
+use super::progress;
 use super::{RunArguments, StudyArguments};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleQuantity, Course, Quantity, WheelMotion, axle_curves,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::report::{AxleSummary, axle_curves_csv, axle_doubts, axle_sensitivities_csv, doubts};
-use crate::study::{AxleStudy, Study};
+use crate::optimise::{Best, moved_design};
+use crate::report::{
+    AxleSummary, TuningSummary, axle_curves_csv, axle_doubts, axle_sensitivities_csv, doubts,
+    history_csv, variable_doubts,
+};
+use crate::study::{About, AxleStudy, Optimise, Study};
+use nalgebra::DVector;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 /// Refuses a study of an axle in a command that only knows one wheel.
 pub(super) fn refuse(study: &Study, path: &Path, command: &str) -> Result<(), Stop> {
@@ -89,17 +97,22 @@ fn said(
     Ok(said)
 }
 
+fn refuse_pictures(arguments: &RunArguments) -> Result<(), Stop> {
+    match arguments.report || arguments.plots.is_some() {
+        false => Ok(()),
+        true => Err(Stop::wrong_input(
+            "--report and --plots are not yet there for an axle",
+        )),
+    }
+}
+
 pub(super) fn solve(
     arguments: &RunArguments,
     study: &Study,
     AxleStudy { axle, plan }: &AxleStudy,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
-    if arguments.report || arguments.plots.is_some() {
-        return Err(Stop::wrong_input(
-            "--report and --plots are not yet there for an axle",
-        ));
-    }
+    refuse_pictures(arguments)?;
     let curves = axle_curves(axle, plan).map_err(|f| fault(path, axle, f))?;
     let design = axle_curves(axle, &at_design(plan)).map_err(|f| fault(path, axle, f))?;
     let output = Output::open(arguments, study, "solve")?;
@@ -134,6 +147,105 @@ pub(super) fn solve(
     })
 }
 
+/// The plan with what targets are about.
+fn with_targets(plan: &AxlePlan, optimise: &Optimise) -> AxlePlan {
+    let mut plan = plan.clone();
+    for target in &optimise.targets {
+        if let About::Axle(quantities) = &target.of.about {
+            let new = quantities.iter().filter(|q| !plan.quantities.contains(q));
+            let new: Vec<_> = new.copied().collect();
+            plan.quantities.extend(new);
+        }
+    }
+    plan
+}
+
+/// The axle of a tuned design.
+fn tuned_axle(axle: &Axle, optimise: &Optimise, best: &Best) -> Axle {
+    let mut tuned = axle.clone();
+    tuned.left.design.clone_from(&best.design);
+    if let (Some(own), Some(right)) = (&axle.right, &mut tuned.right) {
+        let x = DVector::from_column_slice(&best.offsets);
+        let (frame, variables) = (&axle.left.frame, &optimise.variables);
+        moved_design(&own.design, frame, variables, &x, &mut right.design);
+    }
+    tuned
+}
+
+pub(super) fn optimise(
+    arguments: &RunArguments,
+    study: &Study,
+    AxleStudy { axle, plan }: &AxleStudy,
+    optimise: &Optimise,
+) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    refuse_pictures(arguments)?;
+    let pool = pool(arguments.threads, optimise.starts as u64)?;
+    let plan = with_targets(plan, optimise);
+    let solved = |axle: &Axle| axle_curves(axle, &plan).map_err(|f| fault(path, axle, f));
+    let before = solved(axle)?;
+    let output = Output::open(arguments, study, "optimise")?;
+    let tuning = pool
+        .install(|| tune_with_progress(study, optimise))
+        .map_err(|f| fault(path, axle, (Side::Left, f)))?;
+    let summary = TuningSummary::of(study, optimise, &tuning, None);
+    let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
+    output.file("curves_before.csv", &axle_curves_csv(axle, &plan, &before))?;
+    output.file("history.csv", &history_csv(&tuning.starts))?;
+    output.json("summary.json", &summary)?;
+    output.without("sensitivities.csv")?;
+    output.without("report.json")?;
+    output.without("report.html")?;
+    say_outcome(&output, study, &summary)?;
+    let mut complete = !summary.falls_short();
+    let mut refused = None;
+    if let Some(best) = &tuning.best {
+        let tuned = tuned_axle(axle, optimise, best);
+        let after = solved(&tuned)?;
+        let design = axle_curves(&tuned, &at_design(&plan)).map_err(|f| fault(path, axle, f))?;
+        complete &= after.are_complete();
+        output.main_csv("curves.csv", &axle_curves_csv(&tuned, &plan, &after))?;
+        if !plan.sensitivities.is_empty() {
+            let csv = axle_sensitivities_csv(&tuned, &plan, &after);
+            output.file("sensitivities.csv", &csv)?;
+            files.push("sensitivities.csv");
+        }
+        let right = tuned.right.as_ref().map(|right| right.design.as_slice());
+        let text = study.with_designs(&best.design, right);
+        output.file("optimised.toml", text.as_bytes())?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        refused = Study::from_text("optimised.toml", &text, directory).err();
+        files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
+        let curves = AxleSummary::of(&study.name, &tuned, &plan, &after, &design);
+        let own = Study {
+            suspension: tuned.left.clone(),
+            ..study.clone()
+        };
+        let remarks = said(&own, path, &tuned, &plan, &after)?;
+        for remark in remarks.into_iter().chain(curves.remarks()) {
+            output.say(&format!("\n{remark}\n"))?;
+        }
+        for failure in curves.failures() {
+            output.say_failure(&format!("\n{failure}\n"))?;
+        }
+    } else {
+        complete = false;
+        output.without("curves.csv")?;
+        output.without("optimised.toml")?;
+    }
+    for remark in variable_doubts(study) {
+        output.say(&format!("\n{remark}\n"))?;
+    }
+    complete &= refused.is_none();
+    say_openings(&output, study, &summary, refused)?;
+    output.print_files(&files)?;
+    let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
+    Ok(match complete && !interrupted {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}
+
 pub(super) fn check(
     arguments: &StudyArguments,
     study: &Study,
@@ -157,6 +269,14 @@ pub(super) fn check(
         out.failure(&format!("{failure}\n\n"))?;
     }
     out.say(&format!("{}\n\n", summary.headline()))?;
+    if let Some(optimise) = &study.optimise {
+        out.say(&format!(
+            "tuning (optimise only): {} variables, {} targets, {} starts\n\n",
+            optimise.variables.len(),
+            optimise.targets.len(),
+            optimise.starts
+        ))?;
+    }
     out.table("outputs", summary.table())?;
     out.finish()?;
     Ok(match curves.are_complete() {

@@ -13,23 +13,87 @@ use crate::report::{
     Record, TuningSummary, curves_csv, doubts, history_csv, remarks, sensitivities_csv,
     variable_doubts,
 };
-use crate::study::{Optimise, Study};
+use crate::study::{Optimise, Study, StudyErrors};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The most free moves that are said; the page and `summary.json` have all.
 const MOST_DIRECTIONS: usize = 2;
 
+/// Says what came of a tuning: misfit, targets, variables, constraints.
+pub(super) fn say_outcome(
+    output: &Output,
+    study: &Study,
+    summary: &TuningSummary,
+) -> Result<(), Stop> {
+    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
+    output.table_for_programs("misfit", || summary.misfit_table());
+    if summary.has_design() {
+        output.table("targets", &summary.targets_table())?;
+        output.say("\n  rms and worst in tolerances\n")?;
+        for (_, column, by) in summary.missed() {
+            output.say(&format!("  missed: {column}, by up to {by}\n"))?;
+        }
+        output.say("\n")?;
+        output.table("variables", &summary.variables_table())?;
+    }
+    if let Some(table) = summary.constraints_table().filter(|_| summary.has_design()) {
+        output.say("\n")?;
+        output.table("constraints", &table)?;
+    }
+    for remark in summary.remarks() {
+        output.say(&format!("\n{remark}\n"))?;
+    }
+    Ok(())
+}
+
+/// Says what the tuned design lacks, what the targets leave open, and how the starts ended. `refused` are the errors
+/// of the tuned study, if it is not one that can be read.
+pub(super) fn say_openings(
+    output: &Output,
+    study: &Study,
+    summary: &TuningSummary,
+    refused: Option<StudyErrors>,
+) -> Result<(), Stop> {
+    if let Some(errors) = refused {
+        output.say(&format!(
+            "\nwarning: the tuned design is not one that other commands take:\n{}\n",
+            errors.render(false)
+        ))?;
+    }
+    let unit = study.suspension.length_unit.symbol();
+    let unseen = summary.unseen();
+    for combination in unseen.iter().take(MOST_DIRECTIONS) {
+        output.say(&format!(
+            "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
+        ))?;
+    }
+    if unseen.len() > MOST_DIRECTIONS {
+        let more = unseen.len() - MOST_DIRECTIONS;
+        output.say(&format!(
+            "\n  nor by {more} more such moves, in summary.json\n"
+        ))?;
+    }
+    output.say("\n")?;
+    match summary.starts_in_words().filter(|_| output.is_text()) {
+        Some(words) => output.say(&format!("{words}\n"))?,
+        None => output.table("starts", &summary.starts_table())?,
+    }
+    Ok(())
+}
+
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "optimise")?;
     let Some(optimise) = &study.optimise else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [optimise] section, which says what may move and what is wanted",
             path.display()
         )));
     };
+    if let Some(axle) = &study.axle {
+        return super::axle::optimise(arguments, &study, axle, optimise);
+    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
     let plan = Plan::with_targets(&study);
@@ -85,58 +149,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     files.extend(wanted.show(output.directory())?);
 
-    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
-    output.table_for_programs("misfit", || summary.misfit_table());
-    if tuning.best.is_some() {
-        output.table("targets", &summary.targets_table())?;
-        output.say("\n  rms and worst in tolerances\n")?;
-        for (_, column, by) in summary.missed() {
-            output.say(&format!("  missed: {column}, by up to {by}\n"))?;
-        }
-        output.say("\n")?;
-        output.table("variables", &summary.variables_table())?;
-    }
-    if let Some(table) = summary
-        .constraints_table()
-        .filter(|_| tuning.best.is_some())
-    {
-        output.say("\n")?;
-        output.table("constraints", &table)?;
-    }
-    for remark in summary.remarks() {
-        output.say(&format!("\n{remark}\n"))?;
-    }
+    say_outcome(&output, &study, &summary)?;
     complete &= !summary.falls_short();
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
     for remark in doubts.chain(after.iter().flat_map(|after| remarks(&study, after))) {
         output.say(&format!("\n{remark}\n"))?;
     }
-    if let Some(errors) = refused {
-        complete = false;
-        output.say(&format!(
-            "\nwarning: the tuned design is not one that other commands take:\n{}\n",
-            errors.render(false)
-        ))?;
-    }
-    let unit = length.symbol();
-    let unseen = summary.unseen();
-    for combination in unseen.iter().take(MOST_DIRECTIONS) {
-        output.say(&format!(
-            "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
-        ))?;
-    }
-    if unseen.len() > MOST_DIRECTIONS {
-        let more = unseen.len() - MOST_DIRECTIONS;
-        output.say(&format!(
-            "\n  nor by {more} more such moves, in summary.json\n"
-        ))?;
-    }
-    output.say("\n")?;
-    match summary.starts_in_words().filter(|_| output.is_text()) {
-        Some(words) => output.say(&format!("{words}\n"))?,
-        None => output.table("starts", &summary.starts_table())?,
-    }
+    complete &= refused.is_none();
+    say_openings(&output, &study, &summary, refused)?;
     output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
     Ok(match complete && !interrupted {
@@ -145,7 +166,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     })
 }
 
-fn tune_with_progress(
+pub(super) fn tune_with_progress(
     study: &Study,
     optimise: &Optimise,
 ) -> Result<Tuning, crate::mechanism::DesignFault> {

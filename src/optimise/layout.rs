@@ -1,10 +1,11 @@
 //! What is looked at where: targets and constraints laid out over the stations of the motions.
 
+use super::axle::AxleLayout;
 use super::interpolation::Sample;
 use crate::characteristics::{Measure, Slots};
 use crate::model::{Axis, Drive, Frame, Mechanism};
 use crate::solve::StationOrder;
-use crate::study::{Motion, Optimise, Site};
+use crate::study::{Motion, Optimise, Site, Target};
 use nalgebra::DVector;
 
 /// What a target wants at one station.
@@ -12,6 +13,8 @@ use nalgebra::DVector;
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
+    /// Place of what the target is about among the measures.
+    pub measure: usize,
     /// Anything between these is right.
     pub low: f64,
     pub high: f64,
@@ -82,8 +85,10 @@ pub struct RowLabel {
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
     pub(super) rows: usize,
-    /// What each target is about.
+    /// What targets of one wheel are about.
     pub(super) measures: Vec<Measure>,
+    /// The targets of an axle.
+    pub(super) axle: Option<AxleLayout>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
     pub(super) equalities: usize,
@@ -166,7 +171,9 @@ impl TargetLayout {
         let mut drafts: Vec<Draft> = Vec::new();
         let mut rows = 0;
         let mut own = vec![0; optimise.targets.len()];
-        for (number, target) in optimise.targets.iter().enumerate() {
+        let of_one_wheel = |t: &(usize, &Target)| t.1.of.of_wheel().is_some();
+        let targets = optimise.targets.iter().enumerate();
+        for (number, target) in targets.filter(of_one_wheel) {
             let (motion, legs) = legs_of(&target.site, motion, frame, &mut drafts);
             let stations = target.stations_in(motion);
             for leg in legs {
@@ -178,6 +185,7 @@ impl TargetLayout {
                 }
             }
         }
+        let axle = AxleLayout::of(optimise, &mut rows, &mut own);
         let (parts, at_design) = parts(optimise, mechanism);
         for (place, part) in parts.iter().enumerate() {
             let default = Site::default();
@@ -197,12 +205,13 @@ impl TargetLayout {
                 drafts[leg].extremes.push(place);
             }
         }
-        Self::finished(optimise, drafts, parts, rows, &own)
+        Self::finished(optimise, drafts, axle, parts, rows, &own)
     }
 
     fn finished(
         optimise: &Optimise,
         drafts: Vec<Draft>,
+        mut axle: Option<AxleLayout>,
         parts: Vec<Part>,
         rows: usize,
         own: &[usize],
@@ -216,6 +225,19 @@ impl TargetLayout {
                 // A measured point counts as one, however many there are of its kind.
                 true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
                 false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
+            })
+            .collect();
+        if let Some(axle) = &mut axle {
+            axle.weigh(&shares);
+        }
+        // The measures are those of the targets of one wheel, in their order.
+        let mut measures = Vec::new();
+        let places: Vec<usize> = optimise
+            .targets
+            .iter()
+            .map(|target| {
+                measures.extend(target.of.of_wheel().cloned());
+                measures.len().saturating_sub(1)
             })
             .collect();
         let is_equality = |part: &Part| part.lower.is_some() && part.lower == part.upper;
@@ -243,6 +265,7 @@ impl TargetLayout {
                 targets[station].push(TargetSample {
                     row,
                     target,
+                    measure: places[target],
                     low: sample.low,
                     high: sample.high,
                     scale: shares[target] / optimise.targets[target].tolerance,
@@ -311,11 +334,6 @@ impl TargetLayout {
                 sorted,
             });
         }
-        let measures: Vec<Measure> = optimise
-            .targets
-            .iter()
-            .map(|t| t.of.measure.clone())
-            .collect();
         let all = || measures.iter().chain(parts.iter().map(|p| &p.of));
         TargetLayout {
             rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
@@ -323,6 +341,7 @@ impl TargetLayout {
             legs,
             rows,
             measures,
+            axle,
             parts,
             labels,
             equalities,
@@ -348,14 +367,35 @@ impl TargetLayout {
     /// The target of each residual.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];
-        for sample in self
-            .legs
-            .iter()
-            .flat_map(|leg| leg.targets.iter().flatten())
-        {
-            of[sample.row] = sample.target;
+        for place in self.places() {
+            of[place.row] = place.target;
         }
         of
+    }
+
+    /// Every row of a target and where it is looked at.
+    fn places(&self) -> impl Iterator<Item = Place> {
+        let legs = self.legs.iter().flat_map(|leg| {
+            let stations = leg.targets.iter().enumerate();
+            stations.flat_map(move |(station, samples)| {
+                samples.iter().map(move |sample| Place {
+                    row: sample.row,
+                    target: sample.target,
+                    at: leg.order.values()[station],
+                    rack: leg.rack,
+                })
+            })
+        });
+        let stations = self.axle.iter().flat_map(|axle| &axle.stations);
+        let of_axle = stations.flat_map(|station| {
+            station.wishes.iter().map(|wish| Place {
+                row: wish.row,
+                target: wish.target,
+                at: wish.at,
+                rack: station.placement.rack(),
+            })
+        });
+        legs.chain(of_axle)
     }
 
     /// The residual of a target per deviation in tolerances.
@@ -370,17 +410,13 @@ impl TargetLayout {
             .enumerate()
             .map(|(target, share)| {
                 let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, (0.0, 0.0));
-                for leg in &self.legs {
-                    for (station, samples) in leg.targets.iter().enumerate() {
-                        for sample in samples.iter().filter(|s| s.target == target) {
-                            let deviation = residuals[sample.row] / share;
-                            sum += deviation * deviation;
-                            count += 1;
-                            if deviation.abs() >= worst.abs() {
-                                worst = deviation;
-                                at = (leg.order.values()[station], leg.rack);
-                            }
-                        }
+                for place in self.places().filter(|p| p.target == target) {
+                    let deviation = residuals[place.row] / share;
+                    sum += deviation * deviation;
+                    count += 1;
+                    if deviation.abs() >= worst.abs() {
+                        worst = deviation;
+                        at = (place.at, place.rack);
                     }
                 }
                 Deviation {
@@ -393,6 +429,14 @@ impl TargetLayout {
             })
             .collect()
     }
+}
+
+/// A row of a target, and where it is looked at.
+struct Place {
+    row: usize,
+    target: usize,
+    at: f64,
+    rack: f64,
 }
 
 /// The parts of all constraints, and whether each is looked at in the design position alone.

@@ -13,6 +13,7 @@
 //! rank-deficient fit needs.
 
 mod active_set;
+mod axle;
 mod bounded_least_squares;
 mod bounds;
 mod constrained;

@@ -15,6 +15,7 @@
 //! neighbours on both sides, the place of its extreme is solved for, with its derivative by the drive; the
 //! row taken there needs no derivative of the place, along which the value does not change.
 
+use super::axle::{AxleRows, Moved, axle_rows};
 use super::constrained::{Assessment, Constrained, Shape};
 use super::layout::{Extreme, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
@@ -49,6 +50,8 @@ pub struct Objective<'a, const N: usize> {
     reader: Reader<N>,
     /// With the derivative by the drive of what is read: for extremes.
     sloped: Option<Reader<3>>,
+    /// Both wheels, where targets are of an axle.
+    axle: Option<Box<dyn AxleRows + 'a>>,
     /// Values of the parts of a leg, by part and station.
     values: Vec<Vec<f64>>,
 }
@@ -110,7 +113,7 @@ fn read<const N: usize>(
 }
 
 /// Writes the gradient of a value, times a factor, into a row.
-fn write_row(
+pub(super) fn write_row(
     into: &mut Evaluation,
     row: usize,
     ways: &[Way],
@@ -118,6 +121,17 @@ fn write_row(
     scale: f64,
 ) {
     into.jacobian.row_mut(row).fill(0.0);
+    add_to_row(into, row, ways, gradient, scale);
+}
+
+/// Adds the gradient of a value, times a factor, to a row.
+pub(super) fn add_to_row(
+    into: &mut Evaluation,
+    row: usize,
+    ways: &[Way],
+    gradient: &[Vector3<f64>],
+    scale: f64,
+) {
     for way in ways {
         into.jacobian[(row, way.column)] += gradient[way.point].dot(way.by) * scale;
     }
@@ -166,6 +180,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             toggles: Toggles::of(mechanism, rockers),
             reader: Reader::new(suspension, layout, &points),
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points)),
+            axle: layout.axle.as_ref().map(axle_rows).transpose()?,
             values: vec![Vec::new(); layout.parts.len()],
         })
     }
@@ -195,6 +210,15 @@ impl<'a, const N: usize> Objective<'a, N> {
             if let Some(rows) = &mut rows {
                 self.find_extremes(leg, rows)?;
             }
+        }
+        if let Some(axle) = &mut self.axle {
+            let moved = Moved {
+                variables,
+                x,
+                design: &self.moved,
+                ways: &self.ways,
+            };
+            axle.evaluate(&moved, into)?;
         }
         Ok(())
     }
@@ -248,7 +272,7 @@ impl<'a, const N: usize> Objective<'a, N> {
                 let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
                 let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
                 for wish in &leg.targets[station] {
-                    let measure = &layout.measures[wish.target];
+                    let measure = &layout.measures[wish.measure];
                     let found = read(measure, &view, &linearised)[0];
                     let nearest = found.clamp(wish.low, wish.high);
                     into.residuals[wish.row] = (found - nearest) * wish.scale;

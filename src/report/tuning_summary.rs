@@ -164,10 +164,7 @@ impl TuningSummary {
                 interval: error(k).map(|e| e.interval),
             }
         });
-        let drive_of = |target: &crate::study::Target| {
-            let motion = target.site.motion.as_ref();
-            motion.map_or(study.motion.drive, |(_, motion)| motion.drive)
-        };
+        let drive = study.motion.drive;
         let name = |target: &crate::study::Target| {
             let motion = target.site.motion.as_ref();
             let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
@@ -176,7 +173,11 @@ impl TuningSummary {
                 [] => String::new(),
                 racks => format!(", rack {}", racks.join(" ")),
             };
-            format!("{}{motion}{racks}", target.of.column)
+            let held = target.site.axle.as_ref();
+            let held = held.map_or(String::new(), |site| {
+                format!(" over {}{}", site.over.key(), site.words)
+            });
+            format!("{}{motion}{racks}{held}", target.of.column)
         };
         let constraints = best.map_or(Vec::new(), |best| {
             let outcomes = optimise.constraints.iter().zip(&best.constraints);
@@ -202,7 +203,7 @@ impl TuningSummary {
             at: t
                 .stations
                 .iter()
-                .map(|at| drive_of(t).printed(*at))
+                .map(|at| t.printed_at(drive, *at))
                 .collect(),
         });
         let targets = optimise.targets.iter().enumerate().map(|(k, target)| {
@@ -211,7 +212,7 @@ impl TuningSummary {
                 DeviationSummary {
                     rms: d.rms,
                     worst: d.worst,
-                    worst_at: drive_of(target).printed(d.worst_at),
+                    worst_at: target.printed_at(drive, d.worst_at),
                     worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
                 }
             };
@@ -306,6 +307,11 @@ impl TuningSummary {
     /// Misfit before and after, in tolerances, for reading.
     pub fn misfits(&self) -> [Option<String>; 2] {
         [self.misfit_before, self.misfit_after].map(|m| m.map(hundredths))
+    }
+
+    /// Whether some start came to a design.
+    pub fn has_design(&self) -> bool {
+        self.misfit_after.is_some()
     }
 
     /// The start whose end was kept.

@@ -9,8 +9,8 @@ use super::suspension::{above_zero, position, positive};
 use super::value::{Number, RightWheel, Selection, Text, Values};
 use super::{Order, Outputs};
 use crate::axle::{
-    Axle, AxlePlan, BumpStop, Course, ForceCurve, Law, Need, Quantity, Setup, SpringLaw,
-    WheelMotion,
+    Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
+    SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Suspension};
@@ -150,8 +150,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         file.sweep.as_ref().map(Spanned::span),
         "[sweep] is not yet there for an axle",
     );
-    let optimise = file.optimise.as_ref().map(|o| o.variables.span());
-    add(optimise, "[optimise] is not yet there for an axle");
     let tolerance = file.tolerance.as_ref().map(Spanned::span);
     add(tolerance, "[tolerance] is not yet there for an axle");
     let setup = file.setup.as_ref().and(file.axle.as_ref());
@@ -415,7 +413,10 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
     let (left, right) = (read(&section.travel_left)?, read(&section.travel_right)?);
     let racks = read(&section.rack)?;
     let wheel_angles = read(&section.steering_wheel_angle)?;
-    let radians = |degrees: Vec<f64>| degrees.into_iter().map(f64::to_radians).collect();
+    let in_course = |coordinate: Coordinate, written: &[f64]| -> Vec<f64> {
+        let values = written.iter();
+        values.map(|v| coordinate.in_course(*v, axle)).collect()
+    };
     let refuse = |problems: &mut Problems, given: &Option<Spanned<Values>>, message: &str| {
         let place = given.as_ref().map_or(place.clone(), Spanned::span);
         problems.add(place, message.to_owned());
@@ -440,7 +441,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             }
             WheelMotion::Roll {
                 heave: heave.unwrap_or_else(|| vec![0.0]),
-                roll: radians(roll),
+                roll: in_course(Coordinate::Roll, &roll),
             }
         }
         (Some(heave), None, ..) => match on_plane {
@@ -461,7 +462,6 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             on_plane: on_plane.is_some_and(|(plane, _)| plane),
         },
     };
-    let sign = axle.left.frame.sign(Axis::Y);
     let (racks, steering_wheel) = match (racks, wheel_angles) {
         (Some(_), Some(_)) => {
             let message =
@@ -471,19 +471,17 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
         }
         (racks, None) => {
             let racks = racks.unwrap_or_else(|| vec![0.0]);
-            (racks.into_iter().map(|rack| rack * sign).collect(), None)
+            (in_course(Coordinate::Rack, &racks), None)
         }
         (None, Some(angles)) => {
-            let Some(per_turn) = axle.setup.c_factor else {
+            if axle.setup.c_factor.is_none() {
                 let message = "steering_wheel_angle needs c_factor in [steering]";
                 refuse(problems, &section.steering_wheel_angle, message);
                 return None;
-            };
-            let racks: Vec<f64> = angles
-                .iter()
-                .map(|angle| per_turn * angle / 360.0)
-                .collect();
-            (racks, Some(radians(angles)))
+            }
+            let racks = in_course(Coordinate::SteeringWheel, &angles);
+            let angles = angles.into_iter().map(f64::to_radians).collect();
+            (racks, Some(angles))
         }
     };
     let course = Course {
@@ -534,8 +532,13 @@ fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
     ))
 }
 
-/// What each quantity and the motion need must be given.
-fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
+/// Whether the study gives all that a quantity needs; says what it does not.
+pub fn lacks_nothing(
+    text: &Text,
+    quantity: Quantity,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> bool {
     let setup = &axle.setup;
     let missing = |need: &Need| match need {
         Need::WheelRadius => setup.wheel_radius.is_none().then_some("radius in [wheel]"),
@@ -556,26 +559,30 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
             absent.then_some("unsprung_mass in [vehicle]")
         }
     };
+    if let Quantity::Corner(..) = quantity {
+        return super::outputs::characteristic(text, &axle.left, problems).is_some();
+    }
+    let missing: Vec<_> = quantity.needs().iter().filter_map(missing).collect();
+    if missing.is_empty() {
+        return true;
+    }
+    let (name, needs) = (text.get_ref(), missing.join(", "));
+    let message = format!("{name} needs {needs}, which this study does not give");
+    problems.add(text.span(), message);
+    false
+}
+
+/// What each quantity and the motion need must be given.
+fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
     let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
     for text in texts {
         for quantity in Quantity::named(text.get_ref()).into_iter().take(1) {
-            if let Quantity::Corner(..) = quantity {
-                let known = super::outputs::characteristic(text, &axle.left, problems);
-                sound &= known.is_some();
-                continue;
-            }
-            let missing: Vec<_> = quantity.needs().iter().filter_map(missing).collect();
-            if !missing.is_empty() {
-                let (name, needs) = (text.get_ref(), missing.join(", "));
-                let message = format!("{name} needs {needs}, which this study does not give");
-                problems.add(text.span(), message);
-                sound = false;
-            }
+            sound &= lacks_nothing(text, quantity, axle, problems);
         }
     }
     let takes_ground = plan.course.shows_roll() || plan.derivatives;
-    if takes_ground && setup.wheel_radius.is_none() {
+    if takes_ground && axle.setup.wheel_radius.is_none() {
         let message =
             "an axle on a plane ground needs radius in [wheel], which this study does not give";
         problems.add(file.motion.span(), message);

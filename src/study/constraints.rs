@@ -86,6 +86,14 @@ impl Reader<'_> {
         } else {
             self.aligned(problems)?
         };
+        let mechanism = &self.suspension().mechanism;
+        let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
+        if self.context.axle.is_some() && !is_design && moves() {
+            let message = "what changes along the motion of an axle cannot be a constraint; expected at = \"design\": \
+                           in the design position, of the left wheel";
+            problems.add(self.place.clone(), message);
+            return None;
+        }
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
         Some(Constraint {
             name: called.unwrap_or(name),

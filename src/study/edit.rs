@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::targets::WrittenCurve;
-use crate::model::Axis;
+use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
@@ -11,27 +11,55 @@ impl Study {
     /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are
     /// rewritten, and reading the text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
+        self.with_designs(design, None)
+    }
+
+    /// The same of an axle; `right` is the design of a right wheel that has hardpoints of its own, of which
+    /// those that the study gives are rewritten.
+    pub fn with_designs(&self, left: &[Vector3<f64>], right: Option<&[Vector3<f64>]>) -> String {
         let Ok(mut document) = self.text.parse::<DocumentMut>() else {
             return self.text.clone();
         };
-        let frame = self.suspension.frame;
-        let points = self.suspension.mechanism.points.iter();
-        for ((point, old), new) in points.zip(&self.suspension.design).zip(design) {
-            let Some(coordinates) = coordinates(document.as_table_mut(), &point.name) else {
-                continue;
-            };
-            let (old, new) = (old.to_array(), new.to_array());
-            for axis in Axis::ALL {
-                let i = axis as usize;
-                if old[i].to_bits() != new[i].to_bits()
-                    && let Some(number) = coordinates.get_mut(i)
-                {
-                    replace(number, frame.sign(axis) * new[i]);
-                }
-            }
+        rewrite(&mut document, &self.suspension, left, coordinates);
+        let own = self.axle.as_ref().and_then(|a| a.axle.right.as_ref());
+        if let (Some(own), Some(right)) = (own, right) {
+            rewrite(&mut document, own, right, right_coordinates);
         }
         document.to_string()
     }
+}
+
+/// Writes the coordinates that differ from the suspension's design to where `find` says they stand.
+fn rewrite(
+    document: &mut DocumentMut,
+    suspension: &Suspension,
+    design: &[Vector3<f64>],
+    find: for<'a> fn(&'a mut dyn TableLike, &str) -> Option<&'a mut Array>,
+) {
+    let frame = suspension.frame;
+    let points = suspension.mechanism.points.iter();
+    for ((point, old), new) in points.zip(&suspension.design).zip(design) {
+        let Some(coordinates) = find(document.as_table_mut(), &point.name) else {
+            continue;
+        };
+        let (old, new) = (old.to_array(), new.to_array());
+        for axis in Axis::ALL {
+            let i = axis as usize;
+            if old[i].to_bits() != new[i].to_bits()
+                && let Some(number) = coordinates.get_mut(i)
+            {
+                replace(number, frame.sign(axis) * new[i]);
+            }
+        }
+    }
+}
+
+/// The array with a point's coordinates at the right wheel, where the study gives it.
+fn right_coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
+    let axle = root.get_mut("axle")?.as_table_like_mut()?;
+    let right = axle.get_mut("right")?.as_table_like_mut()?;
+    let points = right.get_mut("hardpoints")?.as_table_like_mut()?;
+    points.get_mut(name)?.as_array_mut()
 }
 
 /// The array with a point's coordinates.

@@ -397,6 +397,20 @@ pub struct Target {
     pub at_least: Option<Spanned<LimitText>>,
     /// An upper limit.
     pub at_most: Option<Spanned<LimitText>>,
+    /// Of an axle: the number of the motion that it is a curve over,
+    pub over: Option<Text>,
+    /// which wheel,
+    pub side: Option<Text>,
+    /// and where the rest is: roll angle, or several,
+    pub roll: Option<Spanned<Numbers>>,
+    /// heave,
+    pub heave: Option<Spanned<Numbers>>,
+    /// travel of the left wheel,
+    pub travel_left: Option<Spanned<Numbers>>,
+    /// travel of the right wheel,
+    pub travel_right: Option<Spanned<Numbers>>,
+    /// angle of the steering wheel.
+    pub steering_wheel_angle: Option<Spanned<Numbers>>,
     /// Rack displacement, or several.
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.

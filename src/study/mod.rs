@@ -9,6 +9,7 @@
 
 mod axle;
 mod axle_forces;
+mod axle_targets;
 mod constraints;
 mod curve_file;
 mod designs_file;
@@ -39,13 +40,14 @@ mod tolerance;
 mod value;
 
 pub use axle::AxleStudy;
+pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 
 use crate::build::BuildParameter;
-use crate::characteristics::{Characteristic, Measure, Quantity, Unit};
+use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::Vector3;
 
@@ -286,6 +288,8 @@ pub struct Optimise {
     pub good_enough: f64,
     /// Whether the targets are measurements, so that standard errors mean something.
     pub fit: bool,
+    /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
+    pub axle: Option<crate::axle::Axle>,
 }
 
 impl Optimise {
@@ -324,44 +328,65 @@ pub struct Turn {
     pub axis: Axis,
 }
 
-/// What targets and constraints are about, as the study speaks of it.
+/// What a target is about, as the study speaks of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subject {
     /// What it is in the kernel's frame.
-    pub measure: Measure,
+    pub about: About,
     /// Name, with the unit, as a column has it.
     pub column: String,
     /// Kind of quantity.
-    pub unit: Unit,
+    pub unit: crate::axle::Unit,
+    /// The study's unit of length.
+    pub length: LengthUnit,
     /// -1 where the study's axis points the other way than the kernel's.
     pub sign: f64,
+}
+
+/// What a target is about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum About {
+    /// Something of one wheel.
+    Wheel(Measure),
+    /// Something of an axle; of either wheel where both are meant.
+    Axle(Vec<crate::axle::Quantity>),
 }
 
 impl Subject {
     /// A characteristic.
     pub fn characteristic(characteristic: Characteristic, length: LengthUnit) -> Self {
         Subject {
-            measure: Measure::Quantity(Quantity::Characteristic(characteristic)),
+            about: About::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
             column: characteristic.column(length),
-            unit: characteristic.info().unit,
+            unit: crate::axle::Unit::Corner(characteristic.info().unit),
+            length,
             sign: 1.0,
         }
     }
 
-    /// What a value in the kernel's frame, in radians or length units, is multiplied by to be printed.
+    /// What a value in the kernel's frame, in radians, length units and newtons, is multiplied by to be
+    /// printed.
     pub fn factor(&self) -> f64 {
-        self.unit.printed_factor() * self.sign
+        self.unit.printed_factor(self.length) * self.sign
     }
 
     /// The value in the kernel's frame of a printed one.
     pub fn from_printed(&self, printed: f64) -> f64 {
-        self.unit.from_printed(printed) * self.sign
+        self.unit.from_printed(printed, self.length) * self.sign
     }
 
-    /// The characteristic, if it is one.
+    /// What it is of one wheel.
+    pub fn of_wheel(&self) -> Option<&Measure> {
+        match &self.about {
+            About::Wheel(measure) => Some(measure),
+            About::Axle(_) => None,
+        }
+    }
+
+    /// The characteristic of one wheel, if it is one.
     pub fn as_characteristic(&self) -> Option<Characteristic> {
-        match self.measure {
-            Measure::Quantity(Quantity::Characteristic(c)) => Some(c),
+        match self.of_wheel()? {
+            Measure::Quantity(Quantity::Characteristic(c)) => Some(*c),
             _ => None,
         }
     }
@@ -375,6 +400,8 @@ pub struct Site {
     /// Rack displacements along the study's +y; where the motion has it without any, or straight ahead where
     /// the motion moves it.
     pub racks: Vec<f64>,
+    /// Of an axle: over what, and where the rest is.
+    pub axle: Option<AxleSite>,
 }
 
 /// A wanted curve, value or band. Values in the kernel's frame, in radians or length units (for gains:
@@ -398,8 +425,22 @@ pub struct Target {
 impl Target {
     /// The drive values of a motion, and those added for this target.
     pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
-        let added = self.stations.iter().filter(|v| !motion.values.contains(v));
-        motion.values.iter().chain(added).copied().collect()
+        self.stations_among(&motion.values)
+    }
+
+    /// These values, and those added for this target.
+    pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
+        let added = self.stations.iter().filter(|v| !values.contains(v));
+        values.iter().chain(added).copied().collect()
+    }
+
+    /// A value of what it is over, as it is printed; `drive` is what drives the study's motion.
+    pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
+        match (&self.site.axle, &self.site.motion) {
+            (Some(_), _) => at,
+            (None, Some((_, motion))) => motion.drive.printed(at),
+            (None, None) => drive.printed(at),
+        }
     }
 
     /// Whether it is a value or a curve of a characteristic in the study's own motion: what sweeps compare.

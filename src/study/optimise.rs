@@ -65,6 +65,7 @@ pub fn optimise(
         constraints: constraints?,
         good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
         fit,
+        axle: context.axle.map(|study| study.axle.clone()),
     };
     Some((optimise, curves))
 }

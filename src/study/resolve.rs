@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse, setup,
-    solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse,
+    setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -17,6 +17,8 @@ pub struct Context<'a> {
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
+    /// Both wheels, if the study is of an axle.
+    pub axle: Option<&'a AxleStudy>,
     /// The file as written.
     pub file: &'a super::file::File,
     /// Where the study file is.
@@ -121,13 +123,14 @@ fn resolve(
         suspension: &suspension,
         motion: motion.as_ref(),
         motions: &motions,
+        axle: axle.as_ref().and_then(Option::as_ref),
         file: &file,
         directory,
     };
     let optimise = match &file.optimise {
         None => Some((None, Vec::new())),
-        // Said already.
-        Some(_) if of_axle => None,
+        // What is wrong with the axle is said already.
+        Some(_) if of_axle && axle.is_none() => None,
         Some(section) => optimise::optimise(section, &context, &mut problems)
             .map(|(optimise, curves)| (Some(optimise), curves)),
     };

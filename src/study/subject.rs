@@ -5,8 +5,9 @@ use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
-use super::{Site, Subject};
-use crate::characteristics::{Measure, Quantity, Unit};
+use super::{About as Of, Site, Subject};
+use crate::axle::Unit;
+use crate::characteristics::{Measure, Quantity};
 use crate::model::{Axis, Constraint, PointId, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -125,18 +126,20 @@ pub fn subject(
             let axes = Axis::ALL.map(|axis| (axis.name(), axis));
             let axis = choose(axis, "axis", &axes, problems)?;
             Some(Subject {
-                measure: Measure::Quantity(Quantity::Coordinate(id?, axis)),
+                about: Of::Wheel(Measure::Quantity(Quantity::Coordinate(id?, axis))),
                 column: format!("{}_{}_{}", name.get_ref(), axis.name(), unit.symbol()),
-                unit: Unit::Length,
+                unit: Unit::Corner(crate::characteristics::Unit::Length),
+                length: unit,
                 sign: suspension.frame.sign(axis),
             })
         }
         (None, None, Some(written)) => {
             let (name, ends) = length(written, suspension, problems)?;
             Some(Subject {
-                measure: Measure::Length(ends),
+                about: Of::Wheel(Measure::Length(ends)),
                 column: format!("{name}_length_{}", unit.symbol()),
-                unit: Unit::Length,
+                unit: Unit::Corner(crate::characteristics::Unit::Length),
+                length: unit,
                 sign: 1.0,
             })
         }
@@ -185,5 +188,9 @@ pub fn site(
             list.iter().map(|number| number.value).collect()
         }
     };
-    Some(Site { motion, racks })
+    Some(Site {
+        motion,
+        racks,
+        axle: None,
+    })
 }

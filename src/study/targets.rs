@@ -1,5 +1,6 @@
 //! `targets` of `[optimise]`: wanted curves, values and bands.
 
+use super::axle_targets;
 use super::curve_file::{self, Wished};
 use super::error::Problems;
 use super::file::{self, Target as Written};
@@ -48,14 +49,25 @@ fn target(
 ) -> Option<(Target, Option<WrittenCurve>)> {
     let place = spanned.span();
     let written = spanned.get_ref();
-    let about = About {
-        place: place.clone(),
-        characteristic: &written.characteristic,
-        point: &written.point,
-        axis: &written.axis,
-        length: &written.length,
+    let (of, site, axle_motion) = match context.axle {
+        Some(study) => match axle_targets::target(spanned, study, context, problems) {
+            Some((of, site, motion)) => (Some(of), Some(site), Some(motion)),
+            None => (None, None, None),
+        },
+        None => {
+            axle_targets::refuse(written, problems);
+            let about = About {
+                place: place.clone(),
+                characteristic: &written.characteristic,
+                point: &written.point,
+                axis: &written.axis,
+                length: &written.length,
+            };
+            let of = subject(&about, context.suspension, problems);
+            let site = site(&written.motion, &written.rack, context, problems);
+            (of, site, None)
+        }
     };
-    let of = subject(&about, context.suspension, problems);
     let tolerance = not_tiny(&written.tolerance, problems);
     if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
         let message =
@@ -68,7 +80,6 @@ fn target(
         Some(weight) => not_tiny(weight, problems),
     };
     let interpolation = interpolation(written, problems);
-    let site = site(&written.motion, &written.rack, context, problems);
     if let (Some(column), None) = (&written.column, &written.file) {
         problems.add(
             column.span(),
@@ -78,7 +89,7 @@ fn target(
     let (of, site) = (of?, site?);
     let motion = site.motion.as_ref().map(|(_, motion)| motion);
     let place = Place {
-        motion: motion.or(context.motion)?,
+        motion: axle_motion.as_ref().or(motion).or(context.motion)?,
         place,
         of: &of,
         interpolation: interpolation?,

@@ -78,7 +78,7 @@ impl<'s> SweepPlan<'s> {
         let wishes = wanted.iter().map(|(target, wanted)| TargetSample {
             quantity: quantities
                 .iter()
-                .position(|q| target.of.measure.quantity() == Some(*q))
+                .position(|q| target.of.of_wheel().and_then(|of| of.quantity()) == Some(*q))
                 .expect("the plan has the targets' characteristics"),
             tolerance: target.tolerance,
             weight: target.weight,

@@ -97,7 +97,7 @@ fn sample_axles_are_solved_and_written() {
 fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    for command in ["sweep", "optimise", "limits", "assemblies"] {
+    for command in ["sweep", "limits", "assemblies"] {
         let (_, said) = run(&[command, path], 2);
         assert!(
             said.contains("not yet there for an axle"),
@@ -150,6 +150,88 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let corner = corner.to_str().unwrap();
     let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
     assert!(said.contains("roll is of an axle"), "{said}");
+}
+
+/// Tuned, an axle is written with its curves before and after and a study that other commands take.
+#[test]
+fn an_axle_is_tuned() {
+    let path = study("macpherson_axle_front.toml");
+    let out = folder("tuned");
+    let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
+    let fewer = [
+        "optimise.starts=1",
+        "motion.roll=[-2.0, 0.0, 2.0]",
+        "motion.heave=[-40.0, 40.0]",
+        "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
+    ];
+    let fewer = fewer.iter().flat_map(|set| ["--set", set]);
+    let arguments = ["optimise", path, "--out", directory].into_iter();
+    let (said, _) = run(&arguments.chain(fewer).collect::<Vec<_>>(), 0);
+    assert!(said.contains("roll_steer_deg_per_deg over roll"), "{said}");
+    for file in [
+        "curves.csv",
+        "curves_before.csv",
+        "history.csv",
+        "summary.json",
+    ] {
+        assert!(out.join(file).is_file(), "{file}");
+    }
+    let again = out.join("optimised.toml");
+    let (said, _) = run(&["check", again.to_str().unwrap()], 0);
+    assert!(said.contains("18 of 18 stations solved"), "{said}");
+}
+
+#[test]
+fn mistakes_in_targets_of_an_axle_are_named() {
+    let path = study("macpherson_axle_front.toml");
+    let path = path.to_str().unwrap();
+    let target = |text: &str| {
+        format!("optimise.targets=[{{ {text}, at = 0.0, value = 0.0, tolerance = 1.0 }}]")
+    };
+    for (text, words) in [
+        (
+            "characteristic = \"mean_steer\"",
+            "expected over, which of roll, heave, steering_wheel_angle",
+        ),
+        (
+            "characteristic = \"mean_steer\", over = \"roll\", roll = 1.0",
+            "not roll",
+        ),
+        (
+            "characteristic = \"mean_steer\", over = \"rack\"",
+            "unknown over \"rack\"",
+        ),
+        (
+            "characteristic = \"mean_steer\", over = \"roll\", travel_left = 1.0",
+            "and no travel_left",
+        ),
+        (
+            "characteristic = \"track\", side = \"left\", over = \"roll\"",
+            "of the axle as a whole",
+        ),
+        (
+            "characteristic = \"wheel_load\", over = \"roll\"",
+            "wheel_load needs [spring]",
+        ),
+        (
+            "point = \"wheel_centre\", axis = \"z\", over = \"roll\"",
+            "point is of one wheel",
+        ),
+        (
+            "characteristic = \"roll_ster\", over = \"roll\"",
+            "did you mean \"roll_steer\"?",
+        ),
+    ] {
+        let (_, said) = run(&["check", path, "--set", &target(text)], 2);
+        assert!(said.contains(words), "{text}: {said}");
+    }
+    let constraint = "optimise.constraints=[{ characteristic = \"camber\", at_most = 1.0 }]";
+    let (_, said) = run(&["check", path, "--set", constraint], 2);
+    assert!(said.contains("expected at = \"design\""), "{said}");
+    let corner = study("macpherson_front.toml");
+    let over = "optimise.targets=[{ characteristic = \"camber\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 1.0 }]";
+    let (_, said) = run(&["check", corner.to_str().unwrap(), "--set", over], 2);
+    assert!(said.contains("over is of an axle"), "{said}");
 }
 
 #[test]

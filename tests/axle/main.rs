@@ -5,6 +5,7 @@ mod gradients;
 mod own;
 mod reference;
 mod symmetry;
+mod tuning;
 
 use hardpoint::axle::{Axle, Law, Setup, SpringLaw};
 use hardpoint::characteristics::Constants;

@@ -1,0 +1,244 @@
+//! Targets of an axle: rows of the least-squares problem beside those of one wheel.
+//!
+//! A variable moves the same points of both wheels, each in the frame of its side, so that the derivative
+//! of a row is the sum of both wheels' gradients along the variable's way. Where the right wheel has
+//! hardpoints of its own they are moved as the mirror images of the left ones are.
+
+use super::moves::{Way, moved_design, ways};
+use super::objective::{add_to_row, write_row};
+use super::{Evaluation, Infeasible};
+use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
+use crate::mechanism::DesignFault;
+use crate::model::Side;
+use crate::number::Vector3;
+use crate::study::{About, Optimise, Variable};
+use nalgebra::DVector;
+
+/// What a target wants of a quantity in one position.
+#[derive(Clone, Debug)]
+pub(super) struct AxleWish {
+    pub row: usize,
+    pub target: usize,
+    /// Place of the quantity among those of the layout.
+    quantity: usize,
+    low: f64,
+    high: f64,
+    /// Residual per deviation.
+    scale: f64,
+    /// Where on the target's curve, as the study writes it.
+    pub at: f64,
+}
+
+/// A position, and what is wanted there.
+#[derive(Clone, Debug)]
+pub(super) struct AxleStation {
+    pub placement: Placement,
+    pub wishes: Vec<AxleWish>,
+}
+
+/// The targets of an axle, laid out.
+#[derive(Clone, Debug)]
+pub(super) struct AxleLayout {
+    axle: Axle,
+    quantities: Vec<Quantity>,
+    pub stations: Vec<AxleStation>,
+}
+
+impl AxleLayout {
+    /// The targets of an axle; their rows are counted on in `rows`, by target in `own`.
+    pub fn of(optimise: &Optimise, rows: &mut usize, own: &mut [usize]) -> Option<Self> {
+        let axle = optimise.axle.as_ref()?;
+        let mut layout = AxleLayout {
+            axle: axle.clone(),
+            quantities: Vec::new(),
+            stations: Vec::new(),
+        };
+        for (number, target) in optimise.targets.iter().enumerate() {
+            let (About::Axle(quantities), Some(site)) = (&target.of.about, &target.site.axle)
+            else {
+                continue;
+            };
+            for sample in target.wanted.samples(&target.stations_among(&site.values)) {
+                for placement in site.placements(sample.drive, axle) {
+                    for quantity in quantities {
+                        let wish = AxleWish {
+                            row: *rows,
+                            target: number,
+                            quantity: place_of(&mut layout.quantities, *quantity),
+                            low: sample.low,
+                            high: sample.high,
+                            scale: 1.0 / target.tolerance,
+                            at: sample.drive,
+                        };
+                        layout.station(placement).wishes.push(wish);
+                        own[number] += 1;
+                        *rows += 1;
+                    }
+                }
+            }
+        }
+        Some(layout)
+    }
+
+    fn station(&mut self, placement: Placement) -> &mut AxleStation {
+        let known = self.stations.iter().position(|s| s.placement == placement);
+        let place = known.unwrap_or_else(|| {
+            self.stations.push(AxleStation {
+                placement,
+                wishes: Vec::new(),
+            });
+            self.stations.len() - 1
+        });
+        &mut self.stations[place]
+    }
+
+    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    pub fn weigh(&mut self, shares: &[f64]) {
+        for station in &mut self.stations {
+            for wish in &mut station.wishes {
+                wish.scale *= shares[wish.target];
+            }
+        }
+    }
+
+    /// Derivatives by travel and rack that are read, one more where the design moves the travels.
+    fn degree(&self) -> usize {
+        let orders = self.quantities.iter().map(|q| q.rate_order());
+        let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;
+        orders.max().unwrap_or(0) + usize::from(self.stations.iter().any(on_plane))
+    }
+}
+
+fn place_of(quantities: &mut Vec<Quantity>, quantity: Quantity) -> usize {
+    let known = quantities.iter().position(|q| *q == quantity);
+    known.unwrap_or_else(|| {
+        quantities.push(quantity);
+        quantities.len() - 1
+    })
+}
+
+/// Where the variables are.
+pub(super) struct Moved<'m> {
+    /// What may move.
+    pub variables: &'m [Variable],
+    /// By how much it is moved.
+    pub x: &'m DVector<f64>,
+    /// The left wheel's design.
+    pub design: &'m [Vector3<f64>],
+    /// How its points move.
+    pub ways: &'m [Way],
+}
+
+/// Residuals and their derivatives.
+pub(super) trait AxleRows {
+    /// Writes the rows of all targets of the axle.
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible>;
+}
+
+/// The rows of a layout.
+pub(super) fn axle_rows<'a>(layout: &'a AxleLayout) -> Result<Box<dyn AxleRows + 'a>, DesignFault> {
+    fn rows<'a, const N: usize>(
+        layout: &'a AxleLayout,
+    ) -> Result<Box<dyn AxleRows + 'a>, DesignFault> {
+        let solver = AxleSolver::<N>::new(&layout.axle, &layout.quantities, false);
+        Ok(Box::new(Rows {
+            layout,
+            solver: solver.map_err(|(_, fault)| fault)?,
+            right: Vec::new(),
+            right_ways: Vec::new(),
+            wanted: Vec::new(),
+        }))
+    }
+    match layout.degree() {
+        0 => rows::<1>(layout),
+        1 => rows::<2>(layout),
+        2 => rows::<3>(layout),
+        _ => rows::<4>(layout),
+    }
+}
+
+struct Rows<'a, const N: usize> {
+    layout: &'a AxleLayout,
+    solver: AxleSolver<'a, N>,
+    /// Design and ways of the right wheel, where it has hardpoints of its own.
+    right: Vec<Vector3<f64>>,
+    right_ways: Vec<Way>,
+    wanted: Vec<Quantity>,
+}
+
+impl<const N: usize> AxleRows for Rows<'_, N> {
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible> {
+        let Rows {
+            layout,
+            solver,
+            right,
+            right_ways,
+            wanted,
+        } = self;
+        let AxleLayout {
+            axle, quantities, ..
+        } = *layout;
+        let frame = &axle.left.frame;
+        let mut sides = [(moved.design, moved.ways); 2];
+        if let Some(own) = &axle.right {
+            right.clone_from(&own.design);
+            moved_design(&own.design, frame, moved.variables, moved.x, right);
+            ways(&own.design, frame, moved.variables, moved.x, right_ways);
+            sides[1] = (right, right_ways);
+        }
+        let refused = |(side, fault): (Side, DesignFault)| {
+            let mechanism = &axle.suspension(side).mechanism;
+            Infeasible::Refused(format!(
+                "{} wheel: {}",
+                side.name(),
+                fault.describe(mechanism)
+            ))
+        };
+        solver
+            .prepare(sides.map(|(design, _)| design))
+            .map_err(refused)?;
+        for AxleStation { placement, wishes } in &layout.stations {
+            let unreached =
+                |failure| Infeasible::Refused(format!("{placement} is not reached: {failure}"));
+            let placed = solver.place(placement).map_err(unreached)?;
+            let read = solver.read(&placed).map_err(unreached)?;
+            wanted.clear();
+            for wish in wishes {
+                let quantity = quantities[wish.quantity];
+                if read.is_stuck(quantity) {
+                    let name = quantity.name();
+                    let why = crate::axle::Void::Toggle.reason();
+                    return Err(Infeasible::Refused(format!("{name} at {placement}: {why}")));
+                }
+                let found = quantity.value(&read.state).map_err(|void| {
+                    let (name, why) = (quantity.name(), void.reason());
+                    Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
+                })?;
+                let nearest = found.clamp(wish.low, wish.high);
+                into.residuals[wish.row] = (found - nearest) * wish.scale;
+                into.jacobian.row_mut(wish.row).fill(0.0);
+                // Within its band nothing pulls.
+                let is_wanted = wish.low == wish.high || nearest != found;
+                if is_wanted && !wanted.contains(&quantity) {
+                    wanted.push(quantity);
+                }
+            }
+            let receive = |number: usize, [left, right]: [&[Vector3<f64>]; 2]| {
+                let own = wishes
+                    .iter()
+                    .filter(|w| quantities[w.quantity] == wanted[number]);
+                for wish in own {
+                    let is_inside = wish.low < wish.high && into.residuals[wish.row] == 0.0;
+                    if !is_inside {
+                        write_row(into, wish.row, sides[0].1, left, wish.scale);
+                        add_to_row(into, wish.row, sides[1].1, right, wish.scale);
+                    }
+                }
+            };
+            solver
+                .gradients(&placed, wanted, receive)
+                .map_err(unreached)?;
+        }
+        Ok(())
+    }
+}

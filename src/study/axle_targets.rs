@@ -1,0 +1,283 @@
+//! Targets of an axle: what of it is wanted, over which number of its motion, and where the rest is held.
+
+use super::axle::{AxleStudy, lacks_nothing};
+use super::error::Problems;
+use super::file;
+use super::motion::values;
+use super::names::choose;
+use super::resolve::Context;
+use super::value::{Numbers, Text, Values};
+use super::{About, Motion, Site, Subject};
+use crate::axle::{Axle, Coordinate, Course, Placement, Quantity};
+use crate::model::Side;
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// Where a target of an axle is: a curve over one number of the motion, the others held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleSite {
+    /// The number that it is over.
+    pub over: Coordinate,
+    /// Its values in the motion, as the study writes them: degrees, lengths along the study's axes.
+    pub values: Vec<f64>,
+    /// The rest where it is held: every combination.
+    pub held: Course,
+    /// What the study says of the rest, in words.
+    pub words: String,
+}
+
+impl AxleSite {
+    /// The positions for a value of `over`, as the study writes it.
+    pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
+        let mut course = self.held.clone();
+        let along = course.along(self.over).expect("a number of this motion");
+        *along = vec![self.over.in_course(at, axle)];
+        course.placements()
+    }
+}
+
+/// The keys of a target that only an axle has.
+fn own_keys(written: &file::Target) -> impl Iterator<Item = (&'static str, Span<usize>)> {
+    let places = Coordinate::ALL
+        .into_iter()
+        .filter(|c| *c != Coordinate::Rack)
+        .map(|c| (c.key(), held_at(written, c).map(Spanned::span)));
+    let over = ("over", written.over.as_ref().map(Text::span));
+    let side = ("side", written.side.as_ref().map(Text::span));
+    let all = places.chain([over, side]);
+    all.filter_map(|(key, span)| Some((key, span?)))
+}
+
+/// Refuses what is of an axle in a target of one wheel.
+pub fn refuse(written: &file::Target, problems: &mut Problems) {
+    for (key, span) in own_keys(written) {
+        let message = format!("{key} is of an axle, and this study is of one wheel");
+        problems.add(span, message);
+    }
+}
+
+fn held_at(written: &file::Target, coordinate: Coordinate) -> Option<&Spanned<Numbers>> {
+    match coordinate {
+        Coordinate::Roll => written.roll.as_ref(),
+        Coordinate::Heave => written.heave.as_ref(),
+        Coordinate::TravelLeft => written.travel_left.as_ref(),
+        Coordinate::TravelRight => written.travel_right.as_ref(),
+        Coordinate::Rack => written.rack.as_ref(),
+        Coordinate::SteeringWheel => written.steering_wheel_angle.as_ref(),
+    }
+}
+
+/// The values that the study's motion has of a number, as written.
+fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
+    let written: &Option<Spanned<Values>> = match coordinate {
+        Coordinate::Roll => &motion.roll,
+        Coordinate::Heave => &motion.heave,
+        Coordinate::TravelLeft => &motion.travel_left,
+        Coordinate::TravelRight => &motion.travel_right,
+        Coordinate::Rack => &motion.rack,
+        Coordinate::SteeringWheel => &motion.steering_wheel_angle,
+    };
+    let given = written.as_ref().and_then(|given| values(given, problems));
+    given.unwrap_or_else(|| vec![0.0])
+}
+
+/// What a target of an axle is about and where, and the motion that it is a curve over.
+pub fn target(
+    spanned: &Spanned<file::Target>,
+    study: &AxleStudy,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<(Subject, Site, Motion)> {
+    let written = spanned.get_ref();
+    let of_one_wheel = [
+        ("point", written.point.as_ref().map(Text::span)),
+        ("length", written.length.as_ref().map(Spanned::span)),
+    ];
+    for (key, span) in of_one_wheel {
+        if let Some(span) = span {
+            let message =
+                format!("a target of an axle is about a characteristic; {key} is of one wheel");
+            let error = problems.add(span, message);
+            error.help("lengths and places of points can be constraints");
+            return None;
+        }
+    }
+    if let Some(path) = &written.file {
+        let message = "a curve from a file is not there for an axle; expected points";
+        problems.add(path.span(), message);
+        return None;
+    }
+    if let Some(motion) = &written.motion {
+        problems.add(
+            motion.span(),
+            "further motions are not there for an axle; expected over",
+        );
+        return None;
+    }
+    let Some(name) = &written.characteristic else {
+        let message = "expected what it is about: characteristic";
+        problems.add(spanned.span(), message);
+        return None;
+    };
+    let of = subject(name, &written.side, study, problems);
+    let site = site(written, spanned.span(), study, context, problems);
+    let (of, site) = (of?, site?);
+    let motion = Motion {
+        values: site.values.clone(),
+        ..Motion::still()
+    };
+    let site = Site {
+        axle: Some(site),
+        ..Site::default()
+    };
+    Some((of, site, motion))
+}
+
+fn subject(
+    name: &Text,
+    side: &Option<Text>,
+    study: &AxleStudy,
+    problems: &mut Problems,
+) -> Option<Subject> {
+    let names: Vec<_> = Quantity::names()
+        .into_iter()
+        .map(|name| (name, name))
+        .collect();
+    let found = choose(name, "quantity of an axle", &names, problems)?;
+    let all = Quantity::named(found);
+    let side_of = |quantity: &Quantity| match quantity {
+        Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
+        Quantity::Axle(_) => None,
+    };
+    let quantities: Vec<Quantity> = match side {
+        Some(text) => {
+            let sides = [Side::Left, Side::Right].map(|side| (side.name(), side));
+            let side = choose(text, "side", &sides, problems)?;
+            let of_side = |quantity: &Quantity| side_of(quantity) == Some(side);
+            let own: Vec<_> = all.into_iter().filter(of_side).collect();
+            if own.is_empty() {
+                let message = format!("{found} is of the axle as a whole, not of one wheel");
+                problems.add(text.span(), message);
+                return None;
+            }
+            own
+        }
+        // What the axle has itself is meant before what each wheel has.
+        None => match all.iter().find(|q| side_of(q).is_none()) {
+            Some(own) => vec![*own],
+            None => all,
+        },
+    };
+    if !lacks_nothing(name, quantities[0], &study.axle, problems) {
+        return None;
+    }
+    let length = study.axle.left.length_unit;
+    let unit = quantities[0].unit();
+    let stem = match quantities.as_slice() {
+        [one] => one.name(),
+        _ => found.to_owned(),
+    };
+    let suffix = unit.suffix(length);
+    Some(Subject {
+        about: About::Axle(quantities),
+        column: match suffix.is_empty() {
+            true => stem,
+            false => format!("{stem}_{suffix}"),
+        },
+        unit,
+        length,
+        sign: 1.0,
+    })
+}
+
+fn site(
+    written: &file::Target,
+    place: Span<usize>,
+    study: &AxleStudy,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<AxleSite> {
+    let motion = context.file.motion.get_ref();
+    let mut held = study.plan.course.clone();
+    held.steering_wheel = None;
+    let by_wheel = motion.steering_wheel_angle.is_some();
+    let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
+    available.retain(|c| held.along(*c).is_some());
+    available.retain(|c| match c {
+        Coordinate::Rack => !by_wheel,
+        Coordinate::SteeringWheel => by_wheel,
+        _ => true,
+    });
+    let keys = |of: &[Coordinate]| of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ");
+    let moving: Vec<Coordinate> = available
+        .iter()
+        .copied()
+        .filter(|c| moved(motion, *c, problems).len() > 1)
+        .collect();
+    let over = match (&written.over, moving.as_slice()) {
+        (Some(text), _) => {
+            let options: Vec<_> = available.iter().map(|c| (c.key(), *c)).collect();
+            choose(text, "over", &options, problems)?
+        }
+        (None, [one]) => *one,
+        (None, []) => available[0],
+        (None, several) => {
+            let message = format!(
+                "the motion has several numbers; expected over, which of {} the target is a curve over",
+                keys(several)
+            );
+            problems.add(place, message);
+            return None;
+        }
+    };
+    let mut words = String::new();
+    for coordinate in Coordinate::ALL {
+        let given = held_at(written, coordinate);
+        if !available.contains(&coordinate) {
+            if let Some(given) = given {
+                let (key, known) = (coordinate.key(), keys(&available));
+                let message = format!("the motion of this study has {known}, and no {key}");
+                problems.add(given.span(), message);
+                return None;
+            }
+            continue;
+        }
+        if coordinate == over {
+            if let Some(given) = given {
+                let message = format!(
+                    "the target is over {0}: what is held is the rest, not {0}",
+                    over.key()
+                );
+                problems.add(given.span(), message);
+                return None;
+            }
+            continue;
+        }
+        let list = match given.map(Spanned::get_ref) {
+            Some(Numbers::One(value)) => vec![*value],
+            Some(Numbers::Many(list)) => list.iter().map(|number| number.value).collect(),
+            None => match moved(motion, coordinate, problems).as_slice() {
+                [one] => vec![*one],
+                _ => vec![0.0],
+            },
+        };
+        if let Some(given) = given {
+            if list.is_empty() {
+                let message = format!("expected at least one value of {}", coordinate.key());
+                problems.add(given.span(), message);
+                return None;
+            }
+            let texts: Vec<_> = list.iter().map(ToString::to_string).collect();
+            words += &format!(", {} {}", coordinate.key(), texts.join(" "));
+        }
+        let values = list.iter().map(|v| coordinate.in_course(*v, &study.axle));
+        let along = held.along(coordinate).expect("a number of this motion");
+        *along = values.collect();
+    }
+    Some(AxleSite {
+        over,
+        values: moved(motion, over, problems),
+        held,
+        words,
+    })
+}

@@ -1,0 +1,212 @@
+//! Targets of an axle: rows and their derivatives, and that tuned axles do what was asked.
+
+use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
+use hardpoint::model::Side;
+use hardpoint::optimise::{
+    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design, tune,
+};
+use hardpoint::study::Study;
+use nalgebra::DVector;
+use std::path::Path;
+
+fn study(name: &str, changes: &[(&str, &str)]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let mut text = std::fs::read_to_string(path).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    Study::from_text("tuned.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The study with targets of every kind of position, few stations of each.
+fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
+    let study = study("macpherson_axle_front", changes);
+    let targets = r#"optimise.targets=[
+        { characteristic = "ackermann_error", over = "steering_wheel_angle", at = 300.0, value = 0.0, tolerance = 0.1 },
+        { characteristic = "roll_centre_height", over = "roll", heave = 20.0, at = 2.0, value = 0.0, tolerance = 2.0 },
+        { characteristic = "roll_steer", over = "heave", roll = [-1.0, 1.0], at = 10.0, value = 0.1, tolerance = 0.01, weight = 2.0 },
+        { characteristic = "camber_to_road", side = "right", over = "roll", steering_wheel_angle = 200.0, at = 1.0, value = 0.0, tolerance = 0.1 },
+        { characteristic = "toe", over = "heave", at = 20.0, value = 0.0, tolerance = 0.1 },
+    ]"#;
+    let study = study.with_overrides("tuned.toml", &[targets.replace('\n', " ")]);
+    study.unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn layout(study: &Study) -> TargetLayout {
+    let suspension = &study.suspension;
+    let optimise = study.optimise.as_ref().unwrap();
+    TargetLayout::of(
+        optimise,
+        &study.motion,
+        &suspension.frame,
+        &suspension.mechanism,
+    )
+}
+
+fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {
+    let variables = &study.optimise.as_ref().unwrap().variables;
+    let mut objective = Objective::<1>::new(&study.suspension, variables, layout).unwrap();
+    let mut found = Evaluation::new(layout.residuals(), x.len());
+    LeastSquares::evaluate(&mut objective, x, &mut found).unwrap();
+    found
+}
+
+/// The right wheel's hardpoints one by one, where they are the mirror images or a millimetre from it.
+fn own_right(shift: f64) -> String {
+    let left = [
+        ("lower_arm_front", [120.0, 360.0, 195.0]),
+        ("tie_rod_inner", [-110.0, 330.0, 243.0]),
+        ("tie_rod_outer", [-130.0, 690.0, 240.0]),
+    ];
+    let points =
+        left.map(|(name, [x, y, z])| format!("{name} = [{x:?}, {:?}, {:?}]", -y, z + shift));
+    format!("[axle.right.hardpoints]\n{}", points.join("\n"))
+}
+
+/// Residuals are deviations of what the axle's solver reads; a wheel quantity without a side makes a row for each wheel; the
+/// derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
+#[test]
+fn rows_are_deviations_and_their_derivatives_are_slopes() {
+    let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
+    for changes in [&[][..], &[(mirrored.0, mirrored.1.as_str())][..]] {
+        let study = of_all_kinds(changes);
+        let layout = layout(&study);
+        // Roll steer at two roll angles, toe of two wheels.
+        assert_eq!(layout.residuals(), 1 + 1 + 2 + 1 + 2);
+        let n = study.optimise.as_ref().unwrap().variables.len();
+        let x = DVector::from_fn(n, |j, _| 3.0 - j as f64);
+        let found = evaluate(&study, &layout, &x);
+
+        let optimise = study.optimise.as_ref().unwrap();
+        let mut axle = study.axle.clone().unwrap().axle;
+        let (frame, variables) = (axle.left.frame, &optimise.variables);
+        moved_design(
+            &study.suspension.design,
+            &frame,
+            variables,
+            &x,
+            &mut axle.left.design,
+        );
+        if let Some(right) = &mut axle.right {
+            let own = right.design.clone();
+            moved_design(&own, &frame, variables, &x, &mut right.design);
+        }
+        let height = Quantity::Axle(AxleQuantity::RollCentreHeight);
+        let mut solver = AxleSolver::<3>::new(&axle, &[height], false).unwrap();
+        let placed = solver
+            .place(&Placement::Roll {
+                heave: 20.0,
+                roll: 2.0_f64.to_radians(),
+                rack: 0.0,
+            })
+            .unwrap();
+        let value = height.evaluate(&solver.read(&placed).unwrap().state);
+        let expected = value / 2.0 * layout.share(1);
+        assert!((found.residuals[1] - expected).abs() < 1e-12 * expected.abs());
+
+        for j in 0..n {
+            let at = |step: f64| {
+                let mut x = x.clone();
+                x[j] += step;
+                evaluate(&study, &layout, &x).residuals
+            };
+            let h = 0.05;
+            let slope = ((at(h) - at(-h)) * 8.0 - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+            for row in 0..layout.residuals() {
+                let size = found.jacobian.row(row).amax();
+                let error = (found.jacobian[(row, j)] - slope[row]).abs();
+                assert!(error < 1e-7 * size, "{row} by {j}: {error:e} of {size}");
+            }
+        }
+    }
+}
+
+/// Hardpoints that are given on the right and are the mirror images are tuned as the mirror images are.
+#[test]
+fn mirror_images_may_be_written_out() {
+    let (one, two) = (of_all_kinds(&[]), {
+        let own = own_right(0.0);
+        of_all_kinds(&[("[axle]\nright = \"mirrored\"", own.as_str())])
+    });
+    let x = DVector::from_element(one.optimise.as_ref().unwrap().variables.len(), 2.0);
+    let [one, two] = [one, two].map(|study| evaluate(&study, &layout(&study), &x));
+    assert_eq!(one.residuals, two.residuals);
+    let differ = (&one.jacobian - &two.jacobian).amax();
+    assert!(differ <= 1e-13 * one.jacobian.amax(), "{differ:e}");
+}
+
+/// Tunes a study, and reads the tuned study's own axle at a position.
+fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f64, Vec<f64>) {
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(
+        &study.suspension,
+        &study.motion,
+        optimise,
+        Control::default(),
+    )
+    .unwrap();
+    let best = tuning.best.unwrap();
+    let right = study.axle.as_ref().unwrap().axle.right.as_ref();
+    let right = right.map(|own| {
+        let mut moved = own.design.clone();
+        let x = DVector::from_column_slice(&best.offsets);
+        let frame = &study.suspension.frame;
+        moved_design(&own.design, frame, &optimise.variables, &x, &mut moved);
+        moved
+    });
+    let text = study.with_designs(&best.design, right.as_deref());
+    let again = Study::from_text("again.toml", &text, Path::new(".")).unwrap();
+    let axle = again.axle.unwrap().axle;
+    if let Some(right) = &right {
+        assert_eq!(&axle.suspension(Side::Right).design, right);
+    }
+    let quantity = Quantity::Axle(quantity);
+    let mut solver = AxleSolver::<3>::new(&axle, &[quantity], false).unwrap();
+    let values = placements.iter().map(|placement| {
+        let placed = solver.place(placement).unwrap();
+        quantity.evaluate(&solver.read(&placed).unwrap().state)
+    });
+    (best.after.misfit, values.collect())
+}
+
+#[test]
+fn a_steered_front_axle_is_tuned() {
+    let study = study("macpherson_axle_front", &[("starts = 2", "starts = 1")]);
+    // 52 mm of rack per turn of the steering wheel, to the right in a left turn.
+    let at = |angle: f64| Placement::Roll {
+        heave: 0.0,
+        roll: 0.0,
+        rack: -52.0 * angle / 360.0,
+    };
+    let places = [90.0, -180.0, 360.0].map(at);
+    let (misfit, errors) = tuned(&study, AxleQuantity::AckermannError, &places);
+    assert!(misfit < 0.5, "{misfit}");
+    for error in errors {
+        assert!(error.to_degrees().abs() < 0.51, "{error}");
+    }
+}
+
+/// With a toe link that was set longer on the right both sides move together, and the tuned study says so.
+#[test]
+fn a_rear_axle_is_tuned_for_roll_steer() {
+    let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
+    let changes = [
+        ("[axle]\nright = \"mirrored\"", own),
+        ("to = 3.0, steps = 7", "to = 3.0, steps = 3"),
+        ("to = 40.0, steps = 5", "to = 40.0, steps = 2"),
+    ];
+    let study = study("five_link_axle_rear", &changes);
+    let at = |roll: f64| Placement::Roll {
+        heave: 0.0,
+        roll: roll.to_radians(),
+        rack: 0.0,
+    };
+    let places = [-3.0, 0.0, 3.0].map(at);
+    let (misfit, values) = tuned(&study, AxleQuantity::RollSteer, &places);
+    // Good enough is a tenth of the tolerances.
+    assert!(misfit <= 0.1 * (1.0 + 1e-6), "{misfit}");
+    for value in values {
+        assert!((value - 0.04).abs() < 0.004, "{value}");
+    }
+}

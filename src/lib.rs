@@ -42,6 +42,7 @@
 //! | [`report`] | files and tables |
 //! | [`results`] | directories of results: who may replace what, locks |
 //! | [`exchange`] | points and curves from and to spreadsheets and Adams/Car |
+//! | [`studio`] | the live page: a server on this machine that follows dragged points |
 //! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
 //! | [`cli`] | the command line |
 //! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
@@ -83,6 +84,7 @@ pub mod plan;
 pub mod report;
 pub mod results;
 pub mod solve;
+pub mod studio;
 pub mod study;
 pub mod sweep;
 pub mod tolerance;

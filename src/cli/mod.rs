@@ -21,6 +21,7 @@ mod report;
 mod schema;
 mod setup;
 mod solve;
+mod studio;
 mod sweep;
 mod terminal;
 mod tolerance;
@@ -78,6 +79,8 @@ enum Command {
     Export(export::ExportArguments),
     /// Curves, points and figures of two or more designs side by side
     Compare(compare::CompareArguments),
+    /// A live page on this machine: drag points, watch curves, tune, save
+    Studio(studio::StudioArguments),
     /// Print the JSON schema of studies, for editors
     Schema,
     /// Print what makes a shell complete commands and options
@@ -306,6 +309,7 @@ fn carried_out(arguments: Arguments) -> Exit {
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Studio(arguments) => studio::run(&arguments),
         Command::Schema => schema::run(),
         Command::Completions { shell } => completions::run(shell),
         Command::Man => man::run(),

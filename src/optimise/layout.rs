@@ -359,6 +359,11 @@ impl TargetLayout {
         self.rows
     }
 
+    /// How many rows of the constraints, the first, must vanish.
+    pub fn equalities(&self) -> usize {
+        self.equalities
+    }
+
     /// What the rows of the constraints stand for, equalities first.
     pub fn labels(&self) -> &[RowLabel] {
         &self.labels

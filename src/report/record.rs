@@ -214,7 +214,8 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
 }
 
 impl OutputRecord {
-    fn of(column: &Column) -> Self {
+    /// Of a column of the curves.
+    pub fn of(column: &Column) -> Self {
         let name = column.output.replace('_', " ");
         OutputRecord {
             column: column.name.clone(),

@@ -17,8 +17,19 @@ impl Study {
     /// The same of an axle; `right` is the design of a right wheel that has hardpoints of its own, of which
     /// those that the study gives are rewritten.
     pub fn with_designs(&self, left: &[Vector3<f64>], right: Option<&[Vector3<f64>]>) -> String {
-        let Ok(mut document) = self.text.parse::<DocumentMut>() else {
-            return self.text.clone();
+        self.text_with_designs(&self.text, left, right)
+    }
+
+    /// The same of another text of this study: of the file as it is, where [`Study::text`] has curves from
+    /// files written out.
+    pub fn text_with_designs(
+        &self,
+        text: &str,
+        left: &[Vector3<f64>],
+        right: Option<&[Vector3<f64>]>,
+    ) -> String {
+        let Ok(mut document) = text.parse::<DocumentMut>() else {
+            return text.to_owned();
         };
         rewrite(&mut document, &self.suspension, left, coordinates);
         let own = self.axle.as_ref().and_then(|a| a.axle.right.as_ref());

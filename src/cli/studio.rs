@@ -1,0 +1,47 @@
+//! `hardpoint studio`
+
+use super::exit::{Exit, Stop};
+use super::{progress, terminal};
+use crate::studio::Studio;
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// What is served where.
+#[derive(Args)]
+pub(super) struct StudioArguments {
+    /// The study file (TOML)
+    study: PathBuf,
+    /// Port on this machine [default: 7353, or another where that is taken]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    port: Option<u16>,
+    /// Do not open a browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
+    if arguments.study == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "the live page saves to the study's file; standard input is none",
+        ));
+    }
+    let studio = Studio::open(&arguments.study, arguments.port).map_err(Stop::wrong_input)?;
+    let stop = progress::interrupt_flag();
+    let address = studio.address();
+    let mut out = std::io::stdout();
+    writeln!(out, "{address}")?;
+    out.flush()?;
+    terminal::note(
+        "The address is for you alone. Ctrl-C ends the server; what is not saved stays in the browser.\n",
+    );
+    if !arguments.no_open
+        && let Err(error) = open::that_detached(&address)
+    {
+        terminal::note(&format!(
+            "No browser could be opened ({error}): open the address yourself.\n"
+        ));
+    }
+    studio.serve(stop).map_err(Stop::wrong_input)?;
+    Ok(Exit::Done)
+}

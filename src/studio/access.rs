@@ -1,0 +1,106 @@
+//! Who may speak to the server.
+//!
+//! Any page in any browser on this machine, and any program, can reach a loopback port. The token keeps
+//! programs and pages out that were not told the address; `Host` keeps out names that were made to point at
+//! this machine (DNS rebinding); `Origin` pages that guess.
+
+use std::net::SocketAddr;
+
+/// What a request must show.
+pub(super) struct Access {
+    token: String,
+    hosts: [String; 2],
+}
+
+impl Access {
+    /// For a server at an address, with a new token from the operating system.
+    pub fn new(address: SocketAddr) -> std::io::Result<Self> {
+        let mut bytes = [0; 16];
+        getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
+        let port = address.port();
+        Ok(Access {
+            token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
+            hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
+        })
+    }
+
+    /// The address of the page.
+    pub fn address(&self) -> String {
+        format!("http://{}/{}/", self.hosts[0], self.token)
+    }
+
+    /// The rest of a path after the token, if that is the right one.
+    pub fn rest<'p>(&self, path: &'p str) -> Option<&'p str> {
+        let (token, rest) = path.strip_prefix('/')?.split_once('/')?;
+        is_same(token.as_bytes(), self.token.as_bytes()).then_some(rest)
+    }
+
+    /// Whether a `Host` is this server's.
+    pub fn is_host(&self, host: &str) -> bool {
+        self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host))
+    }
+
+    /// Whether an `Origin` is this server's page.
+    pub fn is_origin(&self, origin: &str) -> bool {
+        let host = origin.strip_prefix("http://");
+        host.is_some_and(|host| self.is_host(host))
+    }
+}
+
+/// Compares in a time that does not tell where texts differ.
+fn is_same(given: &[u8], own: &[u8]) -> bool {
+    let differences = given.iter().zip(own).fold(0, |sum, (a, b)| sum | (a ^ b));
+    given.len() == own.len() && differences == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_printed_address_passes() {
+        let access = Access::new("127.0.0.1:4711".parse().unwrap()).unwrap();
+        let path = access.address();
+        let path = path.strip_prefix("http://127.0.0.1:4711").unwrap();
+        assert_eq!(access.rest(path), Some(""));
+        assert_eq!(access.rest(&format!("{path}a/b")), Some("a/b"));
+        let token = path.trim_matches('/');
+        let mut wrong = token.to_owned();
+        let last = if wrong.pop() == Some('0') { '1' } else { '0' };
+        wrong.push(last);
+        for path in [
+            "",
+            "/",
+            "//",
+            "/x/",
+            &format!("/{wrong}/"),
+            &format!("/{token}"),
+        ] {
+            assert_eq!(access.rest(path), None, "{path}");
+        }
+        assert!(access.is_host("localhost:4711") && access.is_origin("http://127.0.0.1:4711"));
+        for host in [
+            "127.0.0.1",
+            "127.0.0.1:4712",
+            "example.com:4711",
+            "localhost.example.com:4711",
+        ] {
+            assert!(!access.is_host(host), "{host}");
+        }
+        for origin in [
+            "null",
+            "https://127.0.0.1:4711",
+            "http://127.0.0.1:4711/",
+            "http://example.com",
+        ] {
+            assert!(!access.is_origin(origin), "{origin}");
+        }
+    }
+
+    #[test]
+    fn tokens_differ() {
+        let address = "127.0.0.1:4711".parse().unwrap();
+        let [a, b] = [(); 2].map(|()| Access::new(address).unwrap().address());
+        assert_ne!(a, b);
+    }
+}

@@ -1,0 +1,124 @@
+//! What the library makes of a design: the answer to a dragged point.
+
+use super::message::{ColumnValues, SolveRequest, Solved};
+use super::misfit;
+use super::study_file::Opened;
+use crate::characteristics::Characteristic;
+use crate::curves::{Curves, Frame, curves, frames};
+use crate::model::Suspension;
+use crate::plan::Plan;
+use crate::report::{FailureRange, OutputRecord, curves_csv, doubts, remarks};
+use crate::solve::StationOrder;
+use crate::study::{Drive, Study};
+use std::time::Instant;
+
+/// The suspension of an opened study with another design.
+pub(super) fn moved(opened: &Opened, of: &super::message::Designed) -> Result<Suspension, String> {
+    Ok(Suspension {
+        design: opened.design(&of.design)?,
+        ..opened.study.suspension.clone()
+    })
+}
+
+/// The study with these characteristics asked for, and nothing that takes long: proofs are for `solve`.
+pub(super) fn asking_for(opened: &Opened, names: &[String]) -> Result<Study, String> {
+    let mut study = opened.study.clone();
+    study.outputs.certify = false;
+    study.outputs.characteristics.clear();
+    for name in names {
+        let characteristic = Characteristic::named(name)
+            .filter(|c| {
+                let needs = c.info().needs;
+                needs.iter().all(|need| need.met_by(&study.suspension))
+            })
+            .ok_or_else(|| format!("this study has no {name}"))?;
+        if !study.outputs.characteristics.contains(&characteristic) {
+            study.outputs.characteristics.push(characteristic);
+        }
+    }
+    Ok(study)
+}
+
+/// Answers a dragged point. An error says what is wrong with the design or the request.
+pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, String> {
+    let start = Instant::now();
+    let places = request.at.iter().chain(&request.curves_rack);
+    if !places.copied().all(f64::is_finite) {
+        return Err("expected a finite travel and rack".to_owned());
+    }
+    let suspension = moved(opened, &request.of)?;
+    let mechanism = &suspension.mechanism;
+    let study = asking_for(opened, &request.characteristics)?;
+    let mut plan = Plan::of(&study);
+    if let Some(rack) = request.curves_rack {
+        plan.racks = vec![rack];
+    }
+    let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
+    let found = curves(&suspension, &plan).map_err(fault)?;
+    let misfit = misfit::misfit(opened, &suspension).map_err(fault)?;
+    let [drive, rack] = request.at;
+    let place = Plan {
+        station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
+        racks: vec![rack],
+        loads: Vec::new(),
+        sensitivities: Vec::new(),
+        time: None,
+        ..plan.clone()
+    };
+    let frame = |suspension: &Suspension| -> Option<Frame> {
+        let mut frames = frames(suspension, &place).ok()?;
+        frames.pop()
+    };
+    let mut said = doubts(&suspension).map_err(fault)?;
+    said.extend(remarks(&study, &found));
+    Ok(Solved {
+        columns: columns(&found),
+        drive: found
+            .stations
+            .iter()
+            .map(|s| s.angle.or(s.travel))
+            .collect(),
+        racks: found.stations.iter().map(|s| s.rack).collect(),
+        status: found.stations.iter().map(|s| s.status.word()).collect(),
+        failures: FailureRange::all(&found, plan.drive),
+        frame: frame(&suspension),
+        opened: match suspension.design == opened.study.suspension.design {
+            true => None,
+            false => frame(&opened.study.suspension),
+        },
+        misfit,
+        remarks: said,
+        milliseconds: start.elapsed().as_secs_f64() * 1e3,
+    })
+}
+
+/// `curves.csv` of a design, as `hardpoint solve` writes it.
+pub(super) fn csv(opened: &Opened, of: &super::message::Designed) -> Result<Vec<u8>, String> {
+    let suspension = moved(opened, of)?;
+    let plan = Plan::of(&opened.study);
+    let found = curves(&suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
+    Ok(curves_csv(&found, &plan, suspension.length_unit))
+}
+
+fn columns(found: &Curves) -> Vec<ColumnValues> {
+    let columns = found.columns.iter().enumerate();
+    let column = |(number, column): (usize, &crate::curves::Column)| {
+        let record = OutputRecord::of(column);
+        ColumnValues {
+            column: record.column,
+            title: record.title,
+            unit: record.unit,
+            positive: column.positive,
+            values: found.stations.iter().map(|s| s.values[number]).collect(),
+        }
+    };
+    columns.map(column).collect()
+}
+
+/// A drive value as it is printed, in the kernel's unit.
+fn in_kernel(drive: Drive, printed: f64) -> f64 {
+    match drive.is_angle() {
+        true => printed.to_radians(),
+        false => printed,
+    }
+}

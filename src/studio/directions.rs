@@ -1,0 +1,97 @@
+//! What is free: moves that the targets do not see, and how far the mechanism goes.
+
+use super::answer::moved;
+use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
+use super::misfit::assessed;
+use super::study_file::Opened;
+use crate::analyse::{Range, RangeEnd};
+use crate::model::Axis;
+use crate::optimise::{Bounds, Identifiability};
+use crate::solve::Solver;
+
+/// A move across the whole range that changes the misfit by less than this (in tolerances) is not seen.
+const UNSEEN: f64 = 0.01;
+/// The most directions that are offered.
+const MOST: usize = 8;
+
+/// Combinations of the study's variables along which the targets do not change, to first order.
+pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAnswer, String> {
+    let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
+        return Ok(DirectionsAnswer {
+            directions: Vec::new(),
+        });
+    };
+    let suspension = moved(opened, of)?;
+    // Directions of turns are no straight lines.
+    let straight = optimise.variables.iter().filter(|v| v.turn.is_none());
+    let variables: Vec<_> = straight.cloned().collect();
+    let ranges: Vec<[f64; 2]> = variables.iter().map(|v| v.range).collect();
+    let none = || DirectionsAnswer {
+        directions: Vec::new(),
+    };
+    let found = assessed(&suspension, &variables, layout)
+        .map_err(|fault| fault.describe(&suspension.mechanism))?;
+    let (Ok(found), Ok(bounds)) = (found, Bounds::new(&ranges)) else {
+        return Ok(none());
+    };
+    let identifiability = Identifiability::new(&found.goal, &bounds, UNSEEN);
+    let direction = |change: &nalgebra::DVector<f64>| {
+        let mut by = vec![[0.0; 3]; suspension.design.len()];
+        let mut parts = Vec::new();
+        for ((variable, share), range) in variables.iter().zip(change).zip(&ranges) {
+            if share.abs() <= 1e-3 * (range[1] - range[0]) {
+                continue;
+            }
+            for m in &variable.moves {
+                by[m.point.0][m.axis as usize] += m.factor * share;
+            }
+            let axis = variable.moves.first().map_or("", |m| m.axis.name());
+            parts.push(format!("{} {axis} {share:+.2}", variable.name));
+        }
+        FreeDirection {
+            name: parts.join(", "),
+            change: by,
+            free: [-1.0, 1.0],
+        }
+    };
+    let unseen = identifiability.unseen.iter().take(MOST);
+    Ok(DirectionsAnswer {
+        directions: unseen.map(|d| direction(&d.change)).collect(),
+    })
+}
+
+/// How far wheel and rack go from the design position, and what stops them.
+pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
+    let suspension = moved(opened, of)?;
+    let mechanism = &suspension.mechanism;
+    let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
+    let mut solver = Solver::new(mechanism, &suspension.design).map_err(fault)?;
+    let limits = solver.limits().map_err(fault)?;
+    let sign = suspension.frame.sign(Axis::Y);
+    Ok(LimitsAnswer {
+        travel: ends(&limits.travel, 1.0),
+        rack: limits.rack.as_ref().map(|range| ends(range, sign)),
+    })
+}
+
+fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
+    let end = |end: &RangeEnd| match end {
+        RangeEnd::Fold(limit) => LimitEnd {
+            value: Some(sign * limit.value),
+            because: limit.cause.to_string(),
+        },
+        RangeEnd::FullTurn => LimitEnd {
+            value: None,
+            because: "it turns right round".to_owned(),
+        },
+        RangeEnd::Unresolved(value) => LimitEnd {
+            value: Some(sign * value),
+            because: "the path could not be followed further".to_owned(),
+        },
+    };
+    let [lower, upper] = [end(&range.lower), end(&range.upper)];
+    match sign < 0.0 {
+        true => [upper, lower],
+        false => [lower, upper],
+    }
+}

@@ -1,0 +1,280 @@
+//! As much of HTTP/1.1 as one page needs: requests with a length, answers with a length, connections that are
+//! kept (RFC 9112). Heads are read by `httparse`.
+
+use std::borrow::Cow;
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// The longest head of a request, in bytes, and the most headers in it.
+const LONGEST_HEAD: usize = 16 << 10;
+const MOST_HEADERS: usize = 64;
+/// The longest body: a design of a thousand points has a tenth of it.
+pub(super) const LONGEST_BODY: usize = 1 << 20;
+/// A request that has begun must be here by then, one that has not is waited for so long.
+const PATIENCE: Duration = Duration::from_secs(10);
+const IDLE: Duration = Duration::from_secs(120);
+
+/// The head of a request.
+pub(super) struct Head {
+    pub method: String,
+    /// Without what follows a question mark.
+    pub path: String,
+    pub host: Option<String>,
+    pub origin: Option<String>,
+    pub content_type: Option<String>,
+    pub keeps: bool,
+    length: usize,
+}
+
+/// Why there is no request.
+pub(super) enum Unread {
+    /// The other side has gone, or kept silent.
+    Gone,
+    /// It cannot be answered but with this status.
+    Refused(u16, &'static str),
+}
+
+/// A connection: requests come out of it one after the other.
+pub(super) struct Connection {
+    stream: TcpStream,
+    /// Read, and not used yet.
+    ahead: Vec<u8>,
+}
+
+impl Connection {
+    pub fn new(stream: TcpStream) -> std::io::Result<Self> {
+        // Answers are written in one piece: waiting for more would only be late.
+        stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        Ok(Connection {
+            stream,
+            ahead: Vec::new(),
+        })
+    }
+
+    /// The head of the next request.
+    pub fn head(&mut self) -> Result<Head, Unread> {
+        let mut deadline = Instant::now() + IDLE;
+        let mut begun = false;
+        loop {
+            if !self.ahead.is_empty() {
+                if !begun {
+                    begun = true;
+                    deadline = Instant::now() + PATIENCE;
+                }
+                if let Some((head, used)) = parsed(&self.ahead)? {
+                    self.ahead.drain(..used);
+                    return Ok(head);
+                }
+                if self.ahead.len() > LONGEST_HEAD {
+                    return Err(Unread::Refused(431, "the head of the request is too long"));
+                }
+            }
+            self.more(deadline)?;
+        }
+    }
+
+    /// The body that belongs to a head.
+    pub fn body(&mut self, head: &Head) -> Result<Vec<u8>, Unread> {
+        let deadline = Instant::now() + PATIENCE;
+        while self.ahead.len() < head.length {
+            self.more(deadline)?;
+        }
+        let rest = self.ahead.split_off(head.length);
+        Ok(std::mem::replace(&mut self.ahead, rest))
+    }
+
+    fn more(&mut self, deadline: Instant) -> Result<(), Unread> {
+        let mut piece = [0; 16 << 10];
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || self.stream.set_read_timeout(Some(left)).is_err() {
+                return Err(Unread::Gone);
+            }
+            match self.stream.read(&mut piece) {
+                Ok(0) => return Err(Unread::Gone),
+                Ok(count) => {
+                    self.ahead.extend_from_slice(&piece[..count]);
+                    return Ok(());
+                }
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return Err(Unread::Gone),
+            }
+        }
+    }
+
+    pub fn answer(&mut self, response: &Response, keeps: bool) -> std::io::Result<()> {
+        self.stream.write_all(&response.bytes(keeps))
+    }
+}
+
+/// The head at the beginning of some bytes and its length, if all of it is there.
+fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
+    let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
+    let mut request = httparse::Request::new(&mut headers);
+    let used = match request.parse(bytes) {
+        Ok(httparse::Status::Complete(used)) => used,
+        Ok(httparse::Status::Partial) => return Ok(None),
+        Err(httparse::Error::TooManyHeaders) => {
+            return Err(Unread::Refused(431, "there are too many headers"));
+        }
+        Err(_) => return Err(Unread::Refused(400, "not a request of HTTP/1.1")),
+    };
+    let refused = |why| Err(Unread::Refused(400, why));
+    let mut head = Head {
+        method: request.method.unwrap_or_default().to_owned(),
+        path: request.path.unwrap_or_default().to_owned(),
+        host: None,
+        origin: None,
+        content_type: None,
+        keeps: request.version == Some(1),
+        length: 0,
+    };
+    if let Some(end) = head.path.find('?') {
+        head.path.truncate(end);
+    }
+    let mut length = None;
+    for header in request.headers.iter() {
+        let Ok(value) = std::str::from_utf8(header.value) else {
+            return refused("a header is not text");
+        };
+        let place = match header.name.to_ascii_lowercase().as_str() {
+            "host" => &mut head.host,
+            "origin" => &mut head.origin,
+            "content-type" => &mut head.content_type,
+            "content-length" => &mut length,
+            "transfer-encoding" => {
+                return Err(Unread::Refused(
+                    501,
+                    "bodies come with a length, in one piece",
+                ));
+            }
+            "connection" => {
+                head.keeps &= !value.to_ascii_lowercase().contains("close");
+                continue;
+            }
+            _ => continue,
+        };
+        if place.replace(value.trim().to_owned()).is_some() {
+            return refused("a header is there twice");
+        }
+    }
+    if let Some(length) = length {
+        let is_number = !length.is_empty() && length.bytes().all(|b| b.is_ascii_digit());
+        head.length = match length.parse() {
+            Ok(length) if is_number && length <= LONGEST_BODY => length,
+            _ if is_number => return Err(Unread::Refused(413, "the body is too long")),
+            _ => return refused("the length of the body is no number"),
+        };
+    }
+    Ok(Some((head, used)))
+}
+
+/// An answer.
+pub(super) struct Response {
+    pub status: u16,
+    pub content_type: &'static str,
+    pub body: Cow<'static, [u8]>,
+    /// The content security policy.
+    pub policy: Cow<'static, str>,
+}
+
+/// The page loads its own files and speaks to its own server; pictures it saves are made of data.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+impl Response {
+    pub fn new(
+        status: u16,
+        content_type: &'static str,
+        body: impl Into<Cow<'static, [u8]>>,
+    ) -> Self {
+        Response {
+            status,
+            content_type,
+            body: body.into(),
+            policy: POLICY.into(),
+        }
+    }
+
+    /// A refusal, in words.
+    pub fn refusal(status: u16, why: &str) -> Self {
+        Response::new(
+            status,
+            "text/plain; charset=utf-8",
+            format!("{why}\n").into_bytes(),
+        )
+    }
+
+    fn bytes(&self, keeps: bool) -> Vec<u8> {
+        let phrase = match self.status {
+            200 => "OK",
+            400 => "Bad Request",
+            403 => "Forbidden",
+            404 => "Not Found",
+            405 => "Method Not Allowed",
+            409 => "Conflict",
+            413 => "Content Too Large",
+            415 => "Unsupported Media Type",
+            422 => "Unprocessable Content",
+            431 => "Request Header Fields Too Large",
+            501 => "Not Implemented",
+            503 => "Service Unavailable",
+            _ => "Internal Server Error",
+        };
+        let mut bytes = format!(
+            "HTTP/1.1 {} {phrase}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: {}\r\n\
+             Content-Security-Policy: {}\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
+             Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+             Cross-Origin-Opener-Policy: same-origin\r\nX-Frame-Options: DENY\r\n\r\n",
+            self.status,
+            self.content_type,
+            self.body.len(),
+            if keeps { "keep-alive" } else { "close" },
+            self.policy,
+        )
+        .into_bytes();
+        bytes.extend_from_slice(&self.body);
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(request: &str) -> Option<u16> {
+        match parsed(request.as_bytes()) {
+            Err(Unread::Refused(status, _)) => Some(status),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn heads_are_read_or_refused() {
+        let whole = "POST /t/solve?x=1 HTTP/1.1\r\nHost: a:1\r\nContent-Length: 3\r\n\r\nabc";
+        let Ok(Some((head, used))) = parsed(whole.as_bytes()) else {
+            panic!("it is a request");
+        };
+        assert_eq!(
+            (head.path.as_str(), head.length, head.keeps),
+            ("/t/solve", 3, true)
+        );
+        assert_eq!(&whole[used..], "abc");
+        assert!(matches!(parsed(&whole.as_bytes()[..20]), Ok(None)));
+        let with = |header: &str| format!("POST / HTTP/1.1\r\n{header}\r\n\r\n");
+        for (header, refused) in [
+            ("Content-Length: 1048577", 413),
+            ("Content-Length: 99999999999999999999999", 413),
+            ("Content-Length: +3", 400),
+            ("Content-Length: 3\r\nContent-Length: 4", 400),
+            ("Host: a\r\nHost: b", 400),
+            ("Transfer-Encoding: chunked", 501),
+            ("no colon", 400),
+        ] {
+            assert_eq!(status(&with(header)), Some(refused), "{header}");
+        }
+        assert_eq!(status("\u{0}\u{1}\r\n\r\n"), Some(400));
+    }
+}

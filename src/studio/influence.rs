@@ -1,0 +1,42 @@
+//! What one coordinate does to each curve.
+
+use super::answer::{asking_for, moved};
+use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
+use super::study_file::Opened;
+use crate::curves::curves;
+use crate::model::{Axis, PointId};
+use crate::plan::Plan;
+
+/// Derivatives of every column by a coordinate, station by station, in the column's unit per length unit.
+pub(super) fn influence(
+    opened: &Opened,
+    request: &InfluenceRequest,
+) -> Result<InfluenceAnswer, String> {
+    let suspension = moved(opened, &request.of)?;
+    let Some(axis) = Axis::ALL.get(request.axis) else {
+        return Err("expected an axis 0, 1 or 2".to_owned());
+    };
+    if request.point >= suspension.design.len() {
+        return Err("there is no such point".to_owned());
+    }
+    let point = PointId(request.point);
+    let plan = Plan {
+        sensitivities: vec![point],
+        loads: Vec::new(),
+        ..Plan::of(&asking_for(opened, &request.characteristics)?)
+    };
+    let found = curves(&suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
+    let stations = found.stations.len();
+    let mut columns: Vec<InfluenceColumn> = found
+        .columns
+        .iter()
+        .map(|column| InfluenceColumn {
+            column: column.name.clone(),
+            slopes: vec![None; stations],
+        })
+        .collect();
+    for s in found.sensitivities.iter().filter(|s| s.axis == *axis) {
+        columns[s.column].slopes[s.station] = s.value.is_finite().then_some(s.value);
+    }
+    Ok(InfluenceAnswer { columns })
+}

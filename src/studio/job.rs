@@ -1,0 +1,146 @@
+//! A tuning under way.
+
+use super::message::{JobState, Proposal, TuneRequest};
+use super::overview::coordinates;
+use super::study_file::Opened;
+use crate::curves::curves;
+use crate::model::Suspension;
+use crate::optimise::{Control, Iteration, tune};
+use crate::plan::Plan;
+use crate::report::TuningSummary;
+use crate::study::{Optimise, Study, Variable};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A tuning, running or done.
+pub(super) struct Job {
+    number: u64,
+    interrupt: AtomicBool,
+    iterations: AtomicU64,
+    starts: AtomicUsize,
+    /// The least misfit so far.
+    misfit: Mutex<Option<f64>>,
+    ended: Mutex<Option<Result<Proposal, String>>>,
+}
+
+impl Job {
+    /// Begins to tune a design on a thread of its own.
+    pub fn begin(
+        number: u64,
+        opened: Arc<Opened>,
+        request: &TuneRequest,
+    ) -> Result<Arc<Job>, String> {
+        let suspension = super::answer::moved(&opened, &request.of)?;
+        let Some(optimise) = &opened.study.optimise else {
+            return Err(
+                "the study has no [optimise] section: what may move, what is wanted".into(),
+            );
+        };
+        let free = |variable: &&Variable| {
+            let points = variable.moves.iter().map(|m| (m.point.0, m.axis as usize));
+            let turned = variable.turn.iter().flat_map(|turn| &turn.points);
+            let turned = turned.flat_map(|p| (0..3).map(|axis| (p.0, axis)));
+            let locked = |(point, axis): (usize, usize)| {
+                request.locked.get(point).is_some_and(|axes| axes[axis])
+            };
+            !points.chain(turned).any(locked)
+        };
+        let variables: Vec<Variable> = optimise.variables.iter().filter(free).cloned().collect();
+        if variables.is_empty() {
+            return Err("every variable of the study moves a point that is locked".to_owned());
+        }
+        let optimise = Optimise {
+            variables,
+            ..optimise.clone()
+        };
+        let job = Arc::new(Job {
+            number,
+            interrupt: AtomicBool::new(false),
+            iterations: AtomicU64::new(0),
+            starts: AtomicUsize::new(0),
+            misfit: Mutex::new(None),
+            ended: Mutex::new(None),
+        });
+        let own = job.clone();
+        let study = opened.study.clone();
+        let run = move || {
+            let ended = own.run(&study, &suspension, &optimise);
+            *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
+        };
+        let spawned = std::thread::Builder::new().spawn(run);
+        spawned.map_err(|e| format!("cannot start to tune: {e}"))?;
+        Ok(job)
+    }
+
+    fn run(
+        &self,
+        study: &Study,
+        suspension: &Suspension,
+        optimise: &Optimise,
+    ) -> Result<Proposal, String> {
+        let watch = |_: usize, iteration: &Iteration| {
+            self.iterations.fetch_add(1, Ordering::Relaxed);
+            if iteration.iteration == 0 {
+                self.starts.fetch_add(1, Ordering::Relaxed);
+            }
+            let mut least = self.misfit.lock().unwrap_or_else(PoisonError::into_inner);
+            *least = Some(least.map_or(iteration.misfit, |m| m.min(iteration.misfit)));
+        };
+        let control = Control {
+            interrupt: Some(&self.interrupt),
+            watch: Some(&watch),
+        };
+        let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
+        let tuning = tune(suspension, &study.motion, optimise, control).map_err(fault)?;
+        let moved = Study {
+            suspension: suspension.clone(),
+            optimise: Some(optimise.clone()),
+            ..study.clone()
+        };
+        let Some(best) = &tuning.best else {
+            let first = tuning.starts.starts.first();
+            let why = first.and_then(|start| start.outcome.as_ref().err());
+            return Err(why.map_or("no start came to an end".to_owned(), |w| w.to_string()));
+        };
+        let tuned = Suspension {
+            design: best.design.clone(),
+            ..suspension.clone()
+        };
+        let after = curves(&tuned, &Plan::with_targets(&moved)).map_err(fault)?;
+        let summary = TuningSummary::of(&moved, optimise, &tuning, Some(&after));
+        Ok(Proposal {
+            design: coordinates(suspension, &best.design),
+            headline: summary.headline(),
+            remarks: summary.remarks(),
+            interrupted: self.interrupt.load(Ordering::SeqCst),
+        })
+    }
+
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Asks it to end after the iteration under way, with what it has.
+    pub fn cancel(&self) {
+        self.interrupt.store(true, Ordering::SeqCst);
+    }
+
+    pub fn is_running(&self) -> bool {
+        let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        ended.is_none()
+    }
+
+    pub fn state(&self) -> JobState {
+        let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        let misfit = *self.misfit.lock().unwrap_or_else(PoisonError::into_inner);
+        JobState {
+            job: self.number,
+            iterations: self.iterations.load(Ordering::Relaxed),
+            starts: self.starts.load(Ordering::Relaxed),
+            misfit,
+            done: ended.is_some(),
+            error: ended.as_ref().and_then(|e| e.as_ref().err().cloned()),
+            proposal: ended.as_ref().and_then(|e| e.as_ref().ok().cloned()),
+        }
+    }
+}

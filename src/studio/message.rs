@@ -1,0 +1,255 @@
+//! What page and server say to each other, as JSON. Designs are coordinates in the study's axes, in the order
+//! of the points; numbers are printed so that they read back as the same.
+
+use crate::curves::Frame;
+use crate::report::{FailureRange, Scene};
+use serde::{Deserialize, Serialize};
+
+/// Coordinates of every point, in the study's axes.
+pub(super) type Coordinates = Vec<[f64; 3]>;
+
+/// A design of a text that the server has read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Designed {
+    /// Of the text.
+    pub digest: String,
+    pub design: Coordinates,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SolveRequest {
+    pub of: Designed,
+    /// Names of the characteristics wanted.
+    pub characteristics: Vec<String>,
+    /// Drive value and rack displacement at which the mechanism is drawn.
+    pub at: [f64; 2],
+    /// Rack displacement of the curves; those of the study without it.
+    pub curves_rack: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InfluenceRequest {
+    pub of: Designed,
+    pub characteristics: Vec<String>,
+    pub point: usize,
+    pub axis: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TuneRequest {
+    pub of: Designed,
+    /// By point and axis, what must stay where it is.
+    pub locked: Vec<[bool; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JobRequest {
+    pub job: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SaveRequest {
+    pub of: Designed,
+    /// A plain file name beside the study; the study itself without it.
+    pub name: Option<String>,
+    /// Whether a file that was changed meanwhile gets the coordinates that were moved, or a file of that name is
+    /// replaced.
+    pub anyway: bool,
+}
+
+/// The study, as far as it stays while points move.
+#[derive(Serialize)]
+pub(super) struct Overview {
+    pub name: String,
+    pub file: String,
+    /// Where the file is, so that what a browser keeps of one study is not taken for another's.
+    pub place: String,
+    pub digest: String,
+    pub topology: String,
+    pub unit: String,
+    pub points: Vec<PointOverview>,
+    pub design: Coordinates,
+    pub scene: Scene,
+    /// The catalogue.
+    pub characteristics: Vec<CharacteristicOverview>,
+    /// Column, name and unit of the drive.
+    pub drive: [String; 3],
+    pub drive_values: Vec<f64>,
+    /// Drive value in the design position.
+    pub drive_home: f64,
+    pub racks: Vec<f64>,
+    pub rack_moves: bool,
+    pub is_steered: bool,
+    pub targets: Vec<TargetOverview>,
+    pub variables: Vec<VariableOverview>,
+    pub tunes: bool,
+    pub starts: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct PointOverview {
+    pub name: String,
+    pub about: String,
+}
+
+#[derive(Serialize)]
+pub(super) struct CharacteristicOverview {
+    pub name: &'static str,
+    pub column: String,
+    pub unit: String,
+    pub positive: &'static str,
+    /// Whether the study asks for it, itself or by a target.
+    pub asked: bool,
+    /// Whether the study has what it needs.
+    pub available: bool,
+}
+
+/// A target as it is drawn.
+#[derive(Serialize)]
+pub(super) struct TargetOverview {
+    pub column: String,
+    pub tolerance: f64,
+    /// Drive value, lowest and highest wanted value; none where there is no limit.
+    pub points: Vec<(f64, Option<f64>, Option<f64>)>,
+    /// Of which motion it is, if not of the study's own.
+    pub motion: Option<String>,
+    /// Rack displacements it is for; empty for that of the motion.
+    pub racks: Vec<f64>,
+    pub is_band: bool,
+}
+
+#[derive(Serialize)]
+pub(super) struct VariableOverview {
+    pub name: String,
+    /// Point, axis, and how far it moves per unit.
+    pub moves: Vec<(usize, usize, f64)>,
+    pub is_turn: bool,
+    pub range: [f64; 2],
+}
+
+/// What the library makes of a design.
+#[derive(Serialize)]
+pub(super) struct Solved {
+    pub columns: Vec<ColumnValues>,
+    pub drive: Vec<Option<f64>>,
+    pub racks: Vec<f64>,
+    pub status: Vec<&'static str>,
+    pub failures: Vec<FailureRange>,
+    /// The mechanism where it is drawn, and the study's own design there.
+    pub frame: Option<Frame>,
+    pub opened: Option<Frame>,
+    pub misfit: Option<Misfit>,
+    pub remarks: Vec<String>,
+    /// What the server took for it.
+    pub milliseconds: f64,
+}
+
+#[derive(Serialize)]
+pub(super) struct ColumnValues {
+    pub column: String,
+    pub title: String,
+    pub unit: String,
+    pub positive: Option<&'static str>,
+    pub values: Vec<Option<f64>>,
+}
+
+/// The misfit in tolerances, with its derivatives by every coordinate.
+#[derive(Serialize)]
+pub(super) struct Misfit {
+    pub value: Option<f64>,
+    /// Why there is none.
+    pub reason: Option<String>,
+    pub gradient: Coordinates,
+    pub targets: Vec<TargetMisfit>,
+    pub constraints: Vec<ConstraintRoom>,
+}
+
+#[derive(Serialize)]
+pub(super) struct TargetMisfit {
+    pub column: String,
+    pub rms: f64,
+    pub worst: f64,
+    pub worst_at: f64,
+    pub gradient: Coordinates,
+}
+
+#[derive(Serialize)]
+pub(super) struct ConstraintRoom {
+    pub name: String,
+    /// What is left to the limit; negative where it is violated.
+    pub room: f64,
+    pub unit: String,
+}
+
+/// What a coordinate does to each column: derivatives station by station.
+#[derive(Serialize)]
+pub(super) struct InfluenceAnswer {
+    pub columns: Vec<InfluenceColumn>,
+}
+
+#[derive(Serialize)]
+pub(super) struct InfluenceColumn {
+    pub column: String,
+    pub slopes: Vec<Option<f64>>,
+}
+
+/// Moves that the targets do not see.
+#[derive(Serialize)]
+pub(super) struct DirectionsAnswer {
+    pub directions: Vec<FreeDirection>,
+}
+
+#[derive(Serialize)]
+pub(super) struct FreeDirection {
+    /// In words: the variables and how far each goes.
+    pub name: String,
+    /// How far each point goes.
+    pub change: Coordinates,
+    /// How much of it is free, down and up.
+    pub free: [f64; 2],
+}
+
+/// How far the mechanism goes.
+#[derive(Serialize)]
+pub(super) struct LimitsAnswer {
+    pub travel: [LimitEnd; 2],
+    pub rack: Option<[LimitEnd; 2]>,
+}
+
+#[derive(Serialize)]
+pub(super) struct LimitEnd {
+    pub value: Option<f64>,
+    pub because: String,
+}
+
+/// How a tuning stands.
+#[derive(Serialize)]
+pub(super) struct JobState {
+    pub job: u64,
+    pub iterations: u64,
+    pub starts: usize,
+    pub misfit: Option<f64>,
+    pub done: bool,
+    pub error: Option<String>,
+    pub proposal: Option<Proposal>,
+}
+
+#[derive(Clone, Serialize)]
+pub(super) struct Proposal {
+    pub design: Coordinates,
+    pub headline: String,
+    pub remarks: Vec<String>,
+    pub interrupted: bool,
+}
+
+#[derive(Serialize)]
+pub(super) struct Saved {
+    pub file: String,
+    pub digest: String,
+}

@@ -1,0 +1,175 @@
+//! The misfit of a design and its exact gradient by every coordinate.
+//!
+//! With r the residuals, J their Jacobian and m their number, the misfit is M = |r| / sqrt(m), so
+//!
+//! ```text
+//! dM/dx = r . J / (m M)                                                     (1)
+//! ```
+//!
+//! and of one target, whose n residuals are s times its deviations in tolerances,
+//!
+//! ```text
+//! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
+//! ```
+//!
+//! Where a misfit vanishes it has no gradient; zero is said, which is where its square is at its minimum.
+
+use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
+use super::study_file::Opened;
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, PointId, Suspension};
+use crate::optimise::{Assessment, Constrained, Objective, TargetLayout};
+use crate::study::{Drive, Move, Optimise, Variable};
+use nalgebra::{DMatrix, DVector};
+
+/// Every coordinate of a suspension as something that can move, point by point.
+pub(super) fn every_coordinate(suspension: &Suspension) -> Vec<Variable> {
+    let mechanism = &suspension.mechanism;
+    let points = (0..mechanism.points.len()).map(PointId);
+    let coordinate = |point: PointId, axis: Axis| Variable {
+        name: mechanism.name(point).to_owned(),
+        moves: vec![Move {
+            point,
+            axis,
+            factor: 1.0,
+        }],
+        turn: None,
+        range: [-1.0, 1.0],
+        cost: 1.0,
+    };
+    points
+        .flat_map(|point| Axis::ALL.map(|axis| coordinate(point, axis)))
+        .collect()
+}
+
+/// Targets and constraints of a design, with their Jacobians by some variables; or why there are none.
+pub(super) fn assessed(
+    suspension: &Suspension,
+    variables: &[Variable],
+    layout: &TargetLayout,
+) -> Result<Result<Assessment, String>, DesignFault> {
+    match layout.rate_order() {
+        0 => assessed_with::<1>(suspension, variables, layout),
+        _ => assessed_with::<2>(suspension, variables, layout),
+    }
+}
+
+fn assessed_with<const N: usize>(
+    suspension: &Suspension,
+    variables: &[Variable],
+    layout: &TargetLayout,
+) -> Result<Result<Assessment, String>, DesignFault> {
+    let mut objective = Objective::<N>::new(suspension, variables, layout)?;
+    let mut assessment = Assessment::new(objective.shape(), variables.len());
+    let here = DVector::zeros(variables.len());
+    let assessed = objective.assess(&here, &mut assessment);
+    Ok(assessed.map(|()| assessment).map_err(|why| why.to_string()))
+}
+
+/// The misfit of a design, if its study has targets.
+pub(super) fn misfit(
+    opened: &Opened,
+    suspension: &Suspension,
+) -> Result<Option<Misfit>, DesignFault> {
+    let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
+        return Ok(None);
+    };
+    let found = assessed(suspension, &opened.every, layout)?;
+    let drive = opened.study.motion.drive;
+    Ok(Some(match found {
+        Ok(found) => of_assessment(optimise, layout, drive, &found),
+        Err(reason) => Misfit {
+            value: None,
+            reason: Some(reason),
+            gradient: Vec::new(),
+            targets: Vec::new(),
+            constraints: Vec::new(),
+        },
+    }))
+}
+
+fn of_assessment(
+    optimise: &Optimise,
+    layout: &TargetLayout,
+    drive: Drive,
+    found: &Assessment,
+) -> Misfit {
+    let (residuals, jacobian) = (&found.goal.residuals, &found.goal.jacobian);
+    let value = found.goal.misfit();
+    let of_rows = layout.targets_of_rows();
+    let all: Vec<usize> = (0..of_rows.len()).collect();
+    let targets = layout.deviations(residuals).into_iter().enumerate();
+    let targets = targets.map(|(number, deviation)| {
+        let rows: Vec<usize> = all
+            .iter()
+            .copied()
+            .filter(|r| of_rows[*r] == number)
+            .collect();
+        let share = layout.share(number);
+        let target = &optimise.targets[number];
+        let motion = target.site.motion.as_ref();
+        let drive = motion.map_or(drive, |(_, motion)| motion.drive);
+        TargetMisfit {
+            column: target.of.column.clone(),
+            rms: deviation.rms,
+            worst: deviation.worst,
+            worst_at: drive.printed(deviation.worst_at),
+            gradient: gradient(
+                residuals,
+                jacobian,
+                &rows,
+                share * share * rows.len() as f64 * deviation.rms,
+            ),
+        }
+    });
+    Misfit {
+        value: Some(value),
+        reason: None,
+        gradient: gradient(residuals, jacobian, &all, all.len() as f64 * value),
+        targets: targets.collect(),
+        constraints: rooms(optimise, layout, &found.rows.residuals),
+    }
+}
+
+/// r . J over some rows, divided, point by point: (1), (2).
+fn gradient(
+    residuals: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+    rows: &[usize],
+    divisor: f64,
+) -> Coordinates {
+    let along = |column: usize| match divisor {
+        0.0 => 0.0,
+        _ => {
+            let terms = rows
+                .iter()
+                .map(|row| residuals[*row] * jacobian[(*row, column)]);
+            terms.sum::<f64>() / divisor
+        }
+    };
+    let points = 0..jacobian.ncols() / 3;
+    points
+        .map(|point| std::array::from_fn(|axis| along(3 * point + axis)))
+        .collect()
+}
+
+/// What is left of each constraint, over all the places it is looked at.
+fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
+    let constraints = optimise.constraints.iter().enumerate();
+    let room = |number: usize| {
+        let labels = layout.labels().iter().enumerate();
+        let own = labels.filter(|(_, label)| label.constraint == number);
+        own.map(|(row, _)| match row < layout.equalities() {
+            true => -rows[row].abs(),
+            false => -rows[row],
+        })
+        .fold(f64::INFINITY, f64::min)
+    };
+    constraints
+        .map(|(number, constraint)| ConstraintRoom {
+            name: constraint.name.clone(),
+            room: room(number) + 0.0,
+            unit: constraint.parts[0].unit.clone(),
+        })
+        .collect()
+}

@@ -1,0 +1,25 @@
+//! The files of the page.
+
+use super::http::Response;
+
+/// A file of the page, by its name in the address.
+pub(super) fn file(name: &str) -> Option<Response> {
+    const SCRIPT: &str = "text/javascript; charset=utf-8";
+    let (content_type, text) = match name {
+        "" => ("text/html; charset=utf-8", include_str!("page/index.html")),
+        "style.css" => ("text/css; charset=utf-8", include_str!("page/style.css")),
+        "icon.svg" => ("image/svg+xml", include_str!("page/icon.svg")),
+        "main.js" => (SCRIPT, include_str!("page/main.js")),
+        "server.js" => (SCRIPT, include_str!("page/server.js")),
+        "design.js" => (SCRIPT, include_str!("page/design.js")),
+        "draw.js" => (SCRIPT, include_str!("page/draw.js")),
+        "views.js" => (SCRIPT, include_str!("page/views.js")),
+        "curves.js" => (SCRIPT, include_str!("page/curves.js")),
+        "table.js" => (SCRIPT, include_str!("page/table.js")),
+        "notes.js" => (SCRIPT, include_str!("page/notes.js")),
+        "tuning.js" => (SCRIPT, include_str!("page/tuning.js")),
+        "files.js" => (SCRIPT, include_str!("page/files.js")),
+        _ => return None,
+    };
+    Some(Response::new(200, content_type, text.as_bytes()))
+}

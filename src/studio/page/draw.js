@@ -1,0 +1,53 @@
+// Small helpers: elements, numbers, vectors.
+
+const NAMESPACE = 'http://www.w3.org/2000/svg';
+
+// Text becomes text, never markup: names come from the study.
+export const set = (element, attributes) => {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === null || value === false) element.removeAttribute(name);
+    else if (name === 'text') element.textContent = value;
+    else if (name === 'on') for (const [event, handler] of Object.entries(value)) element.addEventListener(event, handler);
+    else element.setAttribute(name, value === true ? '' : value);
+  }
+  return element;
+};
+export const svg = (tag, attributes = {}, ...children) => {
+  const element = set(document.createElementNS(NAMESPACE, tag), attributes);
+  element.append(...children);
+  return element;
+};
+export const html = (tag, attributes = {}, ...children) => {
+  const element = set(document.createElement(tag), attributes);
+  element.append(...children);
+  return element;
+};
+export const byId = (id) => document.getElementById(id);
+
+// Five significant digits at most.
+export const brief = (value, digits = 5) => {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  if (value !== 0 && Math.abs(value) < 1e-4) return value.toExponential(1);
+  return String(Number(value.toPrecision(digits))).replace('-', '−');
+};
+export const signed = (value, digits = 3) => (value > 0 ? '+' : '') + brief(value, digits);
+// Steps of an axis: 1, 2 or 5 times a power of ten.
+export const niceStep = (span, count) => {
+  const rough = span / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  return [1, 2, 5, 10].find((m) => m * power >= rough * 0.999) * power;
+};
+export const ticks = (low, high, count) => {
+  const step = niceStep(high - low, count);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
+};
+
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const norm = (a) => Math.hypot(...a);
+export const along = (p, v, by) => [p[0] + v[0] * by, p[1] + v[1] * by, p[2] + v[2] * by];
+export const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+
+export const AXES = ['x', 'y', 'z'];

@@ -1,0 +1,203 @@
+// Save, save as, export; and what the browser keeps of moves that are not saved.
+import { byId, html, svg } from './draw.js';
+import { askGhost, copy, emit, forget, isMoved, isSame, of, on, put, state } from './design.js';
+import { chartSvgs } from './curves.js';
+import { viewSvgs } from './views.js';
+import { post, postForText } from './server.js';
+
+// A question with answers; the answer, or null.
+const ask = (title, text, answers, field) => new Promise((done) => {
+  const dialog = byId('dialog');
+  const form = dialog.querySelector('form');
+  const input = field && html('input', { type: 'text', value: field, 'aria-label': title, name: 'name', autocomplete: 'off' });
+  const buttons = answers.map(([value, label], k) => html('button', { value, text: label, class: k === 0 ? 'strong' : null }));
+  form.replaceChildren(html('h2', { text: title }), html('p', { text }), ...(input ? [input] : []), html('div', { class: 'group' }, ...buttons));
+  dialog.returnValue = '';
+  dialog.addEventListener('close', () => done(dialog.returnValue ? { answer: dialog.returnValue, text: input?.value ?? '' } : null), { once: true });
+  dialog.showModal();
+  input?.select();
+});
+export const say = (text, kind = 'good', ...actions) => {
+  const banner = byId('banner');
+  banner.className = kind;
+  banner.replaceChildren(html('span', { text }), ...actions);
+  banner.hidden = false;
+  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) banner.hidden = true; }, 4000);
+};
+const action = (text, handler) => html('button', { text, on: { click: () => { byId('banner').hidden = true; handler(); } } });
+
+// The study as the file has it, with the present design on top where that is wanted.
+export const readStudy = async () => {
+  state.overview = await post('study', null);
+  const { overview } = state;
+  state.opened = copy(overview.design);
+  state.design = copy(overview.design);
+  state.locked = overview.points.map(() => [false, false, false]);
+  state.at = { drive: overview.drive_home, rack: overview.rack_moves ? overview.racks.reduce((a, b) => (Math.abs(b) < Math.abs(a) ? b : a)) : overview.racks[0] };
+  state.arrows = null;
+  state.selected = null;
+  forget();
+  emit('study');
+  emit('design');
+  emit('deed');
+  askGhost();
+};
+
+const saved = ({ file, digest }, design) => {
+  state.overview.digest = digest;
+  state.opened = design;
+  dropDraft();
+  askGhost();
+  emit('saved');
+  emit('design');
+  say(`${file} saved`);
+};
+const save = async (anyway = false) => {
+  const design = copy(state.design);
+  try {
+    saved(await post('save', { of: of(design), name: null, anyway }), design);
+    if (anyway) await readStudy();
+  } catch (refused) {
+    if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
+    const chosen = await ask('The file has changed', `${refused.message}, by you or another program. What now?`, [
+      ['merge', 'Put my moved points into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
+    ]);
+    if (chosen?.answer === 'merge') return save(true);
+    if (chosen?.answer === 'as') return saveAs();
+    if (chosen?.answer === 'reload') return reload();
+  }
+};
+const reload = async () => {
+  dropDraft();
+  try {
+    await readStudy();
+    say('Read anew');
+  } catch (refused) { say(refused.message, 'bad'); }
+};
+const saveAs = async () => {
+  const chosen = await ask('Save as', 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
+  if (!chosen) return;
+  const name = chosen.text.trim();
+  const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written; this page goes on with ${state.overview.file}`);
+  try {
+    await write(false);
+  } catch (refused) {
+    if (refused.status !== 409) return say(refused.message, 'bad');
+    const sure = await ask('Replace it?', `${refused.message}.`, [['yes', 'Replace'], ['', 'Cancel']]);
+    if (sure) await write(true).catch((again) => say(again.message, 'bad'));
+  }
+};
+
+// What is not saved is kept by the browser, by point, so that it outlives the tab and the server.
+const key = () => `hardpoint studio ${state.overview.place}`;
+const dropDraft = () => { try { localStorage.removeItem(key()); } catch { /* no storage, no draft */ } };
+let timer = null;
+const keepDraft = () => {
+  clearTimeout(timer);
+  timer = setTimeout(() => {
+    if (!isMoved()) return dropDraft();
+    const { points } = state.overview;
+    const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
+    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), moves })); } catch { /* as above */ }
+  }, 200);
+};
+const offerDraft = () => {
+  let draft = null;
+  try { draft = JSON.parse(localStorage.getItem(key())); } catch { /* none that can be read */ }
+  if (!Array.isArray(draft?.moves) || !draft.moves.length) return;
+  const design = copy(state.opened);
+  for (const [name, axis, value] of draft.moves) {
+    const p = state.overview.points.findIndex((point) => point.name === name);
+    if (p >= 0 && Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
+  }
+  if (isSame(design, state.design)) return;
+  const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
+  say(`Moves of ${when} were not saved.`, 'ask', action('Take them up', () => put(design, 'draft')), action('Forget them', dropDraft));
+};
+
+// Pictures: what is drawn, with the look it has on the screen.
+const LOOKS = ['stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin', 'fill', 'fill-opacity', 'stroke-opacity', 'opacity', 'font-size', 'font-family', 'font-weight', 'display'];
+const still = (source) => {
+  const image = source.cloneNode(true);
+  const [from, to] = [source, image].map((element) => [element, ...element.querySelectorAll('*')]);
+  from.forEach((element, i) => {
+    const look = getComputedStyle(element);
+    for (const name of LOOKS) to[i].setAttribute(name, look.getPropertyValue(name));
+    for (const name of ['class', 'style', 'tabindex', 'role', 'aria-label']) to[i].removeAttribute(name);
+  });
+  return image;
+};
+const sheet = (pictures, across) => {
+  const boxes = pictures.map(([, , source]) => source.getBoundingClientRect());
+  const [width, height] = [Math.max(...boxes.map((b) => b.width)), Math.max(...boxes.map((b) => b.height))];
+  const rows = Math.ceil(pictures.length / across);
+  const [all, tall] = [across * (width + 16) + 16, rows * (height + 36) + 16];
+  const look = getComputedStyle(document.body);
+  const page = svg('svg', { xmlns: 'http://www.w3.org/2000/svg', width: all, height: tall, viewBox: `0 0 ${all} ${tall}` },
+    svg('rect', { width: all, height: tall, fill: look.backgroundColor }));
+  pictures.forEach(([, title, source], k) => {
+    const [x, y] = [16 + (k % across) * (width + 16), 8 + Math.floor(k / across) * (height + 36)];
+    const image = still(source);
+    image.setAttribute('x', x);
+    image.setAttribute('y', y + 24);
+    image.setAttribute('width', boxes[k].width);
+    image.setAttribute('height', boxes[k].height);
+    page.append(svg('text', { x: x + 4, y: y + 18, fill: look.color, 'font-family': look.fontFamily, 'font-size': 13, 'font-weight': 600, text: title }), image);
+  });
+  return new XMLSerializer().serializeToString(page);
+};
+const download = (name, blob) => {
+  const link = html('a', { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+};
+const asPng = (text) => new Promise((done, failed) => {
+  const image = new Image();
+  image.onload = () => {
+    const canvas = html('canvas', { width: image.width * 2, height: image.height * 2 });
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0, canvas.width, canvas.height);
+    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error('no picture'))), 'image/png');
+  };
+  image.onerror = () => failed(new Error('no picture'));
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+});
+const sheets = {
+  curves: () => sheet(chartSvgs(), 2),
+  views: () => sheet(viewSvgs().map(([name, picture]) => [name, name, picture]), 2),
+};
+const exported = async (what) => {
+  const { name } = state.overview;
+  const [of_, form] = what.split('-');
+  if (what === 'print') window.print();
+  else if (what === 'csv') download(`${name}.csv`, new Blob([await postForText('csv', of())], { type: 'text/csv' }));
+  else if (what === 'report') {
+    const place = await post('report', of());
+    say('The report page is ready.', 'ask', html('a', { href: place, target: '_blank', rel: 'noopener', text: 'Open it' }));
+  } else if (form === 'svg') download(`${name}_${of_}.svg`, new Blob([sheets[of_]()], { type: 'image/svg+xml' }));
+  else download(`${name}_${of_}.png`, await asPng(sheets[of_]()));
+};
+
+export const startFiles = () => {
+  byId('save').addEventListener('click', () => save());
+  byId('save-as').addEventListener('click', saveAs);
+  byId('export').addEventListener('click', (event) => {
+    const what = event.target.dataset?.export;
+    if (!what) return;
+    byId('export').open = false;
+    exported(what).catch((refused) => say(refused.message, 'bad'));
+  });
+  document.addEventListener('keydown', (event) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 's') {
+      event.preventDefault();
+      save();
+    }
+  });
+  on('study', offerDraft);
+  on('deed', keepDraft);
+  on('design', () => {
+    const moved = isMoved();
+    byId('save').classList.toggle('strong', moved);
+    document.title = `${moved ? '• ' : ''}${state.overview.name} · hardpoint studio`;
+  });
+};

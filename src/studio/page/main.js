@@ -1,0 +1,153 @@
+// The page: starts its parts, and holds what belongs to none of them.
+import { brief, byId, html } from './draw.js';
+import { ask, askGhost, canRedo, canUndo, emit, isSettled, on, put, redo, state, undo } from './design.js';
+import { Refused, watchServer } from './server.js';
+import { startViews } from './views.js';
+import { drawnPlaces, drawnValues, startCurves } from './curves.js';
+import { startTable } from './table.js';
+import { startNotes } from './notes.js';
+import { startTuning } from './tuning.js';
+import { readStudy, say, startFiles } from './files.js';
+
+const root = document.documentElement;
+
+// Light, dark, or what the system has.
+const themes = { '': 'dark', dark: 'light', light: '' };
+const startTheme = () => {
+  const set = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };
+  try { set(localStorage.getItem('hardpoint theme') ?? ''); } catch { /* no storage */ }
+  byId('theme').addEventListener('click', () => {
+    const theme = themes[root.dataset.theme ?? ''];
+    set(theme);
+    try { localStorage.setItem('hardpoint theme', theme); } catch { /* no storage */ }
+    emit('answer', null);
+  });
+};
+
+const STEPS = { mm: [0.01, 0.1, 1, 5], m: [0.00001, 0.0001, 0.001, 0.005], in: [0.001, 0.005, 0.05, 0.2] };
+const startSliders = () => {
+  const [travel, rack, step] = ['travel', 'rack', 'step'].map(byId);
+  const show = () => {
+    const { drive, unit } = state.overview;
+    travel.value = state.at.drive;
+    rack.value = state.at.rack;
+    byId('travel-value').textContent = `${brief(state.at.drive, 4)} ${drive[2]}`;
+    byId('rack-value').textContent = `${brief(state.at.rack, 4)} ${unit}`;
+  };
+  const range = (input, low, high) => {
+    input.min = low;
+    input.max = high;
+    input.step = 'any';
+  };
+  on('study', () => {
+    const { drive, drive_values: values, drive_home: home, racks, unit, is_steered: steered } = state.overview;
+    byId('travel-name').textContent = drive[1];
+    range(travel, Math.min(home, ...values), Math.max(home, ...values));
+    const far = { mm: 60, m: 0.06, in: 2.4 }[unit] ?? 60;
+    range(rack, Math.min(-far, ...racks), Math.max(far, ...racks));
+    byId('rack-label').hidden = !steered;
+    byId('rack-curves-label').hidden = !steered;
+    step.replaceChildren(...STEPS[unit].map((value) => html('option', { value, text: `${value} ${unit}` })));
+    [, state.step] = STEPS[unit];
+    step.value = state.step;
+    show();
+  });
+  const place = (event) => {
+    show();
+    ask(event);
+    if (state.curvesAtRack) askGhost();
+  };
+  travel.addEventListener('input', (event) => { state.at.drive = Number(travel.value); emit('place', event); });
+  rack.addEventListener('input', (event) => { state.at.rack = Number(rack.value); emit('place', event); });
+  byId('home').addEventListener('click', (event) => { state.at = { drive: state.overview.drive_home, rack: 0 }; emit('place', event); });
+  byId('rack-curves').addEventListener('change', (event) => { state.curvesAtRack = event.target.checked; askGhost(); ask(event); });
+  step.addEventListener('change', () => { state.step = Number(step.value); });
+  byId('coupled').addEventListener('change', (event) => { state.coupled = event.target.checked; });
+  on('place', place);
+};
+
+const startDeeds = () => {
+  byId('undo').addEventListener('click', undo);
+  byId('redo').addEventListener('click', redo);
+  byId('back').addEventListener('click', () => put(state.opened, 'back'));
+  document.addEventListener('keydown', (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.target.matches('input[type=text]')) return;
+    const name = event.key.toLowerCase();
+    if (name === 'z' && !event.shiftKey) undo();
+    else if (name === 'y' || (name === 'z' && event.shiftKey)) redo();
+    else return;
+    event.preventDefault();
+  });
+  on('deed', () => {
+    byId('undo').disabled = !canUndo();
+    byId('redo').disabled = !canRedo();
+  });
+  document.addEventListener('click', (event) => {
+    for (const menu of document.querySelectorAll('details.menu[open]')) if (!menu.contains(event.target)) menu.open = false;
+  });
+};
+
+// Where the server does not answer, it is asked again; moves go on and are kept.
+let retry = null;
+const startWatch = () => watchServer((there) => {
+  clearInterval(retry);
+  root.dataset.server = there;
+  if (there === 'yes') {
+    if (state.overview) {
+      say('The server answers again');
+      ask();
+    }
+  } else if (there === 'other') {
+    say('The server was started anew: open the address it printed. Moves that are not saved are kept in this browser and offered there.', 'bad');
+  } else {
+    say('The server does not answer. Curves are of its last answer; moves are kept in this browser.', 'bad');
+    retry = setInterval(() => ask(), 1000);
+  }
+});
+
+// From the event that moved something to the picture that shows it.
+const startClock = () => {
+  const times = [];
+  on('answer', (since) => {
+    root.dataset.answers = Number(root.dataset.answers ?? 0) + 1;
+    if (since === null || since === undefined) return;
+    requestAnimationFrame(() => {
+      // After the picture: what is posted now runs when it is painted.
+      const { port1, port2 } = new MessageChannel();
+      port1.onmessage = () => times.push([performance.now() - since, state.answer?.milliseconds ?? null]);
+      port2.postMessage(null);
+    });
+  });
+  return times;
+};
+
+const start = async () => {
+  startTheme();
+  startFiles();
+  startSliders();
+  startDeeds();
+  startViews();
+  startCurves();
+  startTable();
+  startNotes();
+  startTuning();
+  startWatch();
+  const times = startClock();
+  on('study', () => {
+    const { name, topology, file, points } = state.overview;
+    byId('study-name').textContent = name;
+    byId('study-about').textContent = `${topology} · ${points.length} points · ${file}`;
+    ask();
+  });
+  on('design', () => ask(window.event));
+  // For tests and for the curious: what is shown, and how fast it was.
+  window.studio = { state, times, isSettled, drawnValues, drawnPlaces };
+  try {
+    await readStudy();
+    root.dataset.ready = 'true';
+  } catch (refused) {
+    if (!(refused instanceof Refused)) throw refused;
+    say(refused.message, 'bad');
+  }
+};
+start();

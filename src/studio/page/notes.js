@@ -1,0 +1,136 @@
+// What there is to know beside the curves: targets, constraints, limits, free directions, warnings.
+import { brief, byId, html } from './draw.js';
+import { of, begin, copy, emit, finish, on, snapped, state } from './design.js';
+import { post } from './server.js';
+
+let limits = null;
+let free = [];
+
+const words = (column) => column.replaceAll('_', ' ');
+const panel = (title, ...children) => html('div', { class: 'panel' }, html('h2', { text: title }), ...children);
+const table = (head, body) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: k ? 'number' : null })))), html('tbody', {}, ...body));
+
+const figures = () => {
+  const list = byId('figures');
+  const misfit = state.answer?.misfit;
+  const fact = (name, value, note, bad) => html('div', {}, html('dt', { text: name }), html('dd', { class: bad ? 'bad' : null }, value, note ? html('small', { text: ` ${note}` }) : ''));
+  const facts = [];
+  if (misfit) {
+    const before = state.ghost?.misfit?.value;
+    const is = misfit.value === null ? 'none' : brief(misfit.value, 3);
+    const changed = before !== null && before !== undefined && misfit.value !== null && Math.abs(before - misfit.value) > 5e-4;
+    facts.push(fact('Misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null));
+    const met = misfit.targets.filter((t) => t.rms <= 1).length;
+    if (misfit.targets.length) facts.push(fact('Within tolerance', `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length));
+    const broken = misfit.constraints.filter((c) => c.room < -1e-6).length;
+    if (misfit.constraints.length) facts.push(fact('Constraints', broken ? `${broken} violated` : 'kept', '', broken > 0));
+  }
+  if (state.answer) {
+    const all = state.answer.status.length;
+    const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
+    facts.push(fact('Solved', `${all - failed} of ${all}`, 'stations', failed > 0));
+  }
+  list.replaceChildren(...facts);
+};
+
+const targets = () => {
+  const misfit = state.answer?.misfit;
+  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: 'The study has no [optimise] section; with targets in it, every point shows which way lowers the misfit.' }))];
+  if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
+  const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
+    html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
+    html('td', { class: `number ${t.rms > 1 ? 'bad' : ''}`, text: brief(t.rms, 3) }),
+    html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: brief(t.worst_at, 4) })));
+  const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', `at ${state.overview.drive[1]}`], body))];
+  if (misfit.constraints.length) {
+    const rows = misfit.constraints.map((c) => html('tr', {}, html('th', { scope: 'row', text: c.name }),
+      html('td', { class: `number ${c.room < -1e-6 ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
+    found.push(panel('Constraints', table(['constraint', 'room'], rows)));
+  }
+  return found;
+};
+
+const freeDirections = () => {
+  if (!free.length) return [];
+  const { base, digest, directions } = free.at(-1);
+  if (digest !== state.overview.digest || !directions.length) return [];
+  const rows = directions.map(({ name, change, free: [low, high] }) => {
+    const slider = html('input', { type: 'range', min: low, max: high, step: 'any', value: 0, 'aria-label': `along ${name}` });
+    slider.addEventListener('pointerdown', () => { if (!slider.began) { begin('direction'); slider.began = true; } });
+    slider.addEventListener('input', () => {
+      if (!slider.began) { begin('direction'); slider.began = true; }
+      const share = Number(slider.value);
+      state.design = base.map((p, i) => p.map((c, k) => (change[i][k] === 0 || state.locked[i][k] ? c : snapped(c + share * change[i][k], state.step / 100))));
+      emit('design');
+    });
+    slider.addEventListener('change', () => { slider.began = false; finish(); });
+    return html('label', { class: 'direction' }, html('span', { text: name }), slider);
+  });
+  return [panel('Free directions', html('p', { class: 'hint', text: 'Moves that the targets do not feel, each across its range.' }), ...rows)];
+};
+
+const limitsPanel = () => {
+  if (!limits) return [];
+  const { unit } = state.overview;
+  const row = (name, ends) => html('tr', {}, html('th', { scope: 'row', text: name }),
+    ...ends.map(({ value, because }) => html('td', { class: 'number', title: because, text: value === null ? 'no end' : `${brief(value, 4)} ${unit}` })));
+  const rows = [row('travel', limits.travel)];
+  if (limits.rack) rows.push(row('rack', limits.rack));
+  const why = [...limits.travel.map((e, k) => [`travel ${k ? 'up' : 'down'}`, e]), ...(limits.rack ?? []).map((e, k) => [`rack ${k ? '+' : '−'}`, e])];
+  return [panel('Limits', table(['goes', 'from', 'to'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
+};
+
+const warnings = () => {
+  const lines = [];
+  if (state.fault) lines.push(['bad', state.fault]);
+  for (const f of state.answer?.failures ?? []) lines.push(['bad', `not solved, ${f.place}: ${f.reason}`]);
+  const frame = state.answer?.frame;
+  if (frame?.pose?.Err) lines.push(['bad', `no pose at the sliders' place: ${frame.pose.Err}`]);
+  for (const remark of state.answer?.remarks ?? []) lines.push(['warn', remark]);
+  if (!lines.length) return [];
+  return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];
+};
+
+const draw = () => {
+  figures();
+  // A slider that is held must stay.
+  if (byId('notes').querySelector('input:active')) return;
+  byId('notes').replaceChildren(...warnings(), ...targets(), ...freeDirections(), ...limitsPanel());
+  const select = byId('arrows');
+  select.value = state.arrows === null ? 'all' : String(state.arrows);
+};
+
+// What takes longer is asked when the hand rests.
+let timer = null;
+const rest = () => {
+  clearTimeout(timer);
+  timer = setTimeout(async () => {
+    const base = copy(state.design);
+    const { digest } = state.overview;
+    const [found, ways] = await Promise.all([post('limits', of(base)).catch(() => null), post('directions', of(base)).catch(() => null)]);
+    if (digest !== state.overview.digest) return;
+    limits = found;
+    free = ways ? [{ base, digest, directions: ways.directions }] : [];
+    draw();
+    emit('limits', limits);
+  }, 250);
+};
+
+export const startNotes = () => {
+  on('study', () => {
+    limits = null;
+    free = [];
+    const select = byId('arrows');
+    const option = (value, text) => html('option', { value, text });
+    select.replaceChildren(option('all', 'misfit'), ...state.overview.targets.map((t, k) => option(String(k), words(t.column))), option('none', 'none'));
+    select.disabled = !state.overview.tunes;
+    rest();
+  });
+  byId('arrows').addEventListener('change', (event) => {
+    const { value } = event.target;
+    state.arrows = value === 'all' ? null : value === 'none' ? 'none' : Number(value);
+    emit('options');
+  });
+  for (const event of ['answer', 'ghost', 'options']) on(event, draw);
+  on('deed', rest);
+};

@@ -1,0 +1,50 @@
+// What is asked of the server, and whether it is there.
+
+export class Refused extends Error {
+  constructor(status, message) {
+    super(message);
+    this.status = status;
+  }
+}
+
+const watchers = [];
+let there = true;
+
+// Is told whether the server answers: 'yes', 'no', or 'other' where another one does.
+export const watchServer = (watcher) => watchers.push(watcher);
+const tell = (state) => {
+  if (state === there) return;
+  there = state;
+  for (const watcher of watchers) watcher(state);
+};
+
+const send = async (what, message) => {
+  let response;
+  try {
+    response = await fetch(what, {
+      method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(message),
+    });
+  } catch {
+    tell('no');
+    throw new Refused(0, 'the server does not answer');
+  }
+  if (response.status === 403) {
+    tell('other');
+    throw new Refused(403, 'the server was started anew');
+  }
+  tell('yes');
+  if (!response.ok) throw new Refused(response.status, (await response.text()).trim());
+  return response;
+};
+
+export const post = async (what, message) => {
+  const answer = await (await send(what, message)).json();
+  if (answer?.refused) throw new Refused(answer.refused, answer.why);
+  return answer;
+};
+export const postForText = async (what, message) => {
+  const response = await send(what, message);
+  const text = await response.text();
+  if (response.headers.get('content-type') === 'application/json') throw new Refused(422, JSON.parse(text).why);
+  return text;
+};

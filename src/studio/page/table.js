@@ -1,0 +1,116 @@
+// The coordinates: typed in, locked, each with its slope and what it does to the curves.
+import { AXES, brief, byId, html, set } from './draw.js';
+import { askInfluence, emit, gradient, isMoved, on, put, setCoordinate, state } from './design.js';
+import { select } from './views.js';
+
+let rows = [];
+let asked = null;
+let timer = null;
+
+// Pointing at a coordinate shows what it does; leaving it takes that away.
+const point = (p, axis) => {
+  clearTimeout(timer);
+  timer = setTimeout(() => {
+    asked = p === null ? null : [p, axis];
+    askInfluence(p, axis);
+  }, p === null ? 30 : 90);
+};
+
+const typed = (input, p, axis) => {
+  // A decimal comma is one, too.
+  const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
+  const isNumber = input.value.trim() !== '' && Number.isFinite(value);
+  input.classList.toggle('wrong', !isNumber);
+  input.setAttribute('aria-invalid', String(!isNumber));
+  if (isNumber && value !== state.design[p][axis]) setCoordinate(p, axis, value);
+};
+
+const range = (p, axis) => {
+  const own = state.overview.variables.find(({ moves, is_turn: turn }) => !turn && moves.some(([q, a]) => q === p && a === axis));
+  if (!own) return null;
+  const [, , factor] = own.moves.find(([q, a]) => q === p && a === axis);
+  return own.range.map((by) => state.opened[p][axis] + by * factor).sort((a, b) => a - b);
+};
+
+const cell = (p, axis) => {
+  const { name } = state.overview.points[p];
+  const label = `${name} ${AXES[axis]}`;
+  const input = html('input', {
+    type: 'text', inputmode: 'decimal', size: 9, 'aria-label': label, 'data-point': p, 'data-axis': axis, autocomplete: 'off',
+    on: {
+      change: () => typed(input, p, axis),
+      focus: () => { select(p); point(p, axis); },
+      blur: () => { point(null); draw(); },
+      keydown: (event) => {
+        const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+        if (event.key === 'Escape') { input.value = String(state.design[p][axis]); input.blur(); }
+        if (!by) return;
+        event.preventDefault();
+        const step = state.step * (event.shiftKey ? 10 : 1);
+        setCoordinate(p, axis, Number((state.design[p][axis] + by * step).toPrecision(12)));
+      },
+    },
+  });
+  const lock = html('button', {
+    class: 'lock', 'aria-label': `lock ${label}`, 'aria-pressed': 'false', title: 'Lock: neither hand nor Tune moves it',
+    on: { click: () => { state.locked[p][axis] = !state.locked[p][axis]; emit('options'); } },
+  });
+  const slope = html('span', { class: 'slope' });
+  const bar = html('i', { class: 'bar' });
+  const td = html('td', { on: { pointerenter: () => point(p, axis), pointerleave: () => { if (document.activeElement !== input) point(null); } } },
+    html('div', { class: 'cell' }, lock, html('span', { class: 'field' }, input, bar), slope));
+  return { td, input, lock, slope, bar, p, axis };
+};
+
+const build = () => {
+  const { points, unit } = state.overview;
+  const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: 'moved' }), html('th'));
+  rows = points.map(({ name, about }, p) => {
+    const cells = AXES.map((_, axis) => cell(p, axis));
+    const moved = html('td', { class: 'number moved' });
+    const all = html('button', { class: 'small', text: 'lock', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
+    const back = html('button', { class: 'small', text: 'back', 'aria-label': `${name} back to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
+    const th = html('th', { scope: 'row', title: about }, html('button', { class: 'name', text: name, on: { click: () => select(p) } }));
+    const tr = html('tr', {}, th, ...cells.map((c) => c.td), moved, html('td', {}, html('span', { class: 'tools' }, all, back)));
+    return { tr, cells, moved, all, back };
+  });
+  byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
+};
+
+const draw = () => {
+  if (!state.overview) return;
+  const slopes = gradient();
+  const steepest = slopes ? Math.max(...slopes.flat().map(Math.abs), 1e-300) : 1;
+  rows.forEach(({ tr, cells, moved, all, back }, p) => {
+    tr.classList.toggle('selected', state.selected === p);
+    const way = Math.hypot(...state.design[p].map((c, k) => c - state.opened[p][k]));
+    moved.textContent = way > 0 ? brief(way, 3) : '';
+    back.hidden = way === 0;
+    all.setAttribute('aria-pressed', String(state.locked[p].every(Boolean)));
+    for (const { input, lock, slope, bar, axis } of cells) {
+      const value = state.design[p][axis];
+      const changed = value !== state.opened[p][axis];
+      if (document.activeElement !== input || Number(input.value) !== value) input.value = String(value);
+      input.classList.toggle('changed', changed);
+      const ends = range(p, axis);
+      const outside = ends && (value < ends[0] || value > ends[1]);
+      input.classList.toggle('outside', Boolean(outside));
+      set(input, { title: [changed ? `file: ${state.opened[p][axis]}` : '', ends ? `range for Tune: ${brief(ends[0], 6)} … ${brief(ends[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
+      set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
+      input.readOnly = state.locked[p][axis];
+      const g = slopes?.[p][axis] ?? 0;
+      const shown = slopes && Math.abs(g) > 1e-3 * steepest && Math.abs(g) > 1e-9;
+      slope.textContent = shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '';
+      set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
+      bar.style.width = shown ? `${(100 * Math.abs(g)) / steepest}%` : '0';
+    }
+  });
+  byId('back').disabled = !isMoved();
+};
+
+export const startTable = () => {
+  on('study', () => { build(); draw(); });
+  for (const event of ['design', 'answer', 'options', 'selection']) on(event, draw);
+  // What a coordinate does changes as points move.
+  on('deed', () => { if (asked) askInfluence(...asked); });
+};

@@ -1,0 +1,112 @@
+// Tune: progress, cancel, and the result as a proposal beside the present state.
+import { AXES, brief, byId, html, signed } from './draw.js';
+import { askProposal, copy, of, on, put, state } from './design.js';
+import { post } from './server.js';
+
+let job = null;
+let proposal = null;
+
+const box = () => byId('proposal');
+const show = (...children) => {
+  box().replaceChildren(...children);
+  box().hidden = children.length === 0;
+};
+const close = () => {
+  proposal = null;
+  show();
+  askProposal(null);
+};
+const wait = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
+
+const tune = async () => {
+  if (job !== null) return;
+  close();
+  const base = copy(state.design);
+  const { digest } = state.overview;
+  const message = html('p', { text: 'Tuning …' });
+  const bar = html('progress', { 'aria-label': 'starts that have begun', max: Math.max(1, state.overview.starts), value: 0 });
+  const cancel = html('button', { text: 'Cancel', id: 'cancel', on: { click: () => { cancel.disabled = true; if (job !== null) post('cancel', { job }).catch(() => {}); } } });
+  show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), cancel), bar, message);
+  byId('tune').disabled = true;
+  try {
+    let now = await post('tune', { of: of(base), locked: state.locked });
+    job = now.job;
+    while (!now.done) {
+      await wait(120);
+      now = await post('progress', { job });
+      bar.value = now.starts;
+      const misfit = now.misfit === null ? '' : `, least misfit ${brief(now.misfit, 3)}`;
+      message.textContent = `${now.iterations} iterations${misfit}`;
+    }
+    if (now.error) throw new Error(now.error);
+    if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
+    propose(base, now.proposal);
+  } catch (refused) {
+    show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), html('button', { text: 'Close', on: { click: close } })), html('p', { class: 'bad', text: refused.message }));
+  } finally {
+    job = null;
+    byId('tune').disabled = !state.overview.tunes;
+  }
+};
+
+// The part of a proposal that is taken: what is ticked, by so much of the way.
+const taken = () => {
+  const { base, found, changes, share } = proposal;
+  const design = copy(state.design);
+  for (const { p, axis, box: tick } of changes) {
+    const whole = found[p][axis];
+    if (tick.checked) design[p][axis] = share === 1 ? whole : Number((base[p][axis] + share * (whole - base[p][axis])).toPrecision(9));
+  }
+  return design;
+};
+const preview = () => { if (proposal) askProposal(taken()); };
+
+const propose = (base, { design, headline, remarks, interrupted }) => {
+  const changes = [];
+  design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
+  proposal = { base, found: design, changes, share: 1 };
+  const { points, unit } = state.overview;
+  const rows = changes.map((change) => {
+    const { p, axis } = change;
+    const label = `${points[p].name} ${AXES[axis]}`;
+    change.box = html('input', { type: 'checkbox', 'aria-label': `take ${label}`, on: { change: preview } });
+    change.box.checked = true;
+    return html('tr', {}, html('td', {}, change.box), html('th', { scope: 'row', text: label }), html('td', { class: 'number', text: brief(base[p][axis], 6) }),
+      html('td', { class: 'number', text: brief(design[p][axis], 6) }), html('td', { class: 'number', text: signed(design[p][axis] - base[p][axis]) }));
+  });
+  const amount = html('output', { text: '100 %' });
+  const share = html('input', {
+    type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'share of the way',
+    on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },
+  });
+  const accept = html('button', { id: 'accept', class: 'strong', text: 'Accept', on: { click: () => { const design = taken(); close(); put(design, 'tune'); } } });
+  const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
+  const result = html('span', { id: 'proposal-misfit' });
+  show(
+    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline }), result, html('span', { class: 'group' }, accept, reject)),
+    html('label', { class: 'direction' }, html('span', { text: 'share of the way' }), share, amount),
+    changes.length
+      ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
+      : html('p', { text: 'Nothing moves.' }),
+    ...remarks.map((text) => html('p', { class: 'hint', text })),
+  );
+  preview();
+};
+
+export const startTuning = () => {
+  byId('tune').addEventListener('click', tune);
+  on('study', () => {
+    close();
+    const { tunes } = state.overview;
+    byId('tune').disabled = !tunes;
+    byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : 'The study has no [optimise] section';
+  });
+  on('deed', preview);
+  on('chosen', preview);
+  on('place', preview);
+  on('proposed', () => {
+    const value = state.proposed?.misfit?.value;
+    const words = byId('proposal-misfit');
+    if (words) words.textContent = value === undefined || value === null ? '' : `misfit as taken: ${brief(value, 3)}`;
+  });
+};

@@ -1,0 +1,463 @@
+// Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
+import { AXES, along, brief, byId, cross, dot, html, minus, niceStep, norm, set, signed, svg, ticks } from './draw.js';
+import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state } from './design.js';
+
+const ROUND = 64;
+const HUES = 7;
+
+const views = [];
+let others = false;
+
+// Directions of the car in the study's axes. A product of the signs below zero is a right-hand wheel.
+const directions = () => {
+  const [forward, outboard, up] = state.overview.scene.signs;
+  const left = forward * outboard * up > 0;
+  const carLeft = left ? outboard : -outboard;
+  return { left, forward: [forward, 0, 0], outboard: [0, outboard, 0], carLeft: [0, carLeft, 0], up: [0, 0, up] };
+};
+const negative = (v) => v.map((c) => -c);
+
+const flat = {
+  front: () => { const d = directions(); return { right: d.carLeft, up: d.up }; },
+  side: () => { const d = directions(); return { right: d.left ? negative(d.forward) : d.forward, up: d.up }; },
+  top: () => { const d = directions(); return { right: negative(d.carLeft), up: d.forward }; },
+};
+// The eye goes round the car: `turn` from the front towards outboard, `lift` above the ground.
+const inSpace = ({ turn, lift }) => {
+  const d = directions();
+  const level = along([0, 0, 0].map((_, k) => d.forward[k] * Math.cos(turn)), d.outboard, Math.sin(turn));
+  const eye = level.map((c, k) => c * Math.cos(lift) + d.up[k] * Math.sin(lift));
+  const behind = negative(eye);
+  // In a left-handed mirror image the picture is mirrored too, as the car is.
+  const right = cross(behind, d.up);
+  const length = norm(right);
+  const unit = right.map((c) => c / length);
+  return { right: unit, up: cross(unit, behind) };
+};
+
+// The wheel's rim: a circle about its centre, normal to the spin axis.
+const rim = ({ points, spin_axis: n }, { wheel_centre: centre, wheel_radius: radius }) => {
+  if (!radius) return [];
+  const reference = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+  const first = cross(n, reference);
+  const unit = first.map((c) => c / norm(first));
+  const second = cross(n, unit);
+  return Array.from({ length: ROUND }, (_, i) => {
+    const angle = (2 * Math.PI * i) / ROUND;
+    return along(along(points[centre], unit, radius * Math.cos(angle)), second, radius * Math.sin(angle));
+  });
+};
+
+const hueOf = (bodies) => {
+  let number = 0;
+  const own = { knuckle: 'carrier', strut: 'strut', spring: 'strut', rocker: 'rocker' };
+  return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
+};
+const mirrored = (p) => [p[0], -p[1], p[2]];
+const placement = (frame) => frame?.pose?.Ok ?? null;
+
+class View {
+  constructor(name, title, basis) {
+    this.name = name;
+    this.basis = basis;
+    this.orbit = { turn: 0.72, lift: 0.36 };
+    this.focus = [0, 0, 0];
+    this.scale = 1;
+    this.svg = svg('svg', { class: 'view', role: 'group', 'aria-label': `${title}, points can be dragged` });
+    this.layers = Object.fromEntries(['grid', 'ghost', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words']
+      .map((layer) => [layer, this.svg.appendChild(svg('g', { class: layer }))]));
+    const zoom = html('button', { class: 'zoom', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
+    const fit = html('button', { class: 'zoom', title: 'Fit', 'aria-label': `Fit ${title}`, text: '⊡', on: { click: () => { this.fit(); this.draw(); } } });
+    this.figure = html('figure', { class: 'viewbox', 'data-view': name }, html('figcaption', {}, title, html('span', { class: 'zooms' }, fit, zoom)), this.svg);
+    this.listen();
+    new ResizeObserver(() => { if (this.measure() && state.overview) { this.fit(); this.draw(); } }).observe(this.svg);
+  }
+
+  measure() {
+    const { width, height } = this.svg.getBoundingClientRect();
+    const is = width !== this.width || height !== this.height;
+    [this.width, this.height] = [width, height];
+    return is && width > 0;
+  }
+
+  enlarge() {
+    const parent = byId('views');
+    const was = parent.dataset.alone === this.name;
+    if (was) delete parent.dataset.alone;
+    else parent.dataset.alone = this.name;
+    for (const view of views) view.figure.classList.toggle('alone', !was && view === this);
+  }
+
+  turned() {
+    return this.basis ? this.basis() : inSpace(this.orbit);
+  }
+
+  // Where a point is on the screen.
+  project(p) {
+    const by = minus(p, this.focus);
+    return [this.width / 2 + this.scale * dot(by, this.look.right), this.height / 2 - this.scale * dot(by, this.look.up)];
+  }
+
+  // How far a way on the screen is in space.
+  unproject([x, y]) {
+    return along(this.look.right.map((c) => (c * x) / this.scale), this.look.up, -y / this.scale);
+  }
+
+  fit() {
+    const { scene } = state.overview;
+    const frame = placement(state.answer?.frame) ?? placement(state.ghost?.frame);
+    if (!frame || !this.width) return;
+    let points = [...frame.points, ...rim(frame, scene)];
+    if (others) points = [...points, ...points.map(mirrored)];
+    this.look = this.turned();
+    const spans = ['right', 'up'].map((way) => {
+      const places = points.map((p) => dot(p, this.look[way]));
+      return [Math.min(...places), Math.max(...places)];
+    });
+    const middle = spans.map(([low, high]) => (low + high) / 2);
+    if (this.basis) {
+      this.focus = along(this.look.right.map((c) => c * middle[0]), this.look.up, middle[1]);
+    } else {
+      const box = [0, 1, 2].map((k) => [Math.min(...points.map((p) => p[k])), Math.max(...points.map((p) => p[k]))]);
+      this.focus = box.map(([low, high]) => (low + high) / 2);
+    }
+    const room = [this.width - 76, this.height - 60];
+    this.scale = Math.max(1e-9, Math.min(...spans.map(([low, high], k) => room[k] / Math.max(high - low, 1e-6))));
+    if (!this.basis) {
+      const far = Math.max(...points.map((p) => norm(minus(p, this.focus))));
+      this.scale = Math.min(this.width - 40, this.height - 30) / (2 * far) * 1.12;
+    }
+  }
+
+  path(points, closed = false) {
+    const places = points.map((p) => this.project(p).map((c) => c.toFixed(1)).join(' '));
+    return places.length ? `M${places.join('L')}${closed ? 'Z' : ''}` : '';
+  }
+
+  build() {
+    const { scene, points } = state.overview;
+    const hues = hueOf(scene.bodies);
+    for (const layer of Object.values(this.layers)) layer.replaceChildren();
+    const lines = (layer, classes) => scene.bodies.map((body, k) => this.layers[layer].appendChild(svg('path', { class: `${body.kind} ${classes ?? hues[k]}` })));
+    this.ghost = [...lines('ghost', 'plain'), this.layers.ghost.appendChild(svg('path', { class: 'rim' }))];
+    this.proposal = lines('proposal', 'plain');
+    this.other = [...lines('other', 'plain'), this.layers.other.appendChild(svg('path', { class: 'rim' }))];
+    this.ground = this.layers.bodies.appendChild(svg('path', { class: 'ground' }));
+    this.wheel = this.layers.bodies.appendChild(svg('path', { class: 'rim' }));
+    this.axis = this.layers.bodies.appendChild(svg('path', { class: 'axis' }));
+    this.bodies = lines('bodies');
+    this.bodies.forEach((path, k) => path.append(svg('title', { text: scene.bodies[k].name })));
+    this.centre = this.layers.marks.appendChild(svg('path', { class: 'centre' }, svg('title', { text: 'roll centre' })));
+    this.arrows = points.map(() => {
+      const hit = svg('path', { class: 'hit' });
+      const line = svg('path', { class: 'arrow' });
+      const title = svg('title');
+      return { group: this.layers.arrows.appendChild(svg('g', {}, title, hit, line)), hit, line, title };
+    });
+    this.words = points.map(({ name }) => this.layers.words.appendChild(svg('text', { text: name })));
+    const handle = (point, other) => {
+      const circle = svg('circle', { r: 5.5 });
+      const group = svg('g', {
+        class: 'handle', tabindex: other ? -1 : 0, role: 'button', 'data-point': point, 'data-name': points[point].name, 'data-other': other || null,
+        on: {
+          pointerdown: (event) => this.grab(event, point, other),
+          keydown: (event) => this.key(event, point),
+          focus: () => select(point),
+          pointerenter: () => hover(this, point),
+          pointerleave: () => hover(this, null),
+        },
+      }, svg('circle', { class: 'hit', r: 13 }), circle);
+      this.layers.handles.append(group);
+      return group;
+    };
+    this.mirrors = points.map((_, point) => handle(point, true));
+    this.handles = points.map((_, point) => handle(point, false));
+  }
+
+  draw() {
+    if (!this.width || !this.handles) return;
+    const { scene, points, unit } = state.overview;
+    const frame = placement(state.answer?.frame);
+    this.look = this.turned();
+    this.drawGrid();
+    const show = (paths, at, image = (p) => p) => scene.bodies.forEach((body, k) => {
+      paths[k].setAttribute('d', at ? body.lines.map((line) => this.path(line.map((i) => image(at.points[i])))).join('') : '');
+    });
+    const round = (path, at, image = (p) => p) => path.setAttribute('d', at ? this.path(rim(at, scene).map(image), true) : '');
+    show(this.bodies, frame);
+    round(this.wheel, frame);
+    const opened = placement(state.answer?.opened);
+    show(this.ghost, opened);
+    round(this.ghost.at(-1), opened);
+    show(this.proposal, placement(state.proposed?.frame));
+    show(this.other, others ? frame : null, mirrored);
+    round(this.other.at(-1), others ? frame : null, mirrored);
+    const axis = frame?.steering_axis;
+    this.axis.setAttribute('d', axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '');
+    this.drawGround(frame);
+    const centre = this.name === 'front' && frame?.roll_centre ? this.project(frame.roll_centre) : null;
+    const inside = centre && centre.every((c, k) => c > 4 && c < (k ? this.height : this.width) - 4);
+    this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
+    const slopes = gradient();
+    const steepest = slopes ? Math.max(...slopes.map(norm), 1e-300) : 1;
+    points.forEach(({ name }, p) => {
+      // Where there is no pose, handles stay where the design has them: what went wrong can be undone.
+      const at = frame ? frame.points[p] : state.design[p];
+      const [x, y] = this.project(at);
+      const handle = this.handles[p];
+      handle.setAttribute('transform', `translate(${x.toFixed(1)} ${y.toFixed(1)})`);
+      handle.setAttribute('aria-label', `${name}: ${state.design[p].map((c, k) => `${AXES[k]} ${brief(c)}`).join(', ')} ${unit}`);
+      const locked = state.locked[p].every(Boolean);
+      handle.classList.toggle('locked', locked);
+      handle.classList.toggle('moved', state.design[p].some((c, k) => c !== state.opened[p][k]));
+      handle.classList.toggle('selected', state.selected === p);
+      handle.classList.toggle('free', state.overview.variables.some(({ moves }) => moves.some(([q]) => q === p)));
+      const mirror = this.mirrors[p];
+      mirror.style.display = others ? '' : 'none';
+      if (others) {
+        const [mx, my] = this.project(mirrored(at));
+        mirror.setAttribute('transform', `translate(${mx.toFixed(1)} ${my.toFixed(1)})`);
+        mirror.setAttribute('aria-label', `${name}, other side`);
+      }
+      this.drawArrow(p, [x, y], slopes?.[p], steepest);
+      const word = this.words[p];
+      const shown = named || state.selected === p || this.hovered === p;
+      word.style.display = shown ? '' : 'none';
+      if (shown) {
+        const left = x > this.width * 0.66;
+        set(word, { x: (x + (left ? -11 : 11)).toFixed(1), y: (y - 9).toFixed(1), 'text-anchor': left ? 'end' : 'start', class: state.selected === p ? 'selected' : null });
+      }
+    });
+  }
+
+  // Downhill: the longer the steeper, by the square root, so that gentle slopes can be seen as well.
+  drawArrow(p, [x, y], slope, steepest) {
+    const { group, line, hit, title } = this.arrows[p];
+    const steep = slope ? norm(slope) : 0;
+    const down = slope ? [-dot(slope, this.look.right), dot(slope, this.look.up)] : [0, 0];
+    const flatness = Math.hypot(...down) / (steep || 1);
+    if (steep < 1e-3 * steepest || steep < 1e-9 || flatness < 0.02) {
+      group.style.display = 'none';
+      return;
+    }
+    group.style.display = '';
+    const length = (12 + 44 * Math.sqrt(steep / steepest)) * flatness;
+    const [ux, uy] = down.map((c) => c / Math.hypot(...down));
+    const from = [x + ux * 8, y + uy * 8];
+    const tip = [x + ux * (8 + length), y + uy * (8 + length)];
+    const barb = Math.min(7, 3 + length / 6);
+    const at = (s, t) => `${(tip[0] - ux * s - uy * t).toFixed(1)} ${(tip[1] - uy * s + ux * t).toFixed(1)}`;
+    const [a, b] = [from, tip].map((c) => c.map((v) => v.toFixed(1)).join(' '));
+    line.setAttribute('d', `M${a}L${b}M${at(barb, barb * 0.55)}L${b}L${at(barb, -barb * 0.55)}`);
+    hit.setAttribute('d', `M${a}L${b}`);
+    title.textContent = `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
+  }
+
+  drawGround(frame) {
+    const contact = frame?.contact;
+    const { wheel_radius: radius } = state.overview.scene;
+    if (!contact || !radius || this.name === 'top') {
+      this.ground.setAttribute('d', '');
+      return;
+    }
+    if (this.basis) {
+      const [, y] = this.project(contact);
+      this.ground.setAttribute('d', `M0 ${y.toFixed(1)}H${this.width}`);
+      return;
+    }
+    const d = directions();
+    const corner = (s, t) => along(along(contact, d.forward, s * 1.2 * radius), d.outboard, t * radius);
+    this.ground.setAttribute('d', this.path([corner(-1, -1.6), corner(1, -1.6), corner(1, 0.5), corner(-1, 0.5)], true));
+  }
+
+  drawGrid() {
+    const key = [this.width, this.height, this.scale, ...this.focus].map((c) => c.toPrecision(8)).join();
+    if (!this.basis) {
+      this.drawTriad();
+      return;
+    }
+    if (key === this.gridKey) return;
+    this.gridKey = key;
+    const { grid } = this.layers;
+    grid.replaceChildren();
+    const axisOf = (v) => v.findIndex((c) => c !== 0);
+    const [h, v] = [axisOf(this.look.right), axisOf(this.look.up)];
+    const reach = [this.width, this.height].map((c) => c / this.scale / 2);
+    const step = niceStep(2 * reach[0], this.width / 90);
+    for (const [axis, half, vertical] of [[h, reach[0], true], [v, reach[1], false]]) {
+      const middle = this.focus[axis];
+      for (const tick of ticks(middle - half, middle + half, (2 * half) / step)) {
+        const p = [...this.focus];
+        p[axis] = tick;
+        const [x, y] = this.project(p);
+        grid.append(svg('path', { class: tick === 0 ? 'zero' : null, d: vertical ? `M${x.toFixed(1)} 0V${this.height}` : `M0 ${y.toFixed(1)}H${this.width}` }));
+        if (vertical ? x > 30 && x < this.width - 14 : y > 20 && y < this.height - 22) {
+          grid.append(svg('text', vertical ? { x: x.toFixed(1), y: this.height - 5, 'text-anchor': 'middle', text: brief(tick) } : { x: 4, y: (y - 3).toFixed(1), text: brief(tick) }));
+        }
+      }
+    }
+    grid.append(svg('text', { class: 'axis-name', x: this.width - 6, y: this.height - 5, 'text-anchor': 'end', text: AXES[h] }));
+    grid.append(svg('text', { class: 'axis-name', x: 5, y: 13, text: AXES[v] }));
+  }
+
+  drawTriad() {
+    const { grid } = this.layers;
+    grid.replaceChildren();
+    const [x, y] = [34, this.height - 32];
+    AXES.forEach((name, k) => {
+      const unit = [0, 0, 0];
+      unit[k] = 1;
+      const [dx, dy] = [22 * dot(unit, this.look.right), -22 * dot(unit, this.look.up)];
+      grid.append(svg('path', { class: 'triad', d: `M${x} ${y}L${(x + dx).toFixed(1)} ${(y + dy).toFixed(1)}` }));
+      grid.append(svg('text', { class: 'axis-name', x: (x + dx * 1.4).toFixed(1), y: (y + dy * 1.4 + 4).toFixed(1), 'text-anchor': 'middle', text: name }));
+    });
+  }
+
+  // A point is dragged in the plane of the picture.
+  grab(event, point, other) {
+    if (event.button !== 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.handles[point].focus({ preventScroll: true });
+    select(point);
+    const start = grip();
+    const from = [event.clientX, event.clientY];
+    begin('drag');
+    const target = event.currentTarget;
+    target.setPointerCapture(event.pointerId);
+    this.svg.classList.add('dragging');
+    const move = (now) => {
+      const way = this.unproject([now.clientX - from[0], now.clientY - from[1]]);
+      if (other) way[1] = -way[1];
+      if (now.shiftKey) {
+        const most = way.map(Math.abs).indexOf(Math.max(...way.map(Math.abs)));
+        way.forEach((_, k) => { if (k !== most) way[k] = 0; });
+      }
+      const step = now.altKey ? state.step / 100 : state.step;
+      const to = way.map((by, k) => (Math.abs(by) < 1e-12 ? start[point][k] : snapped(start[point][k] + by, step)));
+      moveTo(start, point, to);
+      if (now.type === 'pointermove') ask(now);
+    };
+    const end = (now) => {
+      for (const name of ['pointermove', 'pointerup', 'pointercancel']) target.removeEventListener(name, handlers[name]);
+      this.svg.classList.remove('dragging');
+      if (now.type === 'pointercancel') { state.design = start; emit('design'); }
+      finish();
+    };
+    const handlers = { pointermove: move, pointerup: end, pointercancel: end };
+    for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
+  }
+
+  key(event, point) {
+    const ways = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0], PageUp: [0, 0, 1], PageDown: [0, 0, -1] };
+    const way = ways[event.key];
+    if (!way || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    // In space keys go along the axes that lie nearest.
+    const nearest = (v) => { const k = v.map(Math.abs).indexOf(Math.max(...v.map(Math.abs))); return v.map((c, i) => (i === k ? Math.sign(c) : 0)); };
+    const [right, up] = [nearest(this.look.right), nearest(this.look.up)];
+    const through = cross(right, up);
+    const length = state.step * (event.shiftKey ? 10 : 1) / (event.altKey ? 10 : 1);
+    const by = [0, 1, 2].map((k) => length * (way[0] * right[k] + way[1] * up[k] + way[2] * through[k]));
+    const start = grip();
+    begin('key');
+    moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : snapped(c + by[k], Math.min(state.step, length)))));
+    finish();
+  }
+
+  // The picture itself: dragged, turned, zoomed.
+  listen() {
+    const fingers = new Map();
+    this.svg.addEventListener('pointerdown', (event) => {
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      this.svg.setPointerCapture(event.pointerId);
+    });
+    this.svg.addEventListener('pointermove', (event) => {
+      const last = fingers.get(event.pointerId);
+      if (!last) return;
+      const now = [event.clientX, event.clientY];
+      if (fingers.size === 2) {
+        const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
+        const spread = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
+        this.zoom(spread(now) / spread(last), now);
+      } else if (this.basis) {
+        this.focus = minus(this.focus, this.unproject([now[0] - last[0], now[1] - last[1]]));
+      } else {
+        this.orbit.turn -= ((now[0] - last[0]) / 160) * (directions().left ? 1 : -1);
+        this.orbit.lift = Math.max(-1.4, Math.min(1.5, this.orbit.lift + (now[1] - last[1]) / 160));
+      }
+      fingers.set(event.pointerId, now);
+      this.later();
+    });
+    for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, (event) => fingers.delete(event.pointerId));
+    this.svg.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      this.zoom(Math.exp(-event.deltaY / 500), [event.clientX, event.clientY]);
+      this.later();
+    }, { passive: false });
+    this.svg.addEventListener('dblclick', (event) => {
+      if (event.target.closest('.handle')) return;
+      this.fit();
+      this.later();
+    });
+  }
+
+  zoom(factor, [x, y]) {
+    const box = this.svg.getBoundingClientRect();
+    const off = [x - box.x - this.width / 2, y - box.y - this.height / 2];
+    const before = this.unproject(off);
+    this.scale *= factor;
+    this.focus = along(this.focus, minus(before, this.unproject(off)), 1);
+  }
+
+  // Once for each picture of the screen.
+  later() {
+    if (this.planned) return;
+    this.planned = true;
+    requestAnimationFrame(() => {
+      this.planned = false;
+      this.draw();
+    });
+  }
+}
+
+let named = false;
+export const select = (point) => {
+  if (state.selected === point) return;
+  state.selected = point;
+  emit('selection');
+};
+const hover = (view, point) => {
+  view.hovered = point;
+  view.draw();
+};
+const drawAll = () => views.forEach((view) => view.draw());
+
+export const viewSvgs = () => views.map((view) => [view.name, view.svg]);
+
+export const startViews = () => {
+  for (const [name, title, basis] of [['front', 'Front', flat.front], ['side', 'Side', flat.side], ['top', 'Top', flat.top], ['space', 'In space', null]]) {
+    const view = new View(name, title, basis);
+    views.push(view);
+    byId('views').append(view.figure);
+  }
+  let fitted = false;
+  on('study', () => {
+    fitted = false;
+    views.forEach((view) => { view.gridKey = null; view.build(); });
+  });
+  on('answer', () => {
+    if (!fitted && placement(state.answer?.frame)) {
+      fitted = true;
+      views.forEach((view) => { view.measure(); view.fit(); });
+    }
+    drawAll();
+  });
+  for (const event of ['selection', 'options', 'proposed', 'unanswered']) on(event, drawAll);
+  byId('names').addEventListener('change', (event) => { named = event.target.checked; drawAll(); });
+  byId('mirror').addEventListener('change', (event) => {
+    others = event.target.checked;
+    views.forEach((view) => view.fit());
+    drawAll();
+  });
+};

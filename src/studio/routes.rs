@@ -1,0 +1,300 @@
+//! What is asked for, and who answers it.
+
+use super::access::Access;
+use super::http::{Connection, Head, Response, Unread};
+use super::job::Job;
+use super::message::{
+    Designed, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest, TuneRequest,
+};
+use super::study_file::{NotSaved, Opened, StudyFile};
+use super::{answer, directions, influence, overview, page};
+use crate::curves::curves;
+use crate::plan::Plan;
+use crate::report::{CurveTable, Record, Run, SolveSummary, Summary};
+use crate::study::Study;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// So many texts of the study are remembered, so that tabs opened before a save go on.
+const TEXTS: usize = 8;
+/// So many report pages.
+const REPORTS: usize = 3;
+
+/// What the server knows.
+pub(super) struct Workshop {
+    pub access: Access,
+    file: StudyFile,
+    /// The latest last.
+    texts: Mutex<VecDeque<Arc<Opened>>>,
+    job: Mutex<Option<Arc<Job>>>,
+    /// By number, the latest last.
+    reports: Mutex<VecDeque<(u64, Arc<str>)>>,
+    /// One at a time.
+    saving: Mutex<()>,
+}
+
+/// A refusal: status and words.
+type Refused = (u16, String);
+
+impl Workshop {
+    pub fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
+        Workshop {
+            access,
+            file,
+            texts: Mutex::new(VecDeque::from([Arc::new(opened)])),
+            job: Mutex::new(None),
+            reports: Mutex::default(),
+            saving: Mutex::new(()),
+        }
+    }
+
+    /// Serves a connection until it ends.
+    pub fn serve(&self, connection: &mut Connection) {
+        loop {
+            let (response, keeps) = match connection.head() {
+                Err(Unread::Gone) => return,
+                Err(Unread::Refused(status, why)) => (Response::refusal(status, why), false),
+                Ok(head) => match self.admitted(&head) {
+                    // The body of a stranger is not read.
+                    Err((status, why)) => (Response::refusal(status, &why), false),
+                    Ok(rest) => match connection.body(&head) {
+                        Err(_) => return,
+                        Ok(body) => (self.answered(&head, rest, &body), head.keeps),
+                    },
+                },
+            };
+            if connection.answer(&response, keeps).is_err() || !keeps {
+                return;
+            }
+        }
+    }
+
+    /// The path after the token, of a request that may be answered.
+    fn admitted<'h>(&self, head: &'h Head) -> Result<&'h str, Refused> {
+        let refused = |why: &str| Err((403, why.to_owned()));
+        if !head.host.as_deref().is_some_and(|h| self.access.is_host(h)) {
+            return refused("this is not the address the server printed");
+        }
+        let Some(rest) = self.access.rest(&head.path) else {
+            return refused("the token is missing, or of a server that has ended");
+        };
+        match head.method.as_str() {
+            "GET" => match &head.origin {
+                Some(origin) if !self.access.is_origin(origin) => refused("a foreign origin"),
+                _ => Ok(rest),
+            },
+            "POST" => match &head.origin {
+                Some(origin) if self.access.is_origin(origin) => Ok(rest),
+                _ => refused("a foreign origin"),
+            },
+            _ => Err((405, "expected GET or POST".to_owned())),
+        }
+    }
+
+    fn answered(&self, head: &Head, rest: &str, body: &[u8]) -> Response {
+        if head.method == "GET" {
+            let report = rest.strip_prefix("report/").map(|n| self.report(n));
+            let found = report.unwrap_or_else(|| page::file(rest));
+            return found.unwrap_or_else(|| Response::refusal(404, "there is nothing here"));
+        }
+        let is_json =
+            |kind: &String| kind.split(';').next().map(str::trim) == Some("application/json");
+        if !head.content_type.as_ref().is_some_and(is_json) {
+            return Response::refusal(415, "expected application/json");
+        }
+        let answered = match rest {
+            "study" => self.study(body),
+            "solve" => self.with_text(body, |r: &SolveRequest| &r.of, answer::solved),
+            "influence" => self.with_text(body, |r: &InfluenceRequest| &r.of, influence::influence),
+            "directions" => self.with_text(body, |r: &Designed| r, directions::directions),
+            "limits" => self.with_text(body, |r: &Designed| r, directions::limits),
+            "csv" => return self.csv(body).unwrap_or_else(refusal),
+            "report" => self.make_report(body),
+            "tune" => self.tune(body),
+            "progress" => self.job(body, |_| ()),
+            "cancel" => self.job(body, Job::cancel),
+            "save" => self.save(body),
+            _ => Err((404, "there is nothing here".to_owned())),
+        };
+        answered.unwrap_or_else(refusal)
+    }
+
+    fn text(&self, digest: &str) -> Result<Arc<Opened>, Refused> {
+        let texts = locked(&self.texts);
+        let found = texts.iter().rev().find(|text| text.digest == digest);
+        found.cloned().ok_or_else(|| {
+            let why = "the server has not read this text of the study: reload the page";
+            (409, why.to_owned())
+        })
+    }
+
+    fn remember(&self, opened: Opened) -> Arc<Opened> {
+        let opened = Arc::new(opened);
+        let mut texts = locked(&self.texts);
+        texts.retain(|text| text.digest != opened.digest);
+        texts.push_back(opened.clone());
+        if texts.len() > TEXTS {
+            texts.pop_front();
+        }
+        opened
+    }
+
+    /// The study as the file has it now.
+    fn study(&self, body: &[u8]) -> Result<Response, Refused> {
+        let () = message(body)?;
+        let opened = self.file.read().map_err(|why| (422, why))?;
+        if opened.study.axle.is_some() {
+            return Err((422, super::server::NOT_OF_AXLES.to_owned()));
+        }
+        let opened = self.remember(opened);
+        json(&overview::overview(&self.file, &opened))
+    }
+
+    /// Answers what is asked of a design.
+    fn with_text<R: DeserializeOwned, A: Serialize>(
+        &self,
+        body: &[u8],
+        of: impl Fn(&R) -> &Designed,
+        answer: impl Fn(&Opened, &R) -> Result<A, String>,
+    ) -> Result<Response, Refused> {
+        let request: R = message(body)?;
+        let opened = self.text(&of(&request).digest)?;
+        json(&answer(&opened, &request).map_err(|why| (422, why))?)
+    }
+
+    fn csv(&self, body: &[u8]) -> Result<Response, Refused> {
+        let of: Designed = message(body)?;
+        let csv = answer::csv(&*self.text(&of.digest)?, &of).map_err(|why| (422, why))?;
+        Ok(Response::new(200, "text/csv; charset=utf-8", csv))
+    }
+
+    fn tune(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: TuneRequest = message(body)?;
+        let opened = self.text(&request.of.digest)?;
+        let mut job = locked(&self.job);
+        if job.as_ref().is_some_and(|job| job.is_running()) {
+            return Err((
+                409,
+                "another tuning is under way, perhaps in another tab".into(),
+            ));
+        }
+        let number = job.as_ref().map_or(1, |job| job.number() + 1);
+        let begun = Job::begin(number, opened, &request).map_err(|why| (422, why))?;
+        json(&job.insert(begun).state())
+    }
+
+    fn job(&self, body: &[u8], what: impl Fn(&Job)) -> Result<Response, Refused> {
+        let request: JobRequest = message(body)?;
+        let job = locked(&self.job).clone();
+        let job = job.filter(|job| job.number() == request.job);
+        let job = job.ok_or((404, "there is no such tuning".to_owned()))?;
+        what(&job);
+        json(&job.state())
+    }
+
+    fn save(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: SaveRequest = message(body)?;
+        let opened = self.text(&request.of.digest)?;
+        let design = opened
+            .design(&request.of.design)
+            .map_err(|why| (422, why))?;
+        let _one_at_a_time = locked(&self.saving);
+        let refused = |why| match why {
+            NotSaved::Changed(why) => (409, why),
+            NotSaved::Refused(why) => (422, why),
+        };
+        let saved = match &request.name {
+            None => {
+                let saved = self.file.save(&opened, &design, request.anyway);
+                let saved = self.remember(saved.map_err(refused)?);
+                Saved {
+                    file: self.file.name(),
+                    digest: saved.digest.clone(),
+                }
+            }
+            Some(name) => {
+                let file = self.file.save_as(&opened, &design, name, request.anyway);
+                Saved {
+                    file: file.map_err(refused)?,
+                    digest: opened.digest.clone(),
+                }
+            }
+        };
+        json(&saved)
+    }
+
+    /// Makes the report page of a design; its place in the address.
+    fn make_report(&self, body: &[u8]) -> Result<Response, Refused> {
+        let of: Designed = message(body)?;
+        let opened = self.text(&of.digest)?;
+        let html = report(&opened, &of).map_err(|why| (422, why))?;
+        let mut reports = locked(&self.reports);
+        let number = reports.back().map_or(1, |(number, _)| number + 1);
+        reports.push_back((number, html.into()));
+        if reports.len() > REPORTS {
+            reports.pop_front();
+        }
+        json(&format!("report/{number}"))
+    }
+
+    fn report(&self, number: &str) -> Option<Response> {
+        let number: u64 = number.parse().ok()?;
+        let reports = locked(&self.reports);
+        let (_, html) = reports.iter().find(|(n, _)| *n == number)?;
+        let body = html.as_bytes().to_vec();
+        Some(Response {
+            // The report names its own scripts in its head; it loads and reaches nothing.
+            policy: "frame-ancestors 'none'".into(),
+            ..Response::new(200, "text/html; charset=utf-8", body)
+        })
+    }
+}
+
+fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
+    let suspension = answer::moved(opened, of)?;
+    let study = Study {
+        suspension: suspension.clone(),
+        ..opened.study.clone()
+    };
+    let plan = Plan::of(&study);
+    let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
+    let found = curves(&suspension, &plan).map_err(fault)?;
+    let design = ("design", "curves.csv", &suspension, &found);
+    let csv = crate::report::curves_csv(&found, &plan, suspension.length_unit);
+    let run = Run {
+        record: Record::of("solve", &study, &plan, &[design]).map_err(fault)?,
+        curves: vec![CurveTable::read(&csv)?],
+        summary: Summary::Solve(SolveSummary::of(&study, &found)),
+        history: None,
+        files: Vec::new(),
+    };
+    Ok(crate::report::page(&run))
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What is kept is whole at every moment, also where a thread died.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn message<R: DeserializeOwned>(body: &[u8]) -> Result<R, Refused> {
+    serde_json::from_slice(body).map_err(|e| (400, format!("not a message of the page: {e}")))
+}
+
+fn json(answer: &impl Serialize) -> Result<Response, Refused> {
+    let text = serde_json::to_vec(answer).map_err(|e| (500, e.to_string()))?;
+    Ok(Response::new(200, "application/json", text))
+}
+
+/// What is wrong with a request has a status. A design that cannot be solved or a file that has changed is an
+/// ordinary answer: browsers write every other one to the console as an error.
+fn refusal((status, why): Refused) -> Response {
+    match status {
+        409 | 422 => {
+            let text = serde_json::json!({"refused": status, "why": why}).to_string();
+            Response::new(200, "application/json", text.into_bytes())
+        }
+        _ => Response::refusal(status, &why),
+    }
+}

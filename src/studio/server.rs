@@ -1,0 +1,137 @@
+//! The server: a listener on the loopback interface, a thread for each connection.
+
+use super::access::Access;
+use super::http::Connection;
+use super::routes::Workshop;
+use super::study_file::StudyFile;
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+use thiserror::Error;
+
+/// The port that is tried where none is asked for: the same every time, so that a browser finds what it kept of
+/// an earlier session.
+const USUAL_PORT: u16 = 7353;
+/// The most connections at a time; a tab holds up to six.
+const MOST_CONNECTIONS: usize = 64;
+/// How often it is looked whether to stop.
+const LOOK: Duration = Duration::from_millis(100);
+
+pub(super) const NOT_OF_AXLES: &str =
+    "the live page does not show an axle yet; without [axle] the study is of one wheel";
+
+/// Why a study is not served.
+#[derive(Debug, Error)]
+pub enum NotServed {
+    /// The study is wrong; in words.
+    #[error("{0}")]
+    Study(String),
+    /// There is no such port to be had.
+    #[error("cannot listen on port {port} of this machine: {source}")]
+    Port {
+        /// The port that was asked for.
+        port: u16,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The system does not give what a server needs.
+    #[error("cannot serve: {0}")]
+    System(#[from] std::io::Error),
+}
+
+/// A study served to a browser on this machine.
+pub struct Studio {
+    listener: TcpListener,
+    workshop: Arc<Workshop>,
+}
+
+impl Studio {
+    /// Reads a study and listens on a port of 127.0.0.1; without a port on the usual one, or any that is free.
+    ///
+    /// # Errors
+    /// If the study is wrong or of an axle, or the port is taken.
+    pub fn open(study: &Path, port: Option<u16>) -> Result<Self, NotServed> {
+        let shown = study.display();
+        let wrong = |why: String| NotServed::Study(why);
+        let file =
+            StudyFile::at(study).map_err(|e| wrong(format!("{shown}: cannot be read: {e}")))?;
+        let opened = file.read().map_err(wrong)?;
+        if opened.study.axle.is_some() {
+            return Err(wrong(format!("{shown}: axle: {NOT_OF_AXLES}")));
+        }
+        let listen = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+        let listener = match port {
+            Some(port) => listen(port).map_err(|source| NotServed::Port { port, source })?,
+            None => listen(USUAL_PORT).or_else(|_| listen(0))?,
+        };
+        let access = Access::new(listener.local_addr()?)?;
+        Ok(Studio {
+            listener,
+            workshop: Arc::new(Workshop::new(access, file, opened)),
+        })
+    }
+
+    /// The address of the page, which nobody else knows.
+    pub fn address(&self) -> String {
+        self.workshop.access.address()
+    }
+
+    /// Serves until told to stop.
+    ///
+    /// # Errors
+    /// If the thread that waits for connections cannot be started.
+    pub fn serve(self, stop: &AtomicBool) -> std::io::Result<()> {
+        let Studio { listener, workshop } = self;
+        std::thread::Builder::new().spawn(move || accept(&listener, &workshop))?;
+        while !stop.load(Ordering::SeqCst) {
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+}
+
+/// Takes connections, each on a thread of its own.
+fn accept(listener: &TcpListener, workshop: &Arc<Workshop>) {
+    let open = Arc::new(AtomicUsize::new(0));
+    for stream in listener.incoming() {
+        let Ok(stream) = stream else {
+            // No more files, say: others have to be closed first.
+            std::thread::sleep(LOOK);
+            continue;
+        };
+        if open.load(Ordering::SeqCst) >= MOST_CONNECTIONS {
+            continue;
+        }
+        let place = Place::taken(&open);
+        let workshop = workshop.clone();
+        // Where there is no thread to be had, the connection is closed.
+        let _ = std::thread::Builder::new().spawn(move || {
+            let _place = place;
+            serve(stream, &workshop);
+        });
+    }
+}
+
+fn serve(stream: TcpStream, workshop: &Workshop) {
+    if let Ok(mut connection) = Connection::new(stream) {
+        workshop.serve(&mut connection);
+    }
+}
+
+/// One of the connections; given back however its thread ends.
+struct Place(Arc<AtomicUsize>);
+
+impl Place {
+    fn taken(open: &Arc<AtomicUsize>) -> Self {
+        open.fetch_add(1, Ordering::SeqCst);
+        Place(open.clone())
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}

@@ -1,0 +1,282 @@
+//! The study file: read, and written back with its comments.
+
+use super::message::Coordinates;
+use crate::number::Vector3;
+use crate::optimise::TargetLayout;
+use crate::results::temporary_of;
+use crate::study::{Study, StudyErrors, Variable};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A text of the study that was read, and what it means.
+pub(super) struct Opened {
+    /// Of the text.
+    pub digest: String,
+    /// As it is in the file.
+    pub text: String,
+    pub study: Study,
+    /// Every coordinate as something that can move.
+    pub every: Vec<Variable>,
+    /// Where the targets are looked at.
+    pub layout: Option<TargetLayout>,
+}
+
+/// Why a file was not saved.
+pub(super) enum NotSaved {
+    /// It has been changed since it was opened, or there is one of that name.
+    Changed(String),
+    /// The name, the design or the disk does not allow it.
+    Refused(String),
+}
+
+impl Opened {
+    fn of(path: &Path, text: String) -> Result<Self, StudyErrors> {
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let study = Study::from_text(&path.display().to_string(), &text, directory)?;
+        let layout = study.optimise.as_ref().map(|optimise| {
+            let suspension = &study.suspension;
+            TargetLayout::of(
+                optimise,
+                &study.motion,
+                &suspension.frame,
+                &suspension.mechanism,
+            )
+        });
+        Ok(Opened {
+            digest: digest(&text),
+            every: super::misfit::every_coordinate(&study.suspension),
+            layout,
+            text,
+            study,
+        })
+    }
+
+    /// A design that came from the page, in the kernel's frame.
+    pub fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
+        let suspension = &self.study.suspension;
+        let wanted = suspension.design.len();
+        if coordinates.len() != wanted {
+            let found = coordinates.len();
+            return Err(format!(
+                "expected the coordinates of {wanted} points, found {found}"
+            ));
+        }
+        if !coordinates.iter().flatten().all(|c| c.is_finite()) {
+            return Err("expected finite coordinates".to_owned());
+        }
+        let inside = |c: &[f64; 3]| suspension.frame.vector(Vector3::from(*c));
+        Ok(coordinates.iter().map(inside).collect())
+    }
+}
+
+/// The file the studio was opened with, and its neighbours.
+pub(super) struct StudyFile {
+    path: PathBuf,
+}
+
+impl StudyFile {
+    /// A link is followed now, so that what is written later is the file it led to.
+    pub fn at(path: &Path) -> io::Result<Self> {
+        Ok(StudyFile {
+            path: fs::canonicalize(path)?,
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The name alone.
+    pub fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    /// Reads it as it is now; or what is wrong with it, in words.
+    pub fn read(&self) -> Result<Opened, String> {
+        // Read once, so that the digest is of what was understood.
+        let text = self.text()?;
+        Opened::of(&self.path, text).map_err(|errors| errors.render(false))
+    }
+
+    fn text(&self) -> Result<String, String> {
+        fs::read_to_string(&self.path).map_err(|e| format!("{}: {e}", self.path.display()))
+    }
+
+    /// Writes a design into the study. Where the file is no longer the text that was opened, it is left alone, or
+    /// gets the coordinates that differ from what was opened `anyway`.
+    pub fn save(
+        &self,
+        opened: &Opened,
+        design: &[Vector3<f64>],
+        anyway: bool,
+    ) -> Result<Opened, NotSaved> {
+        let text = self.text().map_err(NotSaved::Refused)?;
+        let edited = if digest(&text) == opened.digest {
+            opened.study.text_with_designs(&text, design, None)
+        } else if anyway {
+            let now = Opened::of(&self.path, text.clone())
+                .map_err(|errors| NotSaved::Refused(errors.render(false)))?;
+            let merged = moved_in(opened, design, &now).map_err(NotSaved::Refused)?;
+            now.study.text_with_designs(&text, &merged, None)
+        } else {
+            let message = format!("{} has been changed since it was opened", self.name());
+            return Err(NotSaved::Changed(message));
+        };
+        let edited = self.understood(&self.path, edited)?;
+        let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", self.path.display()));
+        let temporary = self.temporary(&edited.text).map_err(refused)?;
+        if let Ok(metadata) = fs::metadata(&self.path) {
+            let kept = temporary.as_file().set_permissions(metadata.permissions());
+            kept.map_err(refused)?;
+        }
+        // Once more, right before it is replaced.
+        if self.text().map_err(NotSaved::Refused)? != text {
+            let message = format!("{} is being changed by another program", self.name());
+            return Err(NotSaved::Changed(message));
+        }
+        temporary
+            .persist(&self.path)
+            .map_err(|e| refused(e.error))?;
+        Ok(edited)
+    }
+
+    /// Writes the opened text with a design beside the study. An existing file of that name is left alone, or
+    /// replaced `anyway`.
+    pub fn save_as(
+        &self,
+        opened: &Opened,
+        design: &[Vector3<f64>],
+        name: &str,
+        anyway: bool,
+    ) -> Result<String, NotSaved> {
+        check_name(name).map_err(NotSaved::Refused)?;
+        let path = self.path.with_file_name(name);
+        // On some file systems one file has many spellings.
+        if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
+            return Err(NotSaved::Refused("that is the study itself".to_owned()));
+        }
+        let edited = opened.study.text_with_designs(&opened.text, design, None);
+        let edited = self.understood(&path, edited)?;
+        let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", path.display()));
+        let temporary = self.temporary(&edited.text).map_err(refused)?;
+        let written = match anyway {
+            true if path.is_dir() => {
+                return Err(NotSaved::Refused(format!("{name} is a directory")));
+            }
+            true => temporary.persist(&path),
+            false => temporary.persist_noclobber(&path),
+        };
+        match written {
+            Ok(_) => Ok(name.to_owned()),
+            Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => {
+                Err(NotSaved::Changed(format!("there is a file {name}")))
+            }
+            Err(e) => Err(refused(e.error)),
+        }
+    }
+
+    /// What a text means; nothing is written that no command would read.
+    fn understood(&self, path: &Path, text: String) -> Result<Opened, NotSaved> {
+        Opened::of(path, text).map_err(|errors| {
+            NotSaved::Refused(format!(
+                "a study with these points is refused, nothing is written:\n{}",
+                errors.render(false)
+            ))
+        })
+    }
+
+    fn temporary(&self, text: &str) -> io::Result<tempfile::NamedTempFile> {
+        use io::Write;
+        let directory = self.path.parent().unwrap_or(Path::new(""));
+        let mut file = temporary_of(directory, "studio")?;
+        file.write_all(text.as_bytes())?;
+        file.as_file().sync_all()?;
+        Ok(file)
+    }
+}
+
+/// The design of a text with the coordinates of another that differ from what was opened.
+fn moved_in(
+    opened: &Opened,
+    design: &[Vector3<f64>],
+    now: &Opened,
+) -> Result<Vec<Vector3<f64>>, String> {
+    let [from, to] = [opened, now].map(|text| &text.study.suspension);
+    if from.frame != to.frame || from.length_unit != to.length_unit {
+        return Err("the file now has other axes or another unit: reload it".to_owned());
+    }
+    let mut merged = to.design.clone();
+    for (number, point) in from.mechanism.points.iter().enumerate() {
+        let (old, new) = (from.design[number], design[number]);
+        if old == new {
+            continue;
+        }
+        let Some(id) = to.mechanism.point(&point.name) else {
+            return Err(format!("the file no longer has {}: reload it", point.name));
+        };
+        let (old, new) = (old.to_array(), new.to_array());
+        let mut coordinates = merged[id.0].to_array();
+        for axis in 0..3 {
+            if old[axis] != new[axis] {
+                coordinates[axis] = new[axis];
+            }
+        }
+        merged[id.0] = coordinates.into();
+    }
+    Ok(merged)
+}
+
+/// Whether a name is one of a study in the folder itself, on every system.
+fn check_name(name: &str) -> Result<(), String> {
+    let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
+    let is_name = Path::new(name).file_name() == Some(name.as_ref());
+    let stem = name.strip_suffix(".toml").unwrap_or("");
+    if stem.trim().is_empty() || stem.starts_with('.') || stem.ends_with([' ', '.']) {
+        return Err("expected a name that ends in .toml, as in mine.toml".to_owned());
+    }
+    if !is_name || !name.chars().all(is_plain) || name.len() > 200 {
+        return Err("expected the name of a file beside the study, without a folder".to_owned());
+    }
+    Ok(())
+}
+
+/// The SHA-256 of a text.
+fn digest(text: &str) -> String {
+    let bytes = hmac_sha256::Hash::hash(text.as_bytes());
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_the_folder() {
+        for name in ["a.toml", "front axle 2.toml", "ünïcode.toml", "a.b.toml"] {
+            assert_eq!(check_name(name), Ok(()), "{name}");
+        }
+        for name in [
+            "",
+            ".toml",
+            "a",
+            "a.txt",
+            "../a.toml",
+            "/a.toml",
+            "b/a.toml",
+            "b\\a.toml",
+            "c:a.toml",
+            "..",
+            ".hidden.toml",
+            "a\0.toml",
+            "a\n.toml",
+            "a?.toml",
+            "a .toml",
+            " .toml",
+        ] {
+            assert!(check_name(name).is_err(), "{name:?}");
+        }
+        assert!(check_name(&format!("{}.toml", "a".repeat(300))).is_err());
+    }
+}

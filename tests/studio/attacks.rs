@@ -1,0 +1,297 @@
+//! What strangers get: nothing.
+
+use super::client::{answer, request, send};
+use super::{Served, sample};
+use serde_json::{Value, json};
+use std::fs;
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
+
+/// Requests that are whole but for what makes them a stranger's.
+#[test]
+fn strangers_are_refused() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let before = served.text();
+    let (port, token) = (served.port(), served.token());
+    let host = format!("127.0.0.1:{port}");
+    let origin = format!("http://{host}");
+    let save = served.moved("strut_top", 2, 1.0);
+    let body = json!({"of": save, "name": null, "anyway": true}).to_string();
+    let own = |name: &str| match name {
+        "Host" => host.clone(),
+        "Origin" => origin.clone(),
+        _ => "application/json".to_owned(),
+    };
+    let post = |path: &str, changed: &[(&str, Option<&str>)]| {
+        let mut headers: Vec<(&str, String)> = Vec::new();
+        for name in ["Host", "Origin", "Content-Type"] {
+            match changed.iter().find(|(n, _)| *n == name) {
+                None => headers.push((name, own(name))),
+                Some((_, Some(value))) => headers.push((name, (*value).to_owned())),
+                Some((_, None)) => {}
+            }
+        }
+        let headers: Vec<_> = headers.iter().map(|(n, v)| (*n, v.as_str())).collect();
+        let answer = send(port, &request("POST", path, &headers, body.as_bytes()));
+        answer.expect("a refusal").status
+    };
+    let path = format!("/{token}/save");
+    let guess = format!("/{}/save", "0".repeat(token.len()));
+    for wrong in ["/save", "//save", &guess, "/", &format!("/x/{token}/save")] {
+        assert_eq!(post(wrong, &[]), 403, "{wrong}");
+    }
+    for host in [
+        None,
+        Some("example.com"),
+        Some("127.0.0.1"),
+        Some("127.0.0.1:1"),
+        Some("evil.localhost"),
+    ] {
+        assert_eq!(post(&path, &[("Host", host)]), 403, "{host:?}");
+    }
+    for origin in [
+        None,
+        Some("null"),
+        Some("http://example.com"),
+        Some("http://localhost"),
+        Some("file://"),
+    ] {
+        assert_eq!(post(&path, &[("Origin", origin)]), 403, "{origin:?}");
+    }
+    for kind in [
+        None,
+        Some("text/plain"),
+        Some("application/x-www-form-urlencoded"),
+    ] {
+        assert_eq!(post(&path, &[("Content-Type", kind)]), 415, "{kind:?}");
+    }
+    for method in ["OPTIONS", "PUT", "DELETE", "HEAD", "TRACE"] {
+        let bytes = request(method, &path, &[("Host", &host), ("Origin", &origin)], b"");
+        assert_eq!(send(port, &bytes).unwrap().status, 405, "{method}");
+    }
+    // A page of another origin must not get so much as a script.
+    let foreign = [("Host", host.as_str()), ("Origin", "http://example.com")];
+    let bytes = request("GET", &format!("/{token}/main.js"), &foreign, b"");
+    assert_eq!(send(port, &bytes).unwrap().status, 403);
+    assert_eq!(served.text(), before);
+    assert_eq!(served.files(), ["study.toml"]);
+    // The same with everything in its place.
+    assert_eq!(post(&path, &[]), 200);
+    assert_ne!(served.text(), before);
+}
+
+#[test]
+fn only_the_loopback_interface_is_listened_on() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    // Every address of 127/8 is loopback; one that was not asked for is free.
+    TcpListener::bind(("127.0.0.2", served.port())).expect("only 127.0.0.1 is taken");
+    assert!(TcpListener::bind(("127.0.0.1", served.port())).is_err());
+}
+
+#[test]
+fn the_page_loads_nothing_and_runs_nothing_else() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let page = served.get("");
+    assert_eq!(page.status, 200);
+    let policy = page
+        .head
+        .lines()
+        .find(|line| line.starts_with("Content-Security-Policy:"));
+    let policy = policy.expect("a policy");
+    assert!(policy.contains("default-src 'none'") && policy.contains("connect-src 'self'"));
+    assert!(!policy.contains("unsafe") && !policy.contains('*') && !policy.contains("http"));
+    for header in [
+        "nosniff",
+        "no-referrer",
+        "X-Frame-Options: DENY",
+        "no-store",
+    ] {
+        assert!(page.head.contains(header), "{header}");
+    }
+    let text = page.text();
+    assert!(!text.contains("<style") && !text.contains(" style=") && !text.contains(" onclick"));
+    assert!(!text.contains("http:") && !text.contains("https:"));
+    for wrong in [
+        "../Cargo.toml",
+        "study.toml",
+        "%2e%2e/study.toml",
+        "report/1",
+        "report/../main.js",
+        "a",
+    ] {
+        assert_eq!(served.get(wrong).status, 404, "{wrong}");
+    }
+}
+
+#[test]
+fn oversized_and_malformed_requests_are_refused() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let port = served.port();
+    let host = format!("127.0.0.1:{port}");
+    let path = format!("/{}/solve", served.token());
+    let head = format!(
+        "POST {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: application/json\r\n"
+    );
+    let status = |bytes: &[u8]| send(port, bytes).map(|answer| answer.status);
+    // Refused by what it says of itself, before a byte of it has come.
+    for length in ["1048577", "99999999999", "18446744073709551616"] {
+        assert_eq!(
+            status(format!("{head}Content-Length: {length}\r\n\r\n").as_bytes()),
+            Some(413)
+        );
+    }
+    assert_eq!(
+        status(format!("{head}Content-Length: -1\r\n\r\n").as_bytes()),
+        Some(400)
+    );
+    assert_eq!(
+        status(format!("{head}Transfer-Encoding: chunked\r\n\r\n5\r\n").as_bytes()),
+        Some(501)
+    );
+    assert_eq!(
+        status(format!("{head}X: {}\r\n\r\n", "a".repeat(40_000)).as_bytes()),
+        Some(431)
+    );
+    assert_eq!(
+        status(format!("{head}{}\r\n", "X: a\r\n".repeat(100)).as_bytes()),
+        Some(431)
+    );
+    assert_eq!(
+        status(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n"),
+        Some(400)
+    );
+    assert_eq!(status(b"GET / SPDY/9\r\n\r\n"), Some(400));
+    // Half a request, and the connection closed.
+    drop(
+        TcpStream::connect(("127.0.0.1", port))
+            .unwrap()
+            .write_all(head.as_bytes()),
+    );
+    let overview = served.overview();
+    let of = json!({"digest": overview["digest"], "design": overview["design"]});
+    let good =
+        json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null});
+    let mut messages: Vec<(Value, u16)> = vec![
+        (Value::Null, 400),
+        (json!([]), 400),
+        (json!({"of": of}), 400),
+        (json!("solve"), 400),
+    ];
+    let mut with = |key: &str, value: Value, status: u16| {
+        let mut message = good.clone();
+        message[key] = value;
+        messages.push((message, status));
+    };
+    with("more", json!(1), 400);
+    with("characteristics", json!(["no_such_thing"]), 422);
+    with("characteristics", json!("camber"), 400);
+    with("at", json!([0.0]), 400);
+    with("at", json!([null, 0.0]), 400);
+    with("of", json!({"digest": "0", "design": of["design"]}), 409);
+    with("of", json!({"digest": of["digest"], "design": []}), 422);
+    with(
+        "of",
+        json!({"digest": of["digest"], "design": [[0.0, 0.0]]}),
+        400,
+    );
+    for (message, status) in messages {
+        assert_eq!(served.post("solve", &message).status, status, "{message}");
+    }
+    let far = good.to_string().replacen("120.0", "1e999", 1);
+    assert!(far.contains("1e999"));
+    let bytes = format!("{head}Content-Length: {}\r\n\r\n{far}", far.len());
+    assert_eq!(status(bytes.as_bytes()), Some(400));
+    let deep = "[".repeat(100_000);
+    let bytes = format!("{head}Content-Length: {}\r\n\r\n{deep}", deep.len());
+    assert_eq!(status(bytes.as_bytes()), Some(400));
+    // Points on top of each other, or far from the earth: refused in words, and the server goes on.
+    let mut message = good.clone();
+    message["of"]["design"][0] = message["of"]["design"][1].clone();
+    message["of"]["design"][2] = json!([1e300, 1e300, -1e300]);
+    assert!([200, 422].contains(&served.post("solve", &message).status));
+    assert_eq!(served.post("nothing", &good).status, 404);
+    assert_eq!(served.post("solve", &good).status, 200);
+    assert_eq!(served.files(), ["study.toml"]);
+}
+
+/// A connection is kept: requests one after the other, also when several arrive at once.
+#[test]
+fn connections_are_kept() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let host = format!("127.0.0.1:{}", served.port());
+    let one = format!(
+        "GET /{}/main.js HTTP/1.1\r\nHost: {host}\r\n\r\n",
+        served.token()
+    );
+    let mut stream = TcpStream::connect(&host).unwrap();
+    stream.write_all(one.as_bytes()).unwrap();
+    let first = answer(&mut stream).unwrap();
+    assert!(first.head.contains("keep-alive"));
+    for byte in one.as_bytes() {
+        stream.write_all(&[*byte]).unwrap();
+    }
+    assert_eq!(answer(&mut stream).unwrap().body, first.body);
+}
+
+/// Idle connections of others do not keep the page out for ever, and never more than some are held.
+#[test]
+fn a_crowd_of_connections_is_survived() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let host = format!("127.0.0.1:{}", served.port());
+    let crowd: Vec<TcpStream> = (0..200)
+        .filter_map(|_| TcpStream::connect(&host).ok())
+        .collect();
+    drop(crowd);
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    loop {
+        let bytes = request(
+            "GET",
+            &format!("/{}/", served.token()),
+            &[("Host", &host)],
+            b"",
+        );
+        match send(served.port(), &bytes) {
+            Some(answer) => return assert_eq!(answer.status, 200),
+            None => assert!(std::time::Instant::now() < deadline, "no answer"),
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn wrong_calls_say_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+            .arg("studio")
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(run(&["none.toml", "--no-open"]).contains("none.toml"));
+    assert!(run(&["-", "--no-open"]).contains("standard input"));
+    fs::write(
+        folder.path().join("wrong.toml"),
+        "[suspension]\ntopology = \"macphersn\"\n",
+    )
+    .unwrap();
+    assert!(run(&["wrong.toml", "--no-open"]).contains("wrong.toml"));
+    fs::write(
+        folder.path().join("axle.toml"),
+        sample("macpherson_axle.toml"),
+    )
+    .unwrap();
+    assert!(run(&["axle.toml", "--no-open"]).contains("axle"));
+    fs::write(
+        folder.path().join("good.toml"),
+        sample("macpherson_solve.toml"),
+    )
+    .unwrap();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    assert!(run(&["good.toml", "--no-open", "--port", &port]).contains(&port));
+    assert!(run(&["good.toml", "--port", "0"]).contains("--port"));
+}

@@ -1,0 +1,236 @@
+//! The page in a real browser, where there is one.
+
+use super::webdriver::Browser;
+use super::{Served, columns, sample, solved};
+use serde_json::Value;
+use std::fs;
+
+const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
+/// The answer that is shown is of the design that is worked on.
+const SETTLED: &str = "studio.isSettled()";
+
+fn handle(view: &str, point: &str) -> String {
+    format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
+}
+
+/// Every column that is drawn is the one `hardpoint solve` prints of the study in a file; how many there are.
+fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path) -> usize {
+    let drawn = browser.run("return studio.drawnValues()");
+    let printed = columns(&solved(study));
+    let mut compared = 0;
+    for (column, values) in drawn.as_object().unwrap() {
+        let Some((_, printed)) = printed.iter().find(|(name, _)| name == column) else {
+            continue;
+        };
+        let values: Vec<Option<f64>> = values
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(Value::as_f64)
+            .collect();
+        assert_eq!(&values, printed, "{column}");
+        compared += 1;
+    }
+    compared
+}
+
+/// The line on the screen goes through the values, to a hundredth of a pixel.
+fn assert_line_is_at_values(browser: &Browser, column: &str) {
+    let places = browser.run(&format!("return studio.drawnPlaces({column:?})"));
+    let d = places["d"].as_str().unwrap();
+    let drawn: Vec<f64> = d
+        .split(['M', 'L', ' '])
+        .filter(|n| !n.is_empty())
+        .map(|n| n.parse().unwrap())
+        .collect();
+    let list = |name: &str| -> Vec<f64> {
+        places[name]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_f64().unwrap())
+            .collect()
+    };
+    let (x, y) = (list("drive"), list("value"));
+    assert_eq!(drawn.len(), 2 * x.len());
+    for (station, pair) in drawn.chunks(2).enumerate() {
+        assert!((pair[0] - x[station]).abs() < 0.01 && (pair[1] - y[station]).abs() < 0.01);
+    }
+}
+
+#[test]
+fn points_are_dragged_and_curves_follow() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
+    let opened = browser.run("return studio.state.design");
+
+    browser.drag(&handle("front", "strut_top"), [14, -9], 7);
+    browser.wait(SETTLED);
+    let moved = browser.run("return studio.state.design");
+    assert_ne!(moved, opened);
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    assert_ne!(served.text(), sample("macpherson_front.toml"));
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
+    assert_line_is_at_values(&browser, "camber_deg");
+
+    // Two deeds: a drag in another view, an arrow key; undone one by one and done again.
+    browser.drag(&handle("top", "tie_rod_outer"), [6, 5], 5);
+    let dragged = browser.run("return studio.state.design");
+    assert_ne!(dragged, moved);
+    browser.keys(&["\u{e013}"]);
+    let nudged = browser.run("return studio.state.design");
+    assert_ne!(nudged, dragged);
+    for (button, expected) in [
+        ("#undo", &dragged),
+        ("#undo", &moved),
+        ("#redo", &dragged),
+        ("#redo", &nudged),
+        ("#undo", &dragged),
+        ("#undo", &moved),
+    ] {
+        browser.click(button);
+        assert_eq!(
+            &browser.run("return studio.state.design"),
+            expected,
+            "{button}"
+        );
+    }
+    browser.wait(SETTLED);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+#[test]
+fn a_tuning_is_proposed_accepted_and_saved() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_bump_steer.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let before = browser
+        .run("return studio.state.answer.misfit.value")
+        .as_f64()
+        .unwrap();
+    let opened = browser.run("return studio.state.design");
+    browser.click("#tune");
+    browser.wait("document.getElementById('reject')");
+    browser.click("#reject");
+    assert_eq!(browser.run("return studio.state.design"), opened);
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("studio.state.proposed");
+    browser.click("#accept");
+    browser.wait(SETTLED);
+    let after = browser
+        .run("return studio.state.answer.misfit.value")
+        .as_f64()
+        .unwrap();
+    assert!(after < 0.5 * before, "{before} {after}");
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 1);
+    let saved = browser.run("return studio.state.design");
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(browser.run("return studio.state.design"), saved);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+#[test]
+fn tabs_servers_and_files_come_and_go() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let mut served = Served::of(&sample("double_wishbone_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let first = browser.tab();
+    browser.drag(&handle("front", "upper_ball_joint"), [3, -8], 4);
+    browser.wait(SETTLED);
+    let moved = browser.run("return studio.state.design");
+
+    // A second tab has the file's design, and does not disturb the first.
+    let second = browser.open_tab(&served.address);
+    browser.wait(READY);
+    assert_ne!(browser.run("return studio.state.design"), moved);
+    browser.go_to(&first);
+    assert_eq!(browser.run("return studio.state.design"), moved);
+
+    // The file changes under it: a question, and the moved points go into what the file is now.
+    let edited = format!("# by hand\n{}", served.text());
+    fs::write(&served.study, &edited).unwrap();
+    browser.click("#save");
+    browser.wait("document.getElementById('dialog').open");
+    assert_eq!(served.text(), edited);
+    browser.click("#dialog button[value=merge]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    assert!(served.text().starts_with("# by hand\n") && served.text() != edited);
+    browser.wait(SETTLED);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
+
+    // The server dies: what was moved afterwards is offered when another one is opened.
+    browser.drag(&handle("front", "upper_ball_joint"), [-5, 4], 4);
+    browser.wait(SETTLED);
+    let unsaved = browser.run("return studio.state.design");
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    assert_eq!(browser.console(), Vec::<String>::new());
+    served.kill();
+    browser.drag(&handle("front", "upper_ball_joint"), [2, 2], 2);
+    browser.wait("document.documentElement.dataset.server === 'no'");
+    browser.click("#undo");
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    served.restart();
+    browser.wait("document.documentElement.dataset.server === 'other'");
+    // Chromium writes refused connections and answers to the console itself.
+    let own = |line: &String| !line.contains("ERR_CONNECTION") && !line.contains("403 (Forbidden)");
+    assert_eq!(
+        browser
+            .console()
+            .into_iter()
+            .filter(own)
+            .collect::<Vec<_>>(),
+        Vec::<String>::new()
+    );
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_ne!(browser.run("return studio.state.design"), unsaved);
+    browser.click("#banner button");
+    assert_eq!(browser.run("return studio.state.design"), unsaved);
+    browser.go_to(&second);
+    assert_eq!(
+        browser
+            .console()
+            .into_iter()
+            .filter(own)
+            .collect::<Vec<_>>(),
+        Vec::<String>::new()
+    );
+}
+
+/// Names are text, whatever they look like. Those inside a study are letters and digits; its file's is free.
+#[cfg(unix)]
+#[test]
+fn hostile_names_are_shown_as_text() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let name = "<img src=x onerror=window.hit=1>";
+    let served = Served::named(&format!("{name}.toml"), &sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(browser.run("return window.hit ?? null"), Value::Null);
+    assert_eq!(
+        browser.run("return document.querySelectorAll('img').length"),
+        0
+    );
+    let shown = browser.run("return document.getElementById('study-name').textContent");
+    assert_eq!(shown, name);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

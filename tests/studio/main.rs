@@ -1,0 +1,139 @@
+//! The live page: what strangers are refused, what is written where, and the page in a real browser.
+
+mod attacks;
+mod browser;
+mod client;
+mod saving;
+mod webdriver;
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+/// A study that is served, in a folder of its own.
+struct Served {
+    folder: tempfile::TempDir,
+    study: PathBuf,
+    address: String,
+    process: Child,
+}
+
+/// A sample study, or a topology's template, as a text.
+fn sample(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    fs::read_to_string(path).unwrap()
+}
+
+impl Served {
+    fn of(text: &str) -> Served {
+        Served::named("study.toml", text)
+    }
+
+    fn named(name: &str, text: &str) -> Served {
+        let folder = tempfile::tempdir().unwrap();
+        let study = folder.path().join(name);
+        fs::write(&study, text).unwrap();
+        let (process, address) = serve(&study, free_port());
+        Served {
+            folder,
+            study,
+            address,
+            process,
+        }
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(&self.study).unwrap()
+    }
+
+    /// The files beside the study.
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn port(&self) -> u16 {
+        self.address
+            .split(['/', ':'])
+            .nth(4)
+            .unwrap()
+            .parse()
+            .unwrap()
+    }
+
+    fn token(&self) -> &str {
+        self.address.split('/').nth(3).unwrap()
+    }
+
+    fn kill(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+
+    /// Kills the server and starts another one on the same port.
+    fn restart(&mut self) {
+        let port = self.port();
+        self.kill();
+        (self.process, self.address) = serve(&self.study, port);
+    }
+}
+
+/// On a port of its own, or tests would meet each other's.
+fn serve(study: &Path, port: u16) -> (Child, String) {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .arg("studio")
+        .arg(study)
+        .arg("--no-open")
+        .args(["--port", &port.to_string()])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    let out = process.stdout.take().unwrap();
+    BufReader::new(out).read_line(&mut line).unwrap();
+    (process, line.trim().to_owned())
+}
+
+fn free_port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    listener.local_addr().unwrap().port()
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// The CSV of `hardpoint solve`.
+fn solved(study: &Path) -> Vec<u8> {
+    let output = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(["solve", "--quiet", "--out", "-"])
+        .arg(study)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    output.stdout
+}
+
+/// The columns of a CSV by name: numbers, or nothing.
+fn columns(csv: &[u8]) -> Vec<(String, Vec<Option<f64>>)> {
+    let text = std::str::from_utf8(csv).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    let column = |k: usize| rows.iter().map(|row| row[k].parse().ok()).collect();
+    names
+        .iter()
+        .enumerate()
+        .map(|(k, name)| ((*name).to_owned(), column(k)))
+        .collect()
+}

@@ -1,0 +1,290 @@
+//! What is written where, and that answers are those of the other commands.
+
+use super::{Served, columns, sample, solved};
+use serde_json::{Value, json};
+use std::fs;
+
+/// The columns of an answer, by name.
+fn answered(answer: &Value) -> Vec<(String, Vec<Option<f64>>)> {
+    let columns = answer["columns"].as_array().unwrap().iter();
+    let values = |c: &Value| {
+        c["values"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(Value::as_f64)
+            .collect()
+    };
+    columns
+        .map(|c| (c["column"].as_str().unwrap().to_owned(), values(c)))
+        .collect()
+}
+
+fn solve(served: &Served, of: &Value) -> Value {
+    let overview = served.overview();
+    let chosen = overview["characteristics"].as_array().unwrap().iter();
+    let asked: Vec<&Value> = chosen
+        .filter(|c| c["asked"] == true)
+        .map(|c| &c["name"])
+        .collect();
+    let message =
+        json!({"of": of, "characteristics": asked, "at": [0.0, 0.0], "curves_rack": null});
+    served.post("solve", &message).json()
+}
+
+/// Of several topologies, frames and drives: the curves of a moved design are those that `hardpoint solve` prints
+/// of the saved study, to the last bit, and so is the CSV.
+#[test]
+fn answers_are_those_of_solve() {
+    for (name, point, axis) in [
+        ("macpherson_front.toml", "strut_top", 1),
+        ("formula_student_front.toml", "upper_ball_joint", 2),
+        ("five_link_rear.toml", "wheel_centre", 2),
+        ("semi_trailing_arm_rear.toml", "wheel_centre", 1),
+    ] {
+        let served = Served::of(&sample(name));
+        let of = served.moved(point, axis, 1.37);
+        let answer = solve(&served, &of);
+        let csv = served.post("csv", &of);
+        assert_eq!(
+            served
+                .post("save", &json!({"of": of, "name": null, "anyway": false}))
+                .status,
+            200,
+            "{name}"
+        );
+        let expected = solved(&served.study);
+        assert_eq!(csv.body, expected, "{name}");
+        let expected = columns(&expected);
+        let mut compared = 0;
+        for (column, values) in answered(&answer) {
+            let Some((_, printed)) = expected.iter().find(|(name, _)| *name == column) else {
+                continue;
+            };
+            assert_eq!(&values, printed, "{name}: {column}");
+            compared += 1;
+        }
+        assert!(compared >= 3, "{name}");
+    }
+}
+
+/// The slope of the misfit by every coordinate, against differences of fourth order of the misfit itself.
+#[test]
+fn gradients_of_the_misfit_are_its_slopes() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let misfit = |answer: &Value| answer["misfit"]["value"].as_f64().unwrap();
+    let of = served.moved("strut_top", 0, 0.0);
+    let here = solve(&served, &of);
+    let gradient = &here["misfit"]["gradient"];
+    for (point, axis) in [(1, 2), (3, 1), (4, 0), (6, 2)] {
+        let at = |by: f64| {
+            let mut of = of.clone();
+            of["design"][point][axis] = json!(of["design"][point][axis].as_f64().unwrap() + by);
+            misfit(&solve(&served, &of))
+        };
+        let h = 0.05;
+        let slope = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+        let said = gradient[point][axis].as_f64().unwrap();
+        assert!(
+            (slope - said).abs() < 1e-5 * slope.abs().max(1.0),
+            "{point} {axis}: {slope} {said}"
+        );
+    }
+}
+
+/// What a coordinate does to a curve, against the curves themselves.
+#[test]
+fn influences_are_slopes_of_the_curves() {
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    let of = served.moved("tie_rod_inner", 2, 0.0);
+    let overview = served.overview();
+    let points = overview["points"].as_array().unwrap();
+    let point = points
+        .iter()
+        .position(|p| p["name"] == "tie_rod_inner")
+        .unwrap();
+    let asked = json!({"of": of, "characteristics": ["toe"], "point": point, "axis": 2});
+    let found = served.post("influence", &asked).json();
+    let toe = |by: f64| {
+        let of = served.moved("tie_rod_inner", 2, by);
+        let message =
+            json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null});
+        answered(&served.post("solve", &message).json())
+            .into_iter()
+            .find(|(name, _)| name == "toe_deg")
+            .unwrap()
+            .1
+    };
+    let (up, down) = (toe(0.01), toe(-0.01));
+    let columns = found["columns"].as_array().unwrap();
+    let slopes = &columns.iter().find(|c| c["column"] == "toe_deg").unwrap()["slopes"];
+    for station in 0..up.len() {
+        let slope = (up[station].unwrap() - down[station].unwrap()) / 0.02;
+        let said = slopes[station].as_f64().unwrap();
+        assert!((slope - said).abs() < 1e-5, "{station}: {slope} {said}");
+    }
+}
+
+#[test]
+fn a_save_keeps_comments_and_the_rest() {
+    let text = sample("macpherson_front.toml");
+    let served = Served::of(&text);
+    let of = served.moved("strut_top", 2, 2.5);
+    let saved = served
+        .post("save", &json!({"of": of, "name": null, "anyway": false}))
+        .json();
+    let after = served.text();
+    let differ = text
+        .lines()
+        .zip(after.lines())
+        .filter(|(a, b)| a != b)
+        .count();
+    assert_eq!((text.lines().count(), differ), (after.lines().count(), 1));
+    // Another move on top of it, with the digest of what was written.
+    assert_eq!(saved["digest"], served.overview()["digest"]);
+    // A tab that still has the text from before is told.
+    let late = served.post("save", &json!({"of": of, "name": null, "anyway": false}));
+    assert_eq!(late.status, 409, "{}", late.text());
+    assert_eq!(served.text(), after);
+}
+
+#[test]
+fn a_file_that_was_changed_is_not_overwritten() {
+    let text = sample("macpherson_front.toml");
+    let served = Served::of(&text);
+    let of = served.moved("strut_top", 2, 2.5);
+    let edited = text.replacen("tie_rod_outer", "# by hand\ntie_rod_outer", 1);
+    assert_ne!(edited, text);
+    fs::write(&served.study, &edited).unwrap();
+    let message = |anyway: bool| json!({"of": of, "name": null, "anyway": anyway});
+    assert_eq!(served.post("save", &message(false)).status, 409);
+    assert_eq!(served.text(), edited);
+    // Asked for, the moved coordinate alone goes into the file as it is now.
+    assert_eq!(served.post("save", &message(true)).status, 200);
+    let merged = served.text();
+    assert!(merged.contains("# by hand"));
+    let differ = edited
+        .lines()
+        .zip(merged.lines())
+        .filter(|(a, b)| a != b)
+        .count();
+    assert_eq!(differ, 1);
+    // A file that is no study any more gets nothing.
+    fs::write(&served.study, "[suspension]\n").unwrap();
+    assert_eq!(served.post("save", &message(true)).status, 422);
+    assert_eq!(served.text(), "[suspension]\n");
+    assert_eq!(served.files(), ["study.toml"]);
+}
+
+#[test]
+fn other_names_stay_beside_the_study() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let before = served.text();
+    let of = served.moved("strut_top", 2, 2.5);
+    let save = |name: &str, anyway: bool| {
+        served
+            .post("save", &json!({"of": of, "name": name, "anyway": anyway}))
+            .status
+    };
+    let outside = served.folder.path().parent().unwrap().join("escaped.toml");
+    for name in [
+        "../escaped.toml",
+        "/tmp/escaped.toml",
+        "a/b.toml",
+        "..",
+        "",
+        ".toml",
+        ".hidden.toml",
+        "x.txt",
+        "a\\b.toml",
+        "nul\u{0}.toml",
+        "study.toml",
+        "./study.toml",
+        "c:x.toml",
+    ] {
+        assert_eq!(save(name, true), 422, "{name:?}");
+    }
+    assert!(!outside.exists());
+    assert_eq!(served.files(), ["study.toml"]);
+    assert_eq!(save("other.toml", false), 200);
+    assert_eq!(save("other.toml", false), 409);
+    assert_eq!(save("other.toml", true), 200);
+    assert_eq!(served.files(), ["other.toml", "study.toml"]);
+    assert_eq!(served.text(), before);
+    assert_ne!(
+        fs::read_to_string(served.folder.path().join("other.toml")).unwrap(),
+        before
+    );
+}
+
+/// A link beside the study that leads elsewhere is replaced, not followed.
+#[cfg(unix)]
+#[test]
+fn links_do_not_lead_out_of_the_folder() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let elsewhere = tempfile::tempdir().unwrap();
+    let precious = elsewhere.path().join("precious.toml");
+    fs::write(&precious, "precious").unwrap();
+    std::os::unix::fs::symlink(&precious, served.folder.path().join("link.toml")).unwrap();
+    let of = served.moved("strut_top", 2, 2.5);
+    let save = json!({"of": of, "name": "link.toml", "anyway": true});
+    assert_eq!(served.post("save", &save).status, 200);
+    assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
+}
+
+/// What Tune proposes is what `hardpoint optimise` writes of the same study.
+#[test]
+fn a_tuning_is_that_of_optimise() {
+    let served = Served::of(&sample("macpherson_bump_steer.toml"));
+    let of = served.moved("tie_rod_outer", 2, 0.0);
+    let points = of["design"].as_array().unwrap().len();
+    let locked = vec![[false; 3]; points];
+    let mut state = served
+        .post("tune", &json!({"of": of, "locked": locked}))
+        .json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        state = served
+            .post("progress", &json!({"job": state["job"]}))
+            .json();
+    }
+    let proposal = &state["proposal"];
+    assert!(proposal.is_object(), "{state}");
+    let tuned = json!({"digest": of["digest"], "design": proposal["design"]});
+    let save = json!({"of": tuned, "name": "tuned.toml", "anyway": false});
+    assert_eq!(served.post("save", &save).status, 200);
+    let out = served.folder.path().join("out");
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(["optimise", "--quiet", "--out"])
+        .arg(&out)
+        .arg(&served.study)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let read = |path: &std::path::Path| fs::read_to_string(path).unwrap();
+    assert_eq!(
+        read(&served.folder.path().join("tuned.toml")),
+        read(&out.join("optimised.toml"))
+    );
+    // With everything locked there is nothing to tune; no such tuning is known.
+    let locked = vec![[true; 3]; points];
+    assert_eq!(
+        served
+            .post("tune", &json!({"of": of, "locked": locked}))
+            .status,
+        422
+    );
+    assert_eq!(served.post("progress", &json!({"job": 99})).status, 404);
+}
+
+#[test]
+fn the_report_of_a_design_is_served() {
+    let served = Served::of(&sample("macpherson_solve.toml"));
+    let of = served.moved("strut_top", 2, 2.5);
+    let place = served.post("report", &of).json();
+    let page = served.get(place.as_str().unwrap());
+    assert_eq!(page.status, 200);
+    assert!(page.text().contains("Content-Security-Policy"));
+    assert_eq!(served.files(), ["study.toml"]);
+}

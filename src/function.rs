@@ -6,16 +6,16 @@
 //! names, offsets in the study's length unit and axes. What has no value is NaN, with a status that says why;
 //! nothing is dropped.
 
-use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
-use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Toggles};
+use crate::characteristics::Quantity;
+use crate::evaluate::{Evaluated, GradientEvaluator, Unsolved};
+use crate::mechanism::{DesignFault, Failure};
 use crate::model::{Axis, Drive, PointId, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::number::{Vector3, Width};
+use crate::optimise::{Way, moved_design, ways};
 use crate::plan::{Output, Plan};
-use crate::solve::Solver;
-use crate::study::{Formulation, Move, Study, SweepVariable};
+use crate::study::{Designs, Formulation, Move, Study, SweepVariable, Variable, nearest};
 use crate::sweep::{BLOCK, Block, Evaluator, Stations};
-use std::ops::ControlFlow;
+use nalgebra::DVector;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -28,25 +28,154 @@ pub enum FunctionError {
         "a study with formulation = \"point_coordinates\" or drive = \"paper_theta\" is no function of the design"
     )]
     Formulation,
+    /// The study is of both wheels.
+    #[error("a study with [axle] is of both wheels; as a function of the design there is only one wheel yet")]
+    Axle,
     /// The study asks for nothing that is a function of position.
     #[error("the study asks for no characteristic and no point")]
     NoOutputs,
     /// The design itself cannot be solved.
     #[error("{0}")]
     Design(String),
+    /// There is nothing of this name that could move.
+    #[error(
+        "there is no variable {0:?}; expected a hardpoint and how it moves, as in tie_rod_inner_dz for an offset \
+         or tie_rod_inner_z for a coordinate{1}"
+    )]
+    UnknownVariable(String, String),
+}
+
+/// One of the numbers that a design is a function of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignVariable {
+    /// Unique: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` of a coordinate,
+    /// `lower_arm_front+lower_arm_rear_turn_x` of a turn.
+    pub name: String,
+    /// What it moves and over which range: an offset from the design in the study's length unit and axes, degrees
+    /// of a turn.
+    moved: Variable,
+    /// Whether it is the coordinate itself.
+    absolute: bool,
+}
+
+impl DesignVariable {
+    /// Those of a study: of `[optimise]`, else of `[sweep]`, else every coordinate of every hardpoint.
+    pub fn of(study: &Study) -> Vec<Self> {
+        if let Some(optimise) = &study.optimise {
+            return optimise.variables.iter().map(Self::tuned).collect();
+        }
+        match study.sweep.as_ref().map(|sweep| &sweep.designs) {
+            Some(Designs::Sampled(sampled)) => sampled.variables.iter().map(Self::swept).collect(),
+            Some(Designs::Given(table)) => table.variables.iter().map(Self::swept).collect(),
+            Some(Designs::File(_)) | None => Self::every_coordinate(&study.suspension),
+        }
+    }
+
+    /// The one of this name: of `[optimise]`, of `[sweep]`, or any coordinate of a hardpoint.
+    ///
+    /// # Errors
+    /// [`FunctionError::UnknownVariable`], with the name that comes nearest.
+    pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
+        let mut known = Self::of(study);
+        if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
+            known.extend(sampled.variables.iter().map(Self::swept));
+        }
+        let offsets = Self::every_coordinate(&study.suspension);
+        let coordinates: Vec<Self> = offsets.iter().map(|v| v.as_coordinate(&study.suspension)).collect();
+        known.extend(offsets.into_iter().chain(coordinates));
+        let meant = nearest(name, known.iter().map(|v| v.name.as_str()));
+        let meant = meant.map_or(String::new(), |near| format!("; did you mean {near}?"));
+        let found = known.iter().find(|v| v.name == name).cloned();
+        found.ok_or_else(|| FunctionError::UnknownVariable(name.to_owned(), meant))
+    }
+
+    fn tuned(variable: &Variable) -> Self {
+        DesignVariable {
+            name: variable.label(),
+            moved: variable.clone(),
+            absolute: false,
+        }
+    }
+
+    fn swept(variable: &SweepVariable) -> Self {
+        DesignVariable {
+            name: variable.name.clone(),
+            moved: Variable {
+                name: variable.name.clone(),
+                moves: variable.moves.clone(),
+                turn: None,
+                range: variable.range,
+                cost: 1.0,
+            },
+            absolute: variable.absolute,
+        }
+    }
+
+    /// Every coordinate of every hardpoint, by up to ten millimetres.
+    fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
+        let far = 0.01 * suspension.length_unit.per_metre();
+        let points = (0..suspension.design.len()).map(PointId);
+        let all = points.flat_map(|point| Axis::ALL.map(|axis| (point, axis)));
+        let variable = |(point, axis): (PointId, Axis)| Variable {
+            name: suspension.mechanism.name(point).to_owned(),
+            moves: vec![Move {
+                point,
+                axis,
+                factor: 1.0,
+            }],
+            turn: None,
+            range: [-far, far],
+            cost: 1.0,
+        };
+        all.map(|at| Self::tuned(&variable(at))).collect()
+    }
+
+    /// The coordinate itself in place of the offset.
+    fn as_coordinate(&self, suspension: &Suspension) -> Self {
+        let [m] = self.moved.moves[..] else {
+            return self.clone();
+        };
+        let at = suspension.design[m.point.0].to_array()[m.axis as usize];
+        let at = at * suspension.frame.sign(m.axis) + 0.0;
+        let mut moved = self.moved.clone();
+        moved.range = moved.range.map(|offset| at + offset);
+        DesignVariable {
+            name: format!("{}_{}", self.moved.name, m.axis.name()),
+            moved,
+            absolute: true,
+        }
+    }
+
+    /// Lowest and highest value, in the study's axes and length unit; degrees of a turn.
+    pub fn range(&self) -> [f64; 2] {
+        self.moved.range
+    }
+
+    /// As a column of a table of designs; `None` of a turn, which is none.
+    pub fn swept_as(&self) -> Option<SweepVariable> {
+        self.moved.turn.is_none().then(|| SweepVariable {
+            name: self.name.clone(),
+            moves: self.moved.moves.clone(),
+            absolute: self.absolute,
+            range: self.moved.range,
+            steps: None,
+        })
+    }
 }
 
 /// Curves of a study as a function of what its variables move.
 #[derive(Clone, Debug)]
 pub struct DesignFunction {
     suspension: Arc<Suspension>,
-    variables: Vec<SweepVariable>,
+    names: Vec<DesignVariable>,
+    /// What they move.
+    variables: Vec<Variable>,
     outputs: Vec<Output>,
     quantities: Vec<Quantity>,
     stations: Stations,
     /// The stations of the motion, in the order of the results.
     of_motion: Vec<usize>,
-    /// Each with what the design does to it.
+    /// The points that move.
     moved: Vec<PointId>,
 }
 
@@ -63,35 +192,19 @@ pub enum DesignStatus {
 }
 
 impl DesignFunction {
-    /// The outputs of a study over its motion, as a function of its variables: those of `[optimise]`, else of
-    /// `[sweep]`, else every coordinate of every hardpoint.
+    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]).
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
-        let variables = match (&study.optimise, &study.sweep) {
-            (Some(optimise), _) => {
-                let offsets = optimise.variables.iter();
-                let offset = |v: &crate::study::Variable| SweepVariable {
-                    name: offset_name(&v.moves, &study.suspension),
-                    moves: v.moves.clone(),
-                    absolute: false,
-                    range: v.range,
-                    steps: None,
-                };
-                offsets.map(offset).collect()
-            }
-            (None, Some(sweep)) => match &sweep.designs {
-                crate::study::Designs::Sampled(sampled) => sampled.variables.clone(),
-                crate::study::Designs::File(_) => every_coordinate(&study.suspension),
-            },
-            (None, None) => every_coordinate(&study.suspension),
-        };
-        DesignFunction::with_variables(study, variables)
+        DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
     /// As [`DesignFunction::of`], as a function of these variables.
     pub fn with_variables(
         study: &Study,
-        variables: Vec<SweepVariable>,
+        names: Vec<DesignVariable>,
     ) -> Result<Self, FunctionError> {
+        if study.axle.is_some() {
+            return Err(FunctionError::Axle);
+        }
         let is_own_drive = study.motion.drive != crate::study::Drive::PaperTheta;
         if study.formulation != Formulation::KnucklePose || !is_own_drive {
             return Err(FunctionError::Formulation);
@@ -110,16 +223,15 @@ impl DesignFunction {
             .of_motion()
             .map(|(rack, value)| stations.number(rack, value))
             .collect();
-        let mut moved: Vec<PointId> = variables
-            .iter()
-            .flat_map(|v| v.moves.iter().map(|m| m.point))
-            .collect();
+        let variables: Vec<Variable> = names.iter().map(|v| v.moved.clone()).collect();
+        let mut moved: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
         moved.sort_unstable();
         moved.dedup();
         let function = DesignFunction {
             suspension: Arc::new(study.suspension.clone()),
             quantities: outputs.iter().map(|o| o.quantity).collect(),
             outputs,
+            names,
             variables,
             stations,
             of_motion,
@@ -135,8 +247,8 @@ impl DesignFunction {
     }
 
     /// What moves, with names and ranges.
-    pub fn variables(&self) -> &[SweepVariable] {
-        &self.variables
+    pub fn variables(&self) -> &[DesignVariable] {
+        &self.names
     }
 
     /// Names of the outputs with their units, as columns have them.
@@ -163,11 +275,6 @@ impl DesignFunction {
         stations.map(at).collect()
     }
 
-    /// Every coordinate of every hardpoint of a study as a variable, by up to ten millimetres.
-    pub fn every_coordinate(study: &Study) -> Vec<SweepVariable> {
-        every_coordinate(&study.suspension)
-    }
-
     /// Number of stations.
     pub fn stations(&self) -> usize {
         self.of_motion.len()
@@ -188,53 +295,21 @@ impl DesignFunction {
     /// # Errors
     /// If the study's own design cannot be solved.
     pub fn evaluation(&self) -> Result<Evaluation<'_>, DesignFault> {
-        let Suspension {
-            mechanism, design, ..
-        } = &*self.suspension;
-        let slots = self
-            .quantities
-            .iter()
-            .fold(Slots::default(), |slots, q| slots.with(q.reads()));
-        let rockers: Vec<_> = self
-            .quantities
-            .iter()
-            .map(|q| q.rockers(mechanism))
-            .collect();
-        let steering_axis = slots.contain_steering_axis();
+        let (suspension, quantities) = (&*self.suspension, &self.quantities[..]);
+        let width = Some(Width::widest());
+        let gradients = GradientEvaluator::new(suspension, &self.stations, quantities, width)?;
         Ok(Evaluation {
             function: self,
-            evaluator: Evaluator::new(&self.suspension, &self.stations, &self.quantities)?,
-            block: Block::new(self.quantities.len(), self.stations.count()),
+            evaluator: Evaluator::new(suspension, &self.stations, quantities)?,
+            block: Block::new(quantities.len(), self.stations.count()),
+            gradients: gradients
+                .with_sensitivities_to(&self.moved)
+                .with_every_station(),
+            differentiated: Evaluated::default(),
             designs: Vec::new(),
-            slots,
-            toggles: Toggles::of(mechanism, rockers.into_iter().flatten()),
-            solver: Solver::new(mechanism, design)?,
-            series: DesignSeries::new(mechanism, design)
-                .with_steering_axis(steering_axis)
-                .with_sensitivities_to(mechanism, &self.moved),
-            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
+            offsets: DVector::zeros(self.variables.len()),
+            ways: Vec::new(),
         })
-    }
-
-    /// The design at offsets (or coordinates, where a variable is absolute).
-    fn design(&self, x: &[f64], into: &mut [Vector3<f64>]) {
-        let Suspension { design, frame, .. } = &*self.suspension;
-        into.copy_from_slice(design);
-        for (variable, value) in self.variables.iter().zip(x) {
-            for m in &variable.moves {
-                let sign = frame.sign(m.axis);
-                let point = &mut into[m.point.0];
-                let coordinate = match m.axis {
-                    Axis::X => &mut point.x,
-                    Axis::Y => &mut point.y,
-                    Axis::Z => &mut point.z,
-                };
-                match variable.absolute {
-                    true => *coordinate = sign * value,
-                    false => *coordinate += sign * m.factor * value,
-                }
-            }
-        }
     }
 }
 
@@ -243,12 +318,11 @@ pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     evaluator: Evaluator<'f>,
     block: Block,
+    gradients: GradientEvaluator<'f>,
+    differentiated: Evaluated,
     designs: Vec<Vector3<f64>>,
-    slots: Slots,
-    toggles: Toggles,
-    solver: Solver<'f>,
-    series: DesignSeries<2>,
-    buffer: Vec<Vector3<Jet<f64, 2>>>,
+    offsets: DVector<f64>,
+    ways: Vec<Way>,
 }
 
 impl Evaluation<'_> {
@@ -259,18 +333,14 @@ impl Evaluation<'_> {
     /// If the slices do not fit each other.
     pub fn values(&mut self, x: &[f64], values: &mut [f64], status: &mut [DesignStatus]) {
         let f = self.function;
-        let (width, points) = (f.variables.len(), f.suspension.design.len());
+        let width = f.variables.len();
         let count = status.len();
         assert_eq!(x.len(), count * width, "a row of variables for each design");
         assert_eq!(values.len(), count * f.len(), "room for each design");
         let mut first = 0;
         while first < count {
             let now = (count - first).min(BLOCK);
-            self.designs.resize(now * points, Vector3::default());
-            for (number, design) in self.designs.chunks_mut(points).enumerate() {
-                let row = (first + number) * width;
-                f.design(&x[row..row + width], design);
-            }
+            self.place(&x[first * width..(first + now) * width], now);
             self.evaluator.evaluate(&self.designs, &mut self.block);
             for number in 0..now {
                 let at = (first + number) * f.len();
@@ -296,8 +366,9 @@ impl Evaluation<'_> {
         }
     }
 
-    /// The values of one design and their derivatives by the variables, exact: `jacobian` gets
-    /// `[output][station][variable]`, per length unit.
+    /// The values of several designs and their derivatives by the variables, exact, found together: `jacobian` gets
+    /// `[design][output][station][variable]`, per length unit (per degree of a turn). Designs go side by side in
+    /// SIMD lanes where what is asked for can be differentiated there, else one by one.
     ///
     /// # Panics
     /// If the slices do not fit each other.
@@ -306,89 +377,85 @@ impl Evaluation<'_> {
         x: &[f64],
         values: &mut [f64],
         jacobian: &mut [f64],
-    ) -> DesignStatus {
+        status: &mut [DesignStatus],
+    ) {
         let f = self.function;
-        let width = f.variables.len();
-        let mut status = [DesignStatus::Ok];
-        self.values(x, values, &mut status);
-        assert_eq!(jacobian.len(), f.len() * width, "room for each derivative");
-        jacobian.fill(f64::NAN);
-        match self.differentiate(x, jacobian) {
-            Ok(()) => status[0],
-            Err(_) => DesignStatus::Faulty,
+        let (width, count) = (f.variables.len(), status.len());
+        assert_eq!(x.len(), count * width, "a row of variables for each design");
+        assert_eq!(values.len(), count * f.len(), "room for each design");
+        assert_eq!(jacobian.len(), values.len() * width, "room for each derivative");
+        let at_once = self.gradients.at_once();
+        for first in (0..count).step_by(at_once) {
+            let now = at_once.min(count - first);
+            self.place(&x[first * width..(first + now) * width], now);
+            self.gradients.evaluate(&self.designs, &mut self.differentiated);
+            for number in 0..now {
+                let design = first + number;
+                self.differentiate(&x[design * width..(design + 1) * width]);
+                let at = design * f.len();
+                status[design] = self.read(
+                    number,
+                    &mut values[at..at + f.len()],
+                    &mut jacobian[at * width..(at + f.len()) * width],
+                );
+            }
         }
     }
 
-    fn differentiate(&mut self, x: &[f64], jacobian: &mut [f64]) -> Result<(), DesignFault> {
-        let Evaluation {
-            function: f,
-            slots,
-            toggles,
-            solver,
-            series,
-            buffer,
-            designs,
-            ..
-        } = self;
-        let Suspension {
-            mechanism,
-            design,
-            frame,
-            ..
-        } = &*f.suspension;
-        let constants = Constants::of(&f.suspension);
-        designs.resize(design.len(), Vector3::default());
-        f.design(x, designs);
-        solver.prepare(designs)?;
-        series.prepare(mechanism, designs);
-        let (count, width) = (f.of_motion.len(), f.variables.len());
-        let drive = f.stations.drive;
-        for (r, rack) in f.stations.racks.iter().enumerate() {
-            let rack = *rack;
-            toggles.begin(solver, drive, rack)?;
-            solver.for_each_pose(drive, &f.stations.station_order, rack, |solver, v, pose| {
-                let number = f.stations.number(r, v);
-                let Some(s) = f.of_motion.iter().position(|own| *own == number) else {
-                    return ControlFlow::Continue(());
-                };
-                let motion = MotionPoint {
-                    drive,
-                    value: f.stations.values()[v],
-                    rack,
-                };
-                let linearised = pose
-                    .and_then(|pose| solver.linearised(series, pose, &motion.along_drive::<2>()));
-                let Ok(linearised) = linearised else {
-                    return ControlFlow::Continue(());
-                };
-                if toggles.note(&linearised.at, motion.value).is_some() {
-                    return ControlFlow::Continue(());
-                }
-                let reading = WheelReading::reading(&linearised.at, constants, *slots);
-                for (k, output) in f.outputs.iter().enumerate() {
-                    let row = &mut jacobian[(k * count + s) * width..][..width];
-                    row.fill(0.0);
-                    let add = |_: usize, point: PointId, by: Vector3<f64>| {
-                        for (entry, variable) in row.iter_mut().zip(&f.variables) {
-                            for m in variable.moves.iter().filter(|m| m.point == point) {
-                                let factor = match variable.absolute {
-                                    true => 1.0,
-                                    false => m.factor,
-                                };
-                                let by = by.to_array()[m.axis as usize];
-                                *entry += by * frame.sign(m.axis) * factor * output.factor;
-                            }
-                        }
-                    };
-                    reading.gradients(&linearised, output.quantity, 0, buffer, add);
-                }
-                ControlFlow::Continue(())
-            })?;
+    /// Puts so many designs in place.
+    fn place(&mut self, x: &[f64], count: usize) {
+        let (width, points) = (self.offsets.len(), self.function.suspension.design.len());
+        self.designs.resize(count * points, Vector3::default());
+        for number in 0..count {
+            let x = &x[number * width..(number + 1) * width];
+            self.function.offsets(x, &mut self.offsets);
+            let into = &mut self.designs[number * points..(number + 1) * points];
+            self.function.design(x, &self.offsets, into);
         }
-        Ok(())
     }
 
-    /// Why a station of the last designs has no pose, in words: (design, station of the motion, reason).
+    /// Finds how the variables move the points at `x`.
+    fn differentiate(&mut self, x: &[f64]) {
+        let f = self.function;
+        let Suspension { design, frame, .. } = &*f.suspension;
+        f.offsets(x, &mut self.offsets);
+        ways(design, frame, &f.variables, &self.offsets, &mut self.ways);
+    }
+
+    /// Copies what was found of a design by its place, derivatives by the variables in place of those by points.
+    fn read(&self, number: usize, values: &mut [f64], jacobian: &mut [f64]) -> DesignStatus {
+        let f = self.function;
+        let (found, width) = (&self.differentiated, f.variables.len());
+        let mut status = DesignStatus::Ok;
+        for (k, output) in f.outputs.iter().enumerate() {
+            for (s, station) in f.of_motion.iter().enumerate() {
+                let place = k * f.of_motion.len() + s;
+                let row = &mut jacobian[place * width..(place + 1) * width];
+                let value = found.value(number, k, *station) * output.factor;
+                if !found.is_solved(number, *station) || !value.is_finite() {
+                    values[place] = f64::NAN;
+                    row.fill(f64::NAN);
+                    continue;
+                }
+                values[place] = value;
+                row.fill(0.0);
+                let gradient = found.gradient(number, k, *station);
+                for way in &self.ways {
+                    row[way.column] += gradient[way.point].dot(way.by) * output.factor;
+                }
+            }
+        }
+        if f.of_motion.iter().any(|s| !found.is_solved(number, *s)) {
+            status = DesignStatus::Failed;
+        }
+        match found.unsolved(number) {
+            Some(Unsolved::Fault(_)) => DesignStatus::Faulty,
+            _ => status,
+        }
+    }
+
+    /// Why a station of the designs whose values were last asked for has no pose: (design, station of the motion,
+    /// reason).
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &Failure)> {
         let f = self.function;
         self.block.failures().iter().filter_map(|failure| {
@@ -398,32 +465,28 @@ impl Evaluation<'_> {
     }
 }
 
-/// `tie_rod_inner_dz`, or `lower_arm_front+lower_arm_rear_dz`.
-fn offset_name(moves: &[Move], suspension: &Suspension) -> String {
-    let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
-    let axis = moves.first().map_or("", |m| m.axis.name());
-    format!("{}_d{axis}", names.collect::<Vec<_>>().join("+"))
-}
-
-/// Every coordinate of every hardpoint, by up to ten millimetres.
-fn every_coordinate(suspension: &Suspension) -> Vec<SweepVariable> {
-    let far = 0.01 * suspension.length_unit.per_metre();
-    let points = (0..suspension.design.len()).map(PointId);
-    let variable = |point: PointId, axis: Axis| {
-        let moves = vec![Move {
-            point,
-            axis,
-            factor: 1.0,
-        }];
-        SweepVariable {
-            name: offset_name(&moves, suspension),
-            moves,
-            absolute: false,
-            range: [-far, far],
-            steps: None,
+impl DesignFunction {
+    /// The offsets from the design among `x`; those of coordinates are 0.
+    fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
+        for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
+            *into = if variable.absolute { 0.0 } else { *x };
         }
-    };
-    points
-        .flat_map(|point| Axis::ALL.map(|axis| variable(point, axis)))
-        .collect()
+    }
+
+    /// The design at offsets and, where a variable is one, coordinates.
+    fn design(&self, x: &[f64], offsets: &DVector<f64>, into: &mut [Vector3<f64>]) {
+        let Suspension { design, frame, .. } = &*self.suspension;
+        moved_design(design, frame, &self.variables, offsets, into);
+        for (variable, value) in self.names.iter().zip(x).filter(|(v, _)| v.absolute) {
+            for m in &variable.moved.moves {
+                let point = &mut into[m.point.0];
+                let coordinate = match m.axis {
+                    Axis::X => &mut point.x,
+                    Axis::Y => &mut point.y,
+                    Axis::Z => &mut point.z,
+                };
+                *coordinate = frame.sign(m.axis) * m.factor * value;
+            }
+        }
+    }
 }

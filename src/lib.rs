@@ -89,7 +89,7 @@ pub mod study;
 pub mod sweep;
 pub mod tolerance;
 
-pub use function::{DesignFunction, DesignStatus, Evaluation, FunctionError};
+pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
 pub use mechanism::{BuildError, SuspensionBuilder};
 pub use model::{FrameConvention, LengthUnit, Side, Suspension, Topology, Vehicle};
 pub use nalgebra;

@@ -49,7 +49,7 @@ impl Mutant<'_> {
             stations,
             sweep: study.sweep.map(|sweep| match sweep.designs {
                 Designs::Sampled(sampled) => sampled.samples * (sampled.variables.len() as u64 + 2),
-                Designs::File(_) => 0,
+                Designs::File(_) | Designs::Given(_) => 0,
             }),
             tuning: study
                 .optimise

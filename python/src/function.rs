@@ -2,8 +2,8 @@
 
 use crate::errors::failure;
 use crate::study::Study;
-use crate::threads::on_threads;
-use hardpoint::{DesignFunction, DesignStatus};
+use crate::threads::{checked, on_threads};
+use hardpoint::{DesignFunction, DesignStatus, DesignVariable, Evaluation};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyReadonlyArray2,
     PyUntypedArrayMethods,
@@ -11,10 +11,11 @@ use numpy::{
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// Designs between two looks for Ctrl-C.
-const PIECE: usize = 65_536;
-/// Designs that one thread takes at a time.
+/// Designs that one thread takes at a time: of values, and of values with Jacobians, which take longer.
 const CHUNK: usize = 128;
+const DIFFERENTIATED: usize = 32;
+/// Chunks between two looks for Ctrl-C.
+const GROUP: usize = 512;
 
 /// A pure function of the design.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
@@ -24,55 +25,44 @@ pub(crate) struct Function {
     name: String,
 }
 
+/// Designs of one chunk, and where their results go.
+struct Chunk<'a> {
+    x: &'a [f64],
+    values: &'a mut [f64],
+    jacobian: &'a mut [f64],
+    status: &'a mut [DesignStatus],
+}
+
 #[pymethods]
 impl Function {
     #[new]
     #[pyo3(signature = (study, variables=None))]
     fn new(py: Python<'_>, study: &Study, variables: Option<Vec<String>>) -> PyResult<Self> {
-        let function = py
-            .detach(|| DesignFunction::of(&study.study))
-            .map_err(|e| failure(e.to_string()))?;
-        let function = match variables {
-            None => function,
-            Some(names) => {
-                let every = DesignFunction::every_coordinate(&study.study);
-                let mut chosen = Vec::new();
-                for name in names {
-                    let known = function.variables().iter().chain(&every);
-                    let found = known.into_iter().find(|v| v.name == name);
-                    let Some(found) = found else {
-                        return Err(failure(format!(
-                            "there is no variable {name:?}; a hardpoint with its axis is meant, as in \
-                             tie_rod_inner_dz"
-                        )));
-                    };
-                    chosen.push(found.clone());
-                }
-                DesignFunction::with_variables(&study.study, chosen)
-                    .map_err(|e| failure(e.to_string()))?
-            }
+        let own = &study.study;
+        let variables = match variables {
+            None => Ok(DesignVariable::of(own)),
+            Some(names) => names.iter().map(|n| DesignVariable::named(n, own)).collect(),
         };
+        let function = variables
+            .and_then(|variables| py.detach(|| DesignFunction::with_variables(own, variables)));
         Ok(Function {
-            function,
-            text: study.study.text.clone(),
-            name: study.study.name.clone(),
+            function: function.map_err(|e| failure(e.to_string()))?,
+            text: own.text.clone(),
+            name: own.name.clone(),
         })
     }
 
     #[getter]
     fn variables(&self) -> Vec<String> {
-        self.function
-            .variables()
-            .iter()
-            .map(|v| v.name.clone())
-            .collect()
+        let variables = self.function.variables().iter();
+        variables.map(|v| v.name.clone()).collect()
     }
 
     /// Lowest and highest value of each variable, (variables, 2).
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let variables = self.function.variables();
-        let flat: Vec<f64> = variables.iter().flat_map(|v| v.range).collect();
+        let flat: Vec<f64> = variables.iter().flat_map(DesignVariable::range).collect();
         flat.into_pyarray(py).reshape([variables.len(), 2])
     }
 
@@ -100,41 +90,26 @@ impl Function {
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<u8>>)> {
         let f = &self.function;
         let (x, n) = self.rows(&x)?;
-        let shape = [n, f.outputs().len(), f.stations()];
-        let values = PyArray3::<f64>::zeros(py, shape, false);
+        let values = PyArray3::<f64>::zeros(py, [n, f.outputs().len(), f.stations()], false);
         let mut status = vec![DesignStatus::Ok; n];
         {
             let mut write = values.readwrite();
-            let into = write.as_slice_mut()?;
             let (k, row) = (f.variables().len(), f.len());
-            for ((x, into), status) in x
-                .chunks((PIECE * k).max(1))
-                .zip(into.chunks_mut((PIECE * row).max(1)))
-                .zip(status.chunks_mut(PIECE))
-            {
-                py.detach(|| {
-                    on_threads(threads, || {
-                        x.par_chunks((CHUNK * k).max(1))
-                            .zip(into.par_chunks_mut(CHUNK * row))
-                            .zip(status.par_chunks_mut(CHUNK))
-                            .try_for_each_init(
-                                || f.evaluation(),
-                                |evaluation, ((x, into), status)| match evaluation {
-                                    Ok(evaluation) => {
-                                        evaluation.values(x, into, status);
-                                        Ok(())
-                                    }
-                                    Err(_) => Err(()),
-                                },
-                            )
-                    })
-                })?
-                .map_err(|()| failure("the study's own design cannot be solved"))?;
-                py.check_signals()?;
-            }
+            let chunks = (write.as_slice_mut()?.chunks_mut(CHUNK * row))
+                .zip(status.chunks_mut(CHUNK))
+                .enumerate()
+                .map(|(number, (values, status))| Chunk {
+                    x: &x[number * CHUNK * k..][..status.len() * k],
+                    values,
+                    jacobian: &mut [],
+                    status,
+                })
+                .collect();
+            self.carry_out(py, threads, chunks, |evaluation, chunk| {
+                evaluation.values(chunk.x, chunk.values, chunk.status);
+            })?;
         }
-        let status: Vec<u8> = status.into_iter().map(|s| s as u8).collect();
-        Ok((values, status.into_pyarray(py)))
+        Ok((values, words(status).into_pyarray(py)))
     }
 
     /// Values and exact Jacobians of designs (n, variables): (n, outputs, stations) and (n, outputs, stations,
@@ -158,41 +133,29 @@ impl Function {
         let mut status = vec![DesignStatus::Ok; n];
         {
             let (mut write_y, mut write_j) = (values.readwrite(), jacobian.readwrite());
-            let (y, j) = (write_y.as_slice_mut()?, write_j.as_slice_mut()?);
             let row = f.len();
-            // Small enough that Ctrl-C is heard soon.
-            let piece = 512;
-            for (((x, y), j), status) in x
-                .chunks((piece * k).max(1))
-                .zip(y.chunks_mut((piece * row).max(1)))
-                .zip(j.chunks_mut((piece * row * k).max(1)))
-                .zip(status.chunks_mut(piece))
-            {
-                let all = x
-                    .par_chunks(k.max(1))
-                    .zip(y.par_chunks_mut(row))
-                    .zip(j.par_chunks_mut((row * k).max(1)))
-                    .zip(status.par_iter_mut());
-                py.detach(|| {
-                    on_threads(if n == 1 { Some(1) } else { threads }, || {
-                        all.try_for_each_init(
-                            || f.evaluation(),
-                            |evaluation, (((x, y), j), status)| match evaluation {
-                                Ok(evaluation) => {
-                                    *status = evaluation.value_and_jacobian(x, y, j);
-                                    Ok(())
-                                }
-                                Err(_) => Err(()),
-                            },
-                        )
-                    })
-                })?
-                .map_err(|()| failure("the study's own design cannot be solved"))?;
-                py.check_signals()?;
-            }
+            let chunks = (write_y.as_slice_mut()?.chunks_mut(DIFFERENTIATED * row))
+                .zip(write_j.as_slice_mut()?.chunks_mut((DIFFERENTIATED * row * k).max(1)))
+                .zip(status.chunks_mut(DIFFERENTIATED))
+                .enumerate()
+                .map(|(number, ((values, jacobian), status))| Chunk {
+                    x: &x[number * DIFFERENTIATED * k..][..status.len() * k],
+                    values,
+                    jacobian,
+                    status,
+                })
+                .collect();
+            self.carry_out(py, threads, chunks, |evaluation, chunk| {
+                let Chunk {
+                    x,
+                    values,
+                    jacobian,
+                    status,
+                } = chunk;
+                evaluation.value_and_jacobian(x, values, jacobian, status);
+            })?;
         }
-        let status: Vec<u8> = status.into_iter().map(|s| s as u8).collect();
-        Ok((values, jacobian, status.into_pyarray(py)))
+        Ok((values, jacobian, words(status).into_pyarray(py)))
     }
 
     fn __repr__(&self) -> String {
@@ -229,4 +192,40 @@ impl Function {
         let slice = slice.map_err(|_| failure("x is not contiguous in C order"))?;
         Ok((slice, shape[0]))
     }
+
+    /// Evaluates chunks: on the calling thread where there is one of either, else on so many threads.
+    fn carry_out(
+        &self,
+        py: Python<'_>,
+        threads: Option<usize>,
+        mut chunks: Vec<Chunk<'_>>,
+        work: impl Fn(&mut Evaluation<'_>, &mut Chunk<'_>) + Send + Sync,
+    ) -> PyResult<()> {
+        checked(threads)?;
+        let f = &self.function;
+        let alone = threads == Some(1) || chunks.len() == 1;
+        for group in chunks.chunks_mut(GROUP) {
+            let done = py.detach(|| match alone {
+                true => Ok(f.evaluation().map(|mut evaluation| {
+                    group.iter_mut().for_each(|chunk| work(&mut evaluation, chunk));
+                })),
+                false => on_threads(threads, || {
+                    group.par_iter_mut().try_for_each_init(
+                        || f.evaluation(),
+                        |evaluation, chunk| match evaluation {
+                            Ok(evaluation) => Ok(work(evaluation, chunk)),
+                            Err(fault) => Err(fault.clone()),
+                        },
+                    )
+                }),
+            })?;
+            done.map_err(|_| failure("the study's own design cannot be solved"))?;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+}
+
+fn words(status: Vec<DesignStatus>) -> Vec<u8> {
+    status.into_iter().map(|s| s as u8).collect()
 }

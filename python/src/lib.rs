@@ -9,10 +9,12 @@
     reason = "tuples of arrays are what Python takes and gives"
 )]
 
+mod axle;
 mod errors;
 mod function;
 mod study;
 mod sweep;
+mod tables;
 mod threads;
 mod tuning;
 
@@ -35,6 +37,8 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::solve, module)?)?;
     module.add_function(wrap_pyfunction!(study::limits, module)?)?;
     module.add_function(wrap_pyfunction!(study::check, module)?)?;
+    module.add_function(wrap_pyfunction!(study::schema, module)?)?;
+    module.add_function(wrap_pyfunction!(tables::read_tables, module)?)?;
     module.add_function(wrap_pyfunction!(study::command, module)?)?;
     module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;

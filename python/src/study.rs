@@ -66,6 +66,13 @@ impl Study {
         self.study.suspension.length_unit.symbol()
     }
 
+    /// Names of what moves in functions and sweeps of the study, unless others are given.
+    #[getter]
+    fn variables(&self) -> Vec<String> {
+        let variables = hardpoint::DesignVariable::of(&self.study);
+        variables.into_iter().map(|v| v.name).collect()
+    }
+
     /// Names of the points.
     #[getter]
     fn points(&self) -> Vec<String> {
@@ -141,6 +148,16 @@ impl Study {
         format!("{}.toml", self.study.name)
     }
 
+    /// The study of one wheel; one of an axle is refused, by the name of what it was asked for.
+    pub(crate) fn corner(&self, what: &str) -> PyResult<&hardpoint::study::Study> {
+        match self.study.axle {
+            None => Ok(&self.study),
+            Some(_) => Err(failure(format!(
+                "axle: {what} is not yet there for an axle; without [axle] the study is of one wheel"
+            ))),
+        }
+    }
+
     /// A fault of the study's own design.
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
         failure(fault.describe(&self.study.suspension.mechanism))
@@ -161,10 +178,19 @@ pub(crate) fn template(topology: &str) -> PyResult<&'static str> {
     Ok(known.template)
 }
 
+/// The JSON schema of studies, as text.
+#[pyfunction]
+pub(crate) fn schema() -> String {
+    hardpoint::study::schema().to_string()
+}
+
 /// The curves: columns, stations, statuses and, where the study asks for them, sensitivities.
 #[pyfunction]
 pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = &study.study;
+    if let Some(axle) = &own.axle {
+        return crate::axle::solve(py, axle);
+    }
     let plan = Plan::of(own);
     let found = py.detach(|| curves(&own.suspension, &plan));
     let found = found.map_err(|fault| study.fault(&fault))?;
@@ -187,14 +213,23 @@ pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
         _ => s.angle,
     };
     result.set_item("drive", column(&mut stations.iter().map(drive)))?;
-    result.set_item("travel", column(&mut stations.iter().map(|s| s.travel)))?;
-    result.set_item("rack", column(&mut stations.iter().map(|s| Some(s.rack))))?;
-    result.set_item("time", column(&mut stations.iter().map(|s| s.time)))?;
+    let motion = PyDict::new(py);
+    let unit = own.suspension.length_unit.symbol();
+    if own.motion.drive.is_angle() {
+        let name = format!("{}_deg", own.motion.drive.key());
+        motion.set_item(name, column(&mut stations.iter().map(|s| s.angle)))?;
+    }
+    let travels = column(&mut stations.iter().map(|s| s.travel));
+    motion.set_item(format!("travel_{unit}"), travels)?;
+    let racks = column(&mut stations.iter().map(|s| Some(s.rack)));
+    motion.set_item(format!("rack_{unit}"), racks)?;
+    if plan.time.is_some() {
+        motion.set_item("time_s", column(&mut stations.iter().map(|s| s.time)))?;
+    }
+    result.set_item("motion", motion)?;
     let words: Vec<&str> = stations.iter().map(|s| s.status.word()).collect();
     result.set_item("status", words)?;
-    if plan.sensitivities.is_empty() {
-        result.set_item("sensitivities", py.None())?;
-    } else {
+    if !plan.sensitivities.is_empty() {
         let points = &plan.sensitivities;
         let shape = [stations.len(), found.columns.len(), points.len(), 3];
         let array = PyArray4::<f64>::zeros(py, shape, false);
@@ -218,7 +253,7 @@ pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
 /// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let suspension = &study.study.suspension;
+    let suspension = &study.corner("limits")?.suspension;
     let found = py.detach(|| {
         Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
     });

@@ -3,9 +3,10 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
-use hardpoint::study::StudyErrors;
+use hardpoint::DesignVariable;
+use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
 use hardpoint::sweep::{NotBegun, Rows, SweepPlan, in_order};
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -21,19 +22,62 @@ fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     }
 }
 
-/// The rows of a sweep: a column for each variable and output, the numbers of the designs that failed and why.
+/// The designs of a study's own `[sweep]`.
+fn own_sweep(study: &Study) -> PyResult<&Sweep> {
+    let sweep = study.corner("sweep")?.sweep.as_ref();
+    sweep.ok_or_else(|| {
+        failure("the study has no [sweep], which says which designs there are; give them as x")
+    })
+}
+
+/// The designs given as rows of an array, a column for each of these variables.
+fn given(
+    study: &Study,
+    x: &PyReadonlyArray2<'_, f64>,
+    variables: Option<Vec<String>>,
+) -> PyResult<Sweep> {
+    let own = study.corner("sweep")?;
+    let variables: Result<Vec<_>, _> = match variables {
+        None => Ok(DesignVariable::of(own)),
+        Some(names) => names.iter().map(|n| DesignVariable::named(n, own)).collect(),
+    };
+    let variables = variables.map_err(|e| failure(e.to_string()))?;
+    let swept = variables.iter().map(|variable| {
+        let turns = || failure(format!("{} is a turn, which sweeps do not know", variable.name));
+        variable.swept_as().ok_or_else(turns)
+    });
+    let (shape, k) = (x.shape(), variables.len());
+    if shape[1] != k {
+        return Err(failure(format!(
+            "x has shape {shape:?}; expected (n, {k}), a column for each of variables"
+        )));
+    }
+    let values = x.as_slice();
+    let values = values.map_err(|_| failure("x is not contiguous in C order"))?;
+    let table = DesignTable::of(swept.collect::<PyResult<_>>()?, values.to_vec());
+    Ok(Sweep {
+        designs: Designs::Given(table.map_err(|reason| failure(format!("x: {reason}")))?),
+        curves: false,
+        format: FileFormat::Csv,
+    })
+}
+
+/// The rows of a sweep: a column for each variable and output, the numbers of the designs that failed and why. Of
+/// the study's own designs, or of those in the rows of `x`.
 #[pyfunction]
-#[pyo3(signature = (study, threads=None))]
+#[pyo3(signature = (study, x=None, variables=None, threads=None))]
 pub(crate) fn sweep<'py>(
     py: Python<'py>,
     study: &Study,
+    x: Option<PyReadonlyArray2<'py, f64>>,
+    variables: Option<Vec<String>>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = &study.study;
-    let Some(sweep) = &own.sweep else {
-        return Err(failure(
-            "the study has no [sweep], which says which designs there are",
-        ));
+    let given = x.map(|x| given(study, &x, variables)).transpose()?;
+    let sweep = match &given {
+        Some(sweep) => sweep,
+        None => own_sweep(study)?,
     };
     let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
     let record = &plan.record;
@@ -99,12 +143,7 @@ pub(crate) fn sweep<'py>(
 /// The number of parts of a study's sweep, each 131,072 designs or a little fewer.
 #[pyfunction]
 pub(crate) fn sweep_parts(study: &Study) -> PyResult<u64> {
-    let own = &study.study;
-    let Some(sweep) = &own.sweep else {
-        return Err(failure(
-            "the study has no [sweep], which says which designs there are",
-        ));
-    };
-    let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
+    let sweep = own_sweep(study)?;
+    let plan = SweepPlan::of(&study.study, sweep).map_err(|e| not_begun(study, e))?;
     Ok(plan.record.parts())
 }

@@ -11,21 +11,25 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 type Pools = Mutex<HashMap<(u32, usize), Arc<ThreadPool>>>;
 
-/// Runs something on so many threads; `None` is one for each processor, 1 the calling thread and no pool.
+/// Refuses a number of threads that is none.
+pub(crate) fn checked(threads: Option<usize>) -> PyResult<()> {
+    match threads {
+        Some(0) => Err(failure(
+            "threads is 0; expected at least 1, or None for all",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Runs something in a pool of so many threads; `None` is one for each processor.
 pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     run: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
     static POOLS: OnceLock<Pools> = OnceLock::new();
-    let threads = match threads {
-        Some(0) => {
-            return Err(failure(
-                "threads is 0; expected at least 1, or None for all",
-            ));
-        }
-        Some(threads) => threads,
-        None => std::thread::available_parallelism().map_or(1, usize::from),
-    };
+    checked(threads)?;
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.unwrap_or_else(cores);
     let key = (std::process::id(), threads);
     let mut pools = POOLS
         .get_or_init(Pools::default)

@@ -4,9 +4,19 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
 use hardpoint::optimise::{Control, Evaluation, LeastSquares, Objective, TargetLayout, tune};
+use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+/// A study and its `[optimise]`.
+fn tuned(study: &Study) -> PyResult<(&hardpoint::study::Study, &Optimise)> {
+    let own = study.corner("optimise")?;
+    let optimise = own.optimise.as_ref().ok_or_else(|| {
+        failure("the study has no [optimise], which says what may move and what is wanted")
+    })?;
+    Ok((own, optimise))
+}
 
 /// Tunes a study towards its targets.
 #[pyfunction]
@@ -16,12 +26,7 @@ pub(crate) fn optimise<'py>(
     study: &Study,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let own = &study.study;
-    let Some(optimise) = &own.optimise else {
-        return Err(failure(
-            "the study has no [optimise], which says what may move and what is wanted",
-        ));
-    };
+    let (own, optimise) = tuned(study)?;
     let tuning = py.detach(|| {
         on_threads(threads, || {
             tune(&own.suspension, &own.motion, optimise, Control::default())
@@ -31,7 +36,7 @@ pub(crate) fn optimise<'py>(
     let tuning = tuning.map_err(|fault| study.fault(&fault))?;
     let result = PyDict::new(py);
     result.set_item("before", tuning.before.as_ref().map(|b| b.misfit).ok())?;
-    let names: Vec<&str> = optimise.variables.iter().map(|v| v.name.as_str()).collect();
+    let names: Vec<String> = optimise.variables.iter().map(Variable::label).collect();
     result.set_item("variables", names)?;
     match &tuning.best {
         None => {
@@ -63,12 +68,7 @@ pub(crate) struct Residuals {
 impl Residuals {
     #[new]
     fn new(study: &Study) -> PyResult<Self> {
-        let own = &study.study;
-        let Some(optimise) = &own.optimise else {
-            return Err(failure(
-                "the study has no [optimise], which says what may move and what is wanted",
-            ));
-        };
+        let (own, optimise) = tuned(study)?;
         let layout = TargetLayout::of(
             optimise,
             &own.motion,
@@ -84,7 +84,7 @@ impl Residuals {
     #[getter]
     fn variables(&self) -> Vec<String> {
         let variables = self.study.optimise.iter().flat_map(|o| &o.variables);
-        variables.map(|v| v.name.clone()).collect()
+        variables.map(Variable::label).collect()
     }
 
     #[getter]
@@ -138,7 +138,7 @@ impl Residuals {
     fn evaluated<const N: usize>(
         &self,
         x: &[f64],
-        variables: &[hardpoint::study::Variable],
+        variables: &[Variable],
     ) -> PyResult<Evaluation> {
         let suspension = &self.study.suspension;
         let objective = Objective::<N>::new(suspension, variables, &self.layout);

@@ -4,7 +4,8 @@ import pytest
 
 import hardpoint as hp
 
-STUDIES = Path(__file__).parents[2] / "studies"
+ROOT = Path(__file__).parents[2]
+STUDIES = ROOT / "studies"
 
 
 @pytest.fixture

@@ -48,26 +48,116 @@ def test_jacobians_are_derivatives(name):
 def test_hostile_arrays_are_exceptions(front):
     f = front.function()
     k = len(f.variables)
-    for bad in (np.zeros(k + 1), np.zeros((2, 2, k)), np.zeros((0,)), np.float64(1.0)):
+    words, nested, complex_ = np.array(["a"] * k), [[0.0], [0.0, 1.0]], np.full(k, 1j)
+    shapes = np.zeros(k + 1), np.zeros((2, 2, k)), np.zeros((0,)), np.float64(1.0), np.zeros((k, 0)), [], {}
+    for bad in (*shapes, words, nested, np.full(k, None), "text", None):
+        for call in (f, f.value_and_jacobian, f.status):
+            with pytest.raises(hp.HardpointError, match="expected"):
+                call(bad)
         with pytest.raises(hp.HardpointError, match="expected"):
-            f(bad)
-    with pytest.raises((TypeError, ValueError)):
-        f(np.array(["a"] * k))
-    with pytest.raises(hp.HardpointError, match="threads"):
-        f(np.zeros(k), threads=0)
-    with pytest.raises(hp.HardpointError, match="no variable"):
-        front.function(["tie_rod_inner_dq"])
-    for bad in (np.nan, np.inf, 1e300):
+            hp.sweep(front, bad if bad is not None else words)
+    with pytest.warns(np.exceptions.ComplexWarning):
+        f(complex_)
+    for threads in (0, -1, 2**70):
+        with pytest.raises((hp.HardpointError, OverflowError)):
+            f(np.zeros(k), threads=threads)
+    # An address space of its own would be needed for the answer.
+    huge = np.broadcast_to(np.zeros(k), (2**40, k))
+    with pytest.raises((MemoryError, hp.HardpointError)):
+        f(huge)
+    for name in ("tie_rod_inner_dq", "", "tie_rod_inner_dz\0", "x" * 10_000):
+        with pytest.raises(hp.HardpointError, match="no variable"):
+            front.function([name])
+    with pytest.raises(hp.HardpointError, match="did you mean tie_rod_inner_dz"):
+        front.function(["tie_rod_iner_dz"])
+    for bad in (np.nan, np.inf, -np.inf, 1e300, 1e150, -1e8):
         x = np.full((2, k), bad)
         x[1] = 0.0
         values, status = f(x), f.status(x)
         assert np.isnan(values[0]).all() and not np.isnan(values[1]).any()
+        y, jacobian = f.value_and_jacobian(x)
+        assert np.isnan(y[0]).all() and np.isnan(jacobian[0]).all() and not np.isnan(jacobian[1]).any()
         assert f.words[status[0]] != "ok" and f.words[status[1]] == "ok"
     read_only = np.zeros((3, k))
     read_only.flags.writeable = False
     assert f(read_only).shape == (3, len(f.outputs), len(f.stations))
     assert f(np.asfortranarray(designs(f, 5))).shape[0] == 5
     assert f(np.zeros((0, k))).shape[0] == 0
+    # Any number type, any strides, either byte order.
+    exact = f(np.ones((4, k)))
+    for same in (np.ones((4, k), np.int8), np.ones((4, k), ">f8"), np.ones((8, 2 * k))[::2, ::2], [[1] * k] * 4):
+        np.testing.assert_array_equal(f(same), exact)
+
+
+def test_values_and_jacobians_are_found_together(front):
+    """One design alone is as among others; where a station has no pose the others keep theirs."""
+    study = front.replace(set={"motion.travel": [-60.0, 0.0, 60.0, 5000.0]})
+    for f in (front.function(), study.function()):
+        x = designs(f, 37)
+        y, jacobian = f.value_and_jacobian(x)
+        np.testing.assert_allclose(y, f(x), atol=1e-11)
+        np.testing.assert_array_equal(np.isnan(y), np.isnan(f(x)))
+        np.testing.assert_array_equal(y, f.value_and_jacobian(x, threads=1)[0])
+        for n in (0, 8, 36):
+            one, derivatives = f.value_and_jacobian(x[n])
+            np.testing.assert_array_equal(one, y[n])
+            np.testing.assert_array_equal(derivatives, jacobian[n])
+    assert np.isnan(y[:, :, 3]).all() and not np.isnan(y[:, :, :3]).any()
+    assert f.words[f.status(x)[0]] == "failed"
+
+
+def test_coordinates_offsets_and_turns_are_variables(front):
+    k = front.points.index("tie_rod_inner")
+    z = front.design[k, 2]
+    offset, coordinate = front.function(["tie_rod_inner_dz"]), front.function(["tie_rod_inner_z"])
+    a, b = offset.value_and_jacobian([2.5]), coordinate.value_and_jacobian([z + 2.5])
+    np.testing.assert_allclose(a[0], b[0], atol=1e-11)
+    np.testing.assert_allclose(a[1], b[1], atol=1e-11)
+    names = ["lower_arm_front", "lower_arm_rear", "lower_ball_joint"]
+    turned = front.replace(set={"optimise.variables": [{"rigid": names, "turn": 2.0, "shift": 5.0}]})
+    f = turned.function()
+    assert len(set(f.variables)) == 6 and any("turn" in name for name in f.variables)
+    assert turned.residuals.names == f.variables
+    x = np.array([0.3, -0.2, 0.5, 0.4, -0.3, 0.2])
+    _, jacobian = f.value_and_jacobian(x)
+    h = 1e-2
+    for k in range(6):
+        e = np.eye(6)[k] * h
+        difference = sum(c * (f(x + m * e) - f(x - m * e)) for m, c in ((1, 45), (2, -9), (3, 1))) / (60 * h)
+        np.testing.assert_allclose(jacobian[:, :, k], difference, atol=1e-8 * np.nanmax(np.abs(jacobian)))
+
+
+def test_a_sweep_of_given_designs(sweep_study, front):
+    rows = hp.sweep(sweep_study)
+    names = [name.removesuffix("_mm") for name in list(rows)[: len(sweep_study.variables)]]
+    x = np.column_stack([rows[f"{name}_mm"] for name in names])
+    again = hp.sweep(sweep_study, x, variables=names)
+    for name in rows:
+        np.testing.assert_array_equal(again[name], rows[name], err_msg=name)
+    # Without [sweep], by the variables of [optimise].
+    given = hp.sweep(front, designs(front.function(), 20))
+    assert len(given["misfit"]) == 20 and len(given.failed) == 0
+    with pytest.raises(hp.HardpointError, match="same coordinate"):
+        hp.sweep(front, np.zeros((2, 2)), variables=["strut_top_y", "strut_top_dy"])
+    with pytest.raises(hp.HardpointError, match="finite"):
+        hp.sweep(front, np.full((2, len(front.variables)), np.nan))
+    with pytest.raises(hp.HardpointError, match="no x"):
+        hp.sweep(front, variables=["strut_top_y"])
+    impossible = designs(front.function(), 3)
+    impossible[1] = 1e6
+    found = hp.sweep(front, impossible)
+    assert list(found.failed) == [1] and np.isnan(found["misfit"][1]) and found.reasons[0]
+
+
+def test_tables_go_to_polars_and_parquet(sweep_study, tmp_path):
+    rows = hp.sweep(sweep_study)
+    parquet = pytest.importorskip("pyarrow.parquet")
+    rows.to_parquet(tmp_path / "rows.parquet")
+    back = parquet.read_table(tmp_path / "rows.parquet")
+    assert back.column_names == list(rows)
+    np.testing.assert_array_equal(back["misfit"].to_numpy(), rows["misfit"])
+    polars = pytest.importorskip("polars")
+    assert polars.DataFrame(rows).shape == (300, len(rows))
 
 
 def test_residuals_and_tuning_meet_in_one_minimum(front):

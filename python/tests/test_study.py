@@ -1,10 +1,7 @@
 """Studies, curves, limits: what is asked of one design."""
 
 import csv
-import os
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -95,17 +92,29 @@ def test_limits(front):
     assert hp.limits(hp.loads(hp.template("semi_trailing_arm")))["rack"] is None
 
 
-def test_every_command_has_its_function():
-    """A command of the program has a function here, or is one of those that `run` is for."""
-    own = {"new": hp.template, "check": hp.check, "solve": hp.solve, "sweep": hp.sweep, "optimise": hp.optimise, "limits": hp.limits}
-    text = subprocess.run(
-        [sys.executable, "-c", "import hardpoint; hardpoint._main()", "--help"],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "COLUMNS": "200"},
-    ).stdout
-    listed = text.split("Commands:\n")[1].split("\n\n")[0].splitlines()
-    commands = {line.split()[0] for line in listed if line.startswith("  ") and not line.startswith("   ")}
-    assert set(own) <= commands, commands
-    for command in commands - set(own) - {"help"}:
-        assert hp.run(["--quiet", command, "--help"]) == 0, command
+@pytest.mark.parametrize("name", ["macpherson_axle", "five_link_axle"])
+def test_curves_of_an_axle_are_those_of_the_program_to_the_bit(name, tmp_path):
+    path = STUDIES / f"{name}.toml"
+    study = hp.load(path)
+    assert hp.run(["--quiet", "solve", path, "--out", tmp_path / "run"]) in (0, 1)
+    table, curves = hp.open(tmp_path / "run")["curves"], hp.solve(study)
+    assert list(table) == [*curves.motion, *curves, "status"]
+    for columns in (curves.motion, curves):
+        for column, values in columns.items():
+            np.testing.assert_array_equal(table[column], values, err_msg=column)
+    assert table["status"] == curves.status
+    for refused in (study.function, hp.limits, hp.sweep, hp.optimise):
+        with pytest.raises(hp.HardpointError, match="axle"):
+            refused() if refused == study.function else refused(study)
+
+
+def test_a_study_of_a_mapping_is_that_of_its_text(front):
+    import tomllib
+
+    sections = tomllib.loads(front.text)
+    again = hp.Study.from_dict(sections)
+    np.testing.assert_array_equal(again.design, front.design)
+    np.testing.assert_array_equal(hp.solve(again)["camber_deg"], hp.solve(front)["camber_deg"])
+    for wrong in ({"suspension": {"topology": None}}, {"motion": {"travel": float("nan")}}, {"motion": object()}):
+        with pytest.raises(hp.HardpointError, match="expected"):
+            hp.Study.from_dict(wrong)

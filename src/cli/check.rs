@@ -114,6 +114,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
                 sampled.variables.len()
             ),
             Designs::File(path) => format!(" Sweep (sweep only): the rows of {}.", path.display()),
+            Designs::Given(table) => format!(" Sweep (sweep only): {} designs.", table.designs()),
         };
         if let Some(why) = one_by_one(study, sweep) {
             text += &format!(

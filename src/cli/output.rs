@@ -13,6 +13,10 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// The study as it was run, with what `--set` changed and target curves from files in it: what is made of the
+/// results later needs no other file.
+const STUDY_COPY: &str = "study.toml";
+
 /// The files of a solve.
 const CURVE_FILES: [&str; 4] = [
     "curves.csv",
@@ -109,15 +113,25 @@ impl Output {
             force: arguments.force,
             format: arguments.study.format.into(),
         };
+        let inputs = inputs(study, &arguments.study.study);
+        // The study itself may stand there under that name.
+        let copy = destination.path().join(STUDY_COPY).canonicalize().ok();
+        let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
+        let keeps_study = !inputs.iter().any(is_input);
+        files.extend(keeps_study.then_some(STUDY_COPY));
         let claim = Claim {
             command,
             study: &study.name,
             digest: study_digest(study),
             files: &files,
-            inputs: &inputs(study, &arguments.study.study),
+            inputs: &inputs,
             ..Claim::default()
         };
-        Output::at(&destination, claim)
+        let output = Output::at(&destination, claim)?;
+        if keeps_study {
+            output.file(STUDY_COPY, study.text.as_bytes())?;
+        }
+        Ok(output)
     }
 
     /// Opens a directory, or standard output for `-`. Where results of another state of the study are in

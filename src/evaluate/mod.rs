@@ -34,6 +34,8 @@ pub struct Evaluated {
     gradients: Vec<Vector3<f64>>,
     /// By design.
     outcomes: Vec<Result<(), Unsolved>>,
+    /// `[design][station]`
+    solved: Vec<bool>,
 }
 
 impl Evaluated {
@@ -47,11 +49,19 @@ impl Evaluated {
         self.gradients.resize(all * points, unknown);
         self.outcomes.clear();
         self.outcomes.resize(designs, Ok(()));
+        self.solved.clear();
+        self.solved.resize(designs * stations, false);
     }
 
-    /// Why a design was not solved, its values NaN; `None` where it was.
+    /// Why a design was not solved, its values NaN; `None` where it was. Of several stations the first one that
+    /// was visited.
     pub fn unsolved(&self, design: usize) -> Option<&Unsolved> {
         self.outcomes[design].as_ref().err()
+    }
+
+    /// Whether a design has a pose at a station.
+    pub fn is_solved(&self, design: usize, station: usize) -> bool {
+        self.solved[design * self.stations + station]
     }
 
     /// The value of a quantity of a design at a station; NaN where it has none.
@@ -79,13 +89,18 @@ impl Evaluated {
         self.gradients[place] = by;
     }
 
-    fn forget(&mut self, design: usize, why: Unsolved) {
+    /// Leaves a design without values.
+    fn forget(&mut self, design: usize) {
         let all = self.quantities * self.stations;
         let first = design * all;
         self.values[first..first + all].fill(f64::NAN);
         let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
         self.gradients[first * self.points..(first + all) * self.points].fill(unknown);
-        self.outcomes[design] = Err(why);
+        self.solved_of(design).fill(false);
+    }
+
+    fn solved_of(&mut self, design: usize) -> &mut [bool] {
+        &mut self.solved[design * self.stations..][..self.stations]
     }
 }
 
@@ -96,6 +111,8 @@ pub struct GradientEvaluator<'a> {
     points: usize,
     lanes: Option<Gradients<'a>>,
     one_by_one: ByOrder<'a>,
+    /// Whether a design keeps the stations that have a pose where others have none.
+    every_station: bool,
 }
 
 /// The pose's derivatives that values take.
@@ -127,6 +144,7 @@ impl<'a> GradientEvaluator<'a> {
                 }
                 true => ByOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
             },
+            every_station: false,
         })
     }
 
@@ -137,6 +155,14 @@ impl<'a> GradientEvaluator<'a> {
             ByOrder::Positions(one) => one.differentiate_by(points),
             ByOrder::Rates(one) => one.differentiate_by(points),
         }
+        self
+    }
+
+    /// Visits all stations of a design, also where one has no pose, and keeps what the others have; without it the
+    /// first such station ends the design, which then has no values.
+    #[must_use]
+    pub fn with_every_station(mut self) -> Self {
+        self.every_station = true;
         self
     }
 
@@ -170,17 +196,22 @@ impl<'a> GradientEvaluator<'a> {
                 });
             }
             for (number, design) in group.chunks_exact(points).enumerate() {
+                let place = first + number;
                 if self.lanes.as_ref().is_some_and(|l| l.is_right(number)) {
+                    into.solved_of(place).fill(true);
                     continue;
                 }
                 left += 1;
+                into.forget(place);
+                let every_station = self.every_station;
                 let solved = match &mut self.one_by_one {
-                    ByOrder::Positions(one) => one.evaluate(design, first + number, into),
-                    ByOrder::Rates(one) => one.evaluate(design, first + number, into),
+                    ByOrder::Positions(one) => one.evaluate(design, place, every_station, into),
+                    ByOrder::Rates(one) => one.evaluate(design, place, every_station, into),
                 };
-                if let Err(why) = solved {
-                    into.forget(first + number, why);
+                if solved.is_err() && !every_station {
+                    into.forget(place);
                 }
+                into.outcomes[place] = solved;
             }
         }
         left

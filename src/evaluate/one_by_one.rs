@@ -53,11 +53,12 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         self.design_series = series.with_sensitivities_to(self.solver.mechanism(), points);
     }
 
-    /// Evaluates the design of this number; the first station that fails ends it.
+    /// Evaluates the design of this number; the first station that fails ends it, unless every station is wanted.
     pub(super) fn evaluate(
         &mut self,
         design: &[Vector3<f64>],
         number: usize,
+        every_station: bool,
         into: &mut Evaluated,
     ) -> Result<(), Unsolved> {
         let OneByOne {
@@ -73,11 +74,11 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         solver.prepare(design).map_err(Unsolved::Fault)?;
         design_series.prepare(solver.mechanism(), design);
         let drive = stations.drive;
+        let mut failed = None;
         for (r, rack) in stations.racks.iter().copied().enumerate() {
             toggles
                 .begin(solver, drive, rack)
                 .map_err(Unsolved::Fault)?;
-            let mut failed = None;
             let visited =
                 solver.for_each_pose(drive, &stations.station_order, rack, |solver, v, pose| {
                     let station = stations.number(r, v);
@@ -92,8 +93,11 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     let linearised = match linearised {
                         Ok(linearised) => linearised,
                         Err(failure) => {
-                            failed = Some(Unsolved::Station(station, failure));
-                            return ControlFlow::Break(());
+                            failed.get_or_insert(Unsolved::Station(station, failure));
+                            return match every_station {
+                                true => ControlFlow::Continue(()),
+                                false => ControlFlow::Break(()),
+                            };
                         }
                     };
                     let reading = WheelReading::reading(&linearised.at, *constants, *reads);
@@ -105,13 +109,17 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                         };
                         reading.gradients(&linearised, *quantity, 0, buffer, receive);
                     }
+                    into.solved_of(number)[station] = true;
                     ControlFlow::Continue(())
                 });
             visited.map_err(Unsolved::Fault)?;
-            if let Some(why) = failed {
-                return Err(why);
+            if failed.is_some() && !every_station {
+                break;
             }
         }
-        Ok(())
+        match failed {
+            Some(why) => Err(why),
+            None => Ok(()),
+        }
     }
 }

@@ -45,7 +45,7 @@ pub use fit::{ConstraintState, Control, Fit, Iteration, ProgressCallback, Termin
 pub use identifiability::{Direction, Identifiability};
 pub use layout::{Deviation, RowLabel, TargetLayout};
 pub use levenberg_marquardt::{LevenbergMarquardt, State};
-pub use moves::moved_design;
+pub use moves::{Way, moved_design, ways};
 pub use multistart::{Multistart, Start, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;

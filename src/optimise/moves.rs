@@ -103,7 +103,7 @@ pub fn moved_design(
 
 /// How a variable moves a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub struct Way {
     /// The variable.
     pub column: usize,
     /// The point.
@@ -113,7 +113,7 @@ pub(super) struct Way {
 }
 
 /// How the variables move the points at `x`, by rising number of the point.
-pub(super) fn ways(
+pub fn ways(
     design: &[Vector3<f64>],
     frame: &Frame,
     variables: &[Variable],

@@ -70,6 +70,23 @@ fn cell(value: Option<f64>) -> String {
     value.map_or_else(String::new, shortest)
 }
 
+/// Where the stations of an axle's motion are: the columns that curves begin with, as `heave_mm`, each with a value
+/// for every station where there is one.
+pub fn axle_motion(
+    axle: &Axle,
+    plan: &AxlePlan,
+    curves: &AxleCurves,
+) -> Vec<(String, Vec<Option<f64>>)> {
+    let place = Place { plan, axle };
+    let mut columns: Vec<_> = place.names().into_iter().map(|n| (n, Vec::new())).collect();
+    for (number, station) in curves.stations.iter().enumerate() {
+        for ((_, column), value) in columns.iter_mut().zip(place.values(number, station)) {
+            column.push(value);
+        }
+    }
+    columns
+}
+
 /// `curves.csv` of an axle: a row for each station, `status` last.
 pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
     let place = Place { plan, axle };

@@ -36,9 +36,11 @@ pub const TEMPORARY: &str = ".hardpoint-";
 pub fn study_digest(study: &Study) -> String {
     let mut hash = hmac_sha256::Hash::new();
     hash.update(study.text.as_bytes());
-    if let Some(Designs::File(path)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
+    match study.sweep.as_ref().map(|sweep| &sweep.designs) {
         // A file that cannot be read is an error of the sweep; other commands do without.
-        hash.update(std::fs::read(path).unwrap_or_default());
+        Some(Designs::File(path)) => hash.update(std::fs::read(path).unwrap_or_default()),
+        Some(Designs::Given(table)) => hash.update(table.digest),
+        Some(Designs::Sampled(_)) | None => {}
     }
     hex(&hash.finalize())
 }

@@ -108,6 +108,51 @@ impl DesignTable {
         })
     }
 
+    /// Designs as rows of values, a number for each of these variables; their ranges become those of the values.
+    ///
+    /// # Errors
+    /// What is wrong with them, in words.
+    pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
+        if variables.is_empty() {
+            return Err("expected at least one variable, found none".to_owned());
+        }
+        for (place, variable) in variables.iter().enumerate() {
+            if let Some(other) = variables[..place].iter().find(|v| v.moves == variable.moves) {
+                let names = (&variable.name, &other.name);
+                return Err(format!("{} and {} give the same coordinate", names.0, names.1));
+            }
+        }
+        let width = variables.len();
+        if values.is_empty() || !values.len().is_multiple_of(width) {
+            let found = values.len();
+            return Err(format!("expected rows of {width} values, found {found} values"));
+        }
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            let (row, name) = (place / width, &variables[place % width].name);
+            let value = values[place];
+            return Err(format!("row {row} has {value} for {name}; expected a finite number"));
+        }
+        for (k, variable) in variables.iter_mut().enumerate() {
+            let column = || values.iter().skip(k).step_by(width).copied();
+            variable.range = [
+                column().fold(f64::INFINITY, f64::min),
+                column().fold(f64::NEG_INFINITY, f64::max),
+            ];
+        }
+        let mut hash = hmac_sha256::Hash::new();
+        for variable in &variables {
+            hash.update(format!("{:?} {:?}", variable.moves, variable.absolute));
+        }
+        for value in &values {
+            hash.update(value.to_le_bytes());
+        }
+        Ok(DesignTable {
+            variables,
+            values,
+            digest: hash.finalize(),
+        })
+    }
+
     /// Number of designs.
     pub fn designs(&self) -> u64 {
         (self.values.len() / self.variables.len()) as u64

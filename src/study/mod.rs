@@ -43,6 +43,7 @@ pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
+pub(crate) use names::nearest;
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 
@@ -201,6 +202,8 @@ pub enum Designs {
     Sampled(Sampled),
     /// The rows of a CSV file, which is read by [`DesignTable::read`].
     File(std::path::PathBuf),
+    /// Rows that a program gives.
+    Given(DesignTable),
 }
 
 /// Designs sampled from ranges.
@@ -317,6 +320,24 @@ pub struct Variable {
     /// What a move across the range costs against those of the other variables, where the design that moves
     /// least is taken.
     pub cost: f64,
+}
+
+impl Variable {
+    /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
+    /// `lower_arm_front+lower_arm_rear_turn_x`.
+    pub fn label(&self) -> String {
+        match (&self.turn, self.moves.first()) {
+            (Some(turn), _) => format!("{}_turn_{}", self.name, turn.axis.name()),
+            (None, Some(first)) => format!("{}_d{}", self.name, first.axis.name()),
+            (None, None) => self.name.clone(),
+        }
+    }
+
+    /// The points it moves.
+    pub fn points(&self) -> impl Iterator<Item = PointId> {
+        let turned = self.turn.iter().flat_map(|turn| turn.points.iter().copied());
+        self.moves.iter().map(|m| m.point).chain(turned)
+    }
 }
 
 /// Points that are turned as one body about their centroid, before anything else moves them.

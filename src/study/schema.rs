@@ -484,8 +484,8 @@ fn names(path: &str) -> Option<Vec<&'static str>> {
     })
 }
 
-/// The JSON schema (draft 7) of a study: its keys, which of them are needed, and of what type their values
-/// are.
+/// The JSON schema (draft 4) of a study: its keys, which of them are needed, and of what type their values
+/// are. In later drafts 8.0 is an integer, which it is not in TOML.
 pub fn schema() -> Value {
     let (places, needed) = places();
     let book = Book {
@@ -496,7 +496,7 @@ pub fn schema() -> Value {
     let mut schema = Map::new();
     schema.insert(
         "$schema".to_owned(),
-        json!("http://json-schema.org/draft-07/schema#"),
+        json!("http://json-schema.org/draft-04/schema#"),
     );
     schema.insert("title".to_owned(), json!("A study of hardpoint"));
     if let Value::Object(root) = book.of("") {
@@ -552,16 +552,18 @@ impl Book {
             }
             properties.insert((*key).to_owned(), value);
         }
-        let needed = place
-            .keys
-            .iter()
-            .filter(|key| self.needed.contains(&format!("{path}{dot}{key}")));
-        json!({
+        let is_needed = |key: &&&str| self.needed.contains(&format!("{path}{dot}{key}"));
+        let needed: Vec<_> = place.keys.iter().filter(is_needed).collect();
+        let mut table = json!({
             "type": "object",
             "properties": properties,
-            "required": needed.collect::<Vec<_>>(),
             "additionalProperties": false,
-        })
+        });
+        // An empty list is none in draft 4.
+        if !needed.is_empty() {
+            table["required"] = json!(needed);
+        }
+        table
     }
 }
 

@@ -66,6 +66,7 @@ impl<'s> SweepPlan<'s> {
             Designs::File(path) => {
                 Samples::Table(DesignTable::read(path, suspension).map_err(NotBegun::Designs)?)
             }
+            Designs::Given(table) => Samples::Table(table.clone()),
         };
         let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
         let wanted: Vec<_> = targets

@@ -158,3 +158,45 @@ fn shells_editors_and_man_get_theirs() {
         .code(2);
     assert!(text(&new.get_output().stderr).contains("its strut is the spring"));
 }
+
+/// A run is enough: its points go out and are compared with what was overridden in it, with no study at hand.
+#[test]
+fn a_run_keeps_its_study() {
+    let directory = tempfile::tempdir().unwrap();
+    let (_, run) = path(&directory, "run");
+    let study = sample("double_wishbone_solve.toml");
+    let moved = "suspension.hardpoints.tie_rod_inner=[-110.0, 391.0, 240.0]";
+    let solve = ["--quiet", "solve", &study, "--set", moved, "--out", &run];
+    hardpoint(&solve).assert().success();
+    let exported = hardpoint(&["export", &run, "--to", "csv"])
+        .assert()
+        .success();
+    let points = text(&exported.get_output().stdout);
+    assert!(
+        points.contains("tie_rod_inner,-110,391,240"),
+        "with what was overridden: {points}"
+    );
+    let compared = hardpoint(&["compare", &study, &run, "--out", "-"])
+        .assert()
+        .success();
+    assert!(!compared.get_output().stdout.is_empty());
+    let (_, compared) = path(&directory, "compared");
+    let compare = hardpoint(&["compare", &study, &run, "--out", &compared])
+        .assert()
+        .success();
+    let said = text(&compare.get_output().stdout);
+    assert!(said.contains("tie_rod_inner"), "moved: {said}");
+
+    // The same study solved again in its own directory, under the name of the copy, keeps it.
+    let own = directory.path().join("study.toml");
+    std::fs::copy(&study, &own).unwrap();
+    let own = own.to_str().unwrap();
+    let here = directory.path().to_str().unwrap();
+    let before = std::fs::read(own).unwrap();
+    for _ in 0..2 {
+        hardpoint(&["--quiet", "solve", own, "--out", here])
+            .assert()
+            .success();
+        assert_eq!(std::fs::read(own).unwrap(), before);
+    }
+}

@@ -121,6 +121,22 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
     assert!(count > 100, "{count}");
 }
 
+/// Whole numbers written as decimals: the schema says as little against them as the reader, at every place.
+#[test]
+fn a_decimal_is_whole_to_the_schema_where_it_is_to_the_reader() {
+    let schema = schema();
+    assert_eq!(schema["$schema"], "http://json-schema.org/draft-04/schema#");
+    let text = "[suspension]\ntopology = \"macpherson\"\nhardpoints = {}\n[motion]\ntravel = { from = -1.0, to = 1.0, steps = S }\n";
+    for (steps, taken) in [("8", true), ("8.0", false)] {
+        let text = text.replace('S', steps);
+        assert_eq!(is_valid(&schema, &as_json(&text)), taken, "{steps}");
+        let said = Study::from_text("study.toml", &text, Path::new("")).unwrap_err();
+        let by_reader = said.all().iter().any(|e| e.path().is_some_and(|p| p.contains("steps")));
+        let worded = said.to_string().contains("8.0") || by_reader;
+        assert_eq!(worded, !taken, "{said}");
+    }
+}
+
 #[test]
 fn keys_that_are_needed_are_those_the_reader_needs() {
     let schema = schema();

@@ -1,0 +1,187 @@
+"""What the program does beyond curves, functions, sweeps and tunings, by running its commands in a process of their
+own: their results are read back from the directory that they write."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import _hardpoint
+from ._hardpoint import HardpointError
+from ._runs import Run
+from ._study import Study, load
+
+Place = str | os.PathLike[str]
+Source = Study | Run | str | os.PathLike[str]
+
+
+def _program(*arguments: Any, quiet: bool = True) -> tuple[str, str]:
+    """Runs a command; its standard output and standard error. Exit code 1, that something could not be solved, is no
+    exception: the rest is there."""
+    words = ["--quiet"] * quiet + [str(a) for a in arguments]
+    # -P: a folder called hardpoint where the caller stands is not the module.
+    command = [sys.executable, "-P", "-m", "hardpoint", *words]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", errors="replace", check=False)
+    if done.returncode not in (0, 1):
+        raise HardpointError(done.stderr.strip().removeprefix("error: ") or f"exit code {done.returncode}")
+    return done.stdout, done.stderr
+
+
+def _options(**values: Any) -> list[str]:
+    """Options of the command line; those that are None are left out."""
+    given = {name.rstrip("_").replace("_", "-"): value for name, value in values.items() if value is not None}
+    return [f"--{name}={value}" for name, value in given.items()]
+
+
+class _Folder:
+    """A temporary directory, in which studies are put as files."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="hardpoint-")
+        self.path = Path(self._folder.name)
+
+    def file(self, source: Source) -> Path:
+        """A study as a file, under its own name; runs and paths as they are."""
+        match source:
+            case Study():
+                # Two studies of one name may be compared.
+                place = Path(tempfile.mkdtemp(dir=self.path)) / f"{source.name}.toml"
+                place.write_text(source.text, encoding="utf-8")
+                return place
+            case Run():
+                return source.path
+            case _:
+                return Path(source)
+
+    def result(self, out: Place | None) -> Path:
+        """Where results go: there, or below this directory."""
+        return self.path / "run" if out is None else Path(out)
+
+
+def _run(command: str, study: Study, out: Place | None, threads: int | None) -> Run:
+    folder = _Folder()
+    to = folder.result(out)
+    _, said = _program(command, folder.file(study), "--out", to, *_options(threads=threads))
+    if not to.is_dir():
+        raise HardpointError(said.strip().removeprefix("error: "))
+    return Run(to, keep=folder)
+
+
+def setup(study: Study, out: Place | None = None) -> Run:
+    """The adjustments that give the static values that [setup] wants: tables "setup" (the steps), "effects" (what each
+    adjustment does), "curves"; `summary["met"]` says whether it can be met."""
+    return _run("setup", study, out, None)
+
+
+def tolerance(study: Study, out: Place | None = None, threads: int | None = None) -> Run:
+    """What the scatter of [tolerance] does: tables "tolerance", "contributors", "curves" and percentiles of them."""
+    return _run("tolerance", study, out, threads)
+
+
+def assemblies(study: Study, travel: float = 0.0, rack: float = 0.0) -> list[dict[str, Any]]:
+    """Every way to assemble the design's lengths at a travel and rack displacement, a mapping of columns for each."""
+    folder = _Folder()
+    place = _options(travel=float(travel), rack=float(rack))
+    written, _ = _program("assemblies", folder.file(study), "--format=json", *place)
+    return json.loads(written)["assemblies"]
+
+
+def bench(kind: str, study: Study | None = None, out: Place | None = None) -> Run:
+    """Measures this module's program on this machine: kind is "throughput", "accuracy" or "effects"."""
+    folder = _Folder()
+    to = folder.result(out)
+    _program("bench", kind, *([folder.file(study)] if study else []), "--out", to)
+    return Run(to, keep=folder)
+
+
+def compare(*sources: Source, out: Place | None = None) -> Run:
+    """Curves and points of two or more studies or runs side by side; the table "comparison" has every value and
+    difference, `path / "report.html"` the curves over each other."""
+    folder = _Folder()
+    to = folder.result(out)
+    _program("compare", *(folder.file(source) for source in sources), "--out", to)
+    return Run(to, keep=folder)
+
+
+def merge(parts: Sequence[Place], out: Place) -> Run:
+    """Joins the directories of parts of a sweep to one, for those who want one file."""
+    _program("merge", *parts, "--out", out)
+    return Run(out)
+
+
+def report(run: Run | Place, plots: Place | None = None, force: bool = False) -> Path:
+    """Makes one self-contained page of a run, and pictures of its curves in the directory `plots`; the page's path."""
+    path = run.path if isinstance(run, Run) else Path(run)
+    _program("report", path, *_options(plots=plots), *["--force"] * force)
+    return path / "report.html"
+
+
+def import_points(
+    file: Place,
+    topology: str,
+    *,
+    names: Mapping[str, str] | None = None,
+    unit: str | None = None,
+    frame: str | None = None,
+    side: str | None = None,
+    sheet: str | None = None,
+) -> tuple[Study, list[str]]:
+    """A study of the points in a table (CSV, XLSX), a JSON or YAML map or an Adams/Car subsystem, and what was guessed,
+    assumed and left over, a line each. `names` are those in the file by hardpoint."""
+    folder = _Folder()
+    to = folder.path / f"{Path(file).stem}.toml"
+    map_ = None
+    if names is not None:
+        map_ = folder.path / "names.toml"
+        map_.write_text("".join(f"{k} = {json.dumps(v)}\n" for k, v in names.items()), encoding="utf-8")
+    options = _options(topology=topology, map=map_, unit=unit, frame=frame, side=side, sheet=sheet, out=to)
+    _, said = _program("import", file, *options, quiet=False)
+    return load(to), [line.strip() for line in said.splitlines()[1:]]
+
+
+def export(
+    source: Source,
+    out: Place,
+    *,
+    to: str | None = None,
+    into: Place | None = None,
+    design: int | None = None,
+    round: float | None = None,
+    force: bool = False,
+) -> list[str]:
+    """Writes the points of a study or run, and of a workbook the curves, to the file `out` for other tools; what that
+    cost or left out, a line each. `to` is "csv", "xlsx" or "adams", by default as the file's name ends (`.sub` is
+    Adams/Car's); `into` a subsystem whose copy takes the points, `design` a number in a sweep, `round` a length."""
+    folder = _Folder()
+    kind = to or {".csv": "csv", ".xlsx": "xlsx", ".sub": "adams"}.get(Path(out).suffix)
+    options = _options(to=kind, into=into, design=design, round=round, out=out)
+    _, said = _program("export", folder.file(source), *options, *["--force"] * force, quiet=False)
+    return said.splitlines()
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of studies."""
+    return json.loads(_hardpoint.schema())
+
+
+def template(topology: str, parts: Sequence[str] = ()) -> str:
+    """A commented study of a topology that runs as it is, with parts such as "pushrod", "sweep", "optimise"."""
+    if not parts:
+        return _hardpoint.template(topology)
+    return _program("new", topology, *_options(with_=",".join(parts)))[0]
+
+
+def completions(shell: str) -> str:
+    """What makes a shell ("bash", "zsh", "fish") complete the program's commands and options."""
+    return _program("completions", shell)[0]
+
+
+def man() -> str:
+    """The program's manual page, for man."""
+    return _program("man")[0]

@@ -1,0 +1,135 @@
+"""Results of runs, read back from their directories."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _hardpoint
+from ._hardpoint import HardpointError
+from ._study import Study, load
+
+Floats = NDArray[np.float64]
+
+
+class Table(Mapping[str, Any]):
+    """A table: a mapping from column names to arrays (n,), NaN where a cell is empty; columns of words are lists."""
+
+    def __init__(self, columns: dict[str, Any]) -> None:
+        self._columns = columns
+
+    def __getitem__(self, name: str) -> Any:
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self._columns.values()), ()))
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame that shares the columns' memory."""
+        import pandas
+
+        return pandas.DataFrame(self._columns, copy=False)
+
+    def __repr__(self) -> str:
+        return f"<hardpoint.Table: {self.rows} rows; {', '.join(self._columns)}>"
+
+
+class Run(Mapping[str, Table]):
+    """The results of a run: a mapping from the tables of its directory, such as "curves", to their columns.
+
+    The rows of a sweep are its table "designs", whether they stand in one file or in parts.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], keep: Any = None) -> None:
+        self.path = Path(path)
+        """The directory."""
+        # A temporary directory goes when nobody has the run any more.
+        self._keep = keep
+        if not self.path.is_dir():
+            raise HardpointError(f"{self.path}: there is no such directory")
+        self.files: list[str] = sorted(p.name for p in self.path.iterdir() if p.is_file() and not p.name.startswith("."))
+        """Names of its files."""
+        names = [name for name in self.files if name.endswith((".csv", ".parquet"))]
+        self._tables: dict[str, list[Path]] = {}
+        for name in names:
+            stem = name.rsplit(".", 1)[0]
+            kind, _, number = stem.rpartition("-")
+            # part-000000000.csv are rows of designs, curves-000000000.csv their curves.
+            stem = {"part": "designs"}.get(kind, kind) if kind and number.isdigit() else stem
+            self._tables.setdefault(stem, []).append(self.path / name)
+        self._read: dict[str, Table] = {}
+        if not self._tables:
+            raise HardpointError(f"{self.path}: not the directory of a run: there is no table in it")
+
+    @property
+    def command(self) -> str | None:
+        """What was run, such as "solve"."""
+        found = self.summary.get("command")
+        if found is None and (self.path / "run.json").is_file():
+            runs = json.loads((self.path / "run.json").read_text(encoding="utf-8"))["runs"]
+            found = runs[0]["command"] if runs else None
+        return found
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What it came to: the contents of `summary.json`."""
+        path = self.path / "summary.json"
+        return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+    @property
+    def study(self) -> Study:
+        """The study that was run."""
+        return load(self.path / "study.toml")
+
+    @property
+    def tuned(self) -> Study:
+        """The tuned study of a tuning."""
+        return load(self.path / "optimised.toml")
+
+    def scan(self) -> Any:
+        """The rows of a sweep as a pyarrow dataset, which need not fit into memory; takes pyarrow."""
+        import pyarrow.dataset
+
+        files = [str(path) for path in self._tables["designs"]]
+        return pyarrow.dataset.dataset(files, format=files[0].rsplit(".", 1)[1])
+
+    def __getitem__(self, name: str) -> Table:
+        if name not in self._read:
+            files = self._tables[name]
+            self._read[name] = Table(_parquet(files) if files[0].suffix == ".parquet" else _hardpoint.read_tables(files))
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
+
+    def __repr__(self) -> str:
+        return f"<hardpoint.Run {str(self.path)!r}: {self.command}; {', '.join(self._tables)}>"
+
+
+def _parquet(files: list[Path]) -> dict[str, Any]:
+    import pyarrow.dataset
+
+    table = pyarrow.dataset.dataset([str(f) for f in files], format="parquet").to_table()
+    return {name: table[name].to_numpy() for name in table.column_names}
+
+
+def open(path: str | os.PathLike[str]) -> Run:
+    """The results in a run's directory."""
+    return Run(path)

@@ -1,0 +1,76 @@
+//! Tables of results, read back.
+
+use crate::errors::failure;
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+
+/// A column: numbers, NaN where a cell is empty, or words.
+enum Cells {
+    Numbers(Vec<f64>),
+    Words(Vec<String>),
+}
+
+impl Cells {
+    fn push(&mut self, cell: &str) {
+        let number = match cell {
+            "" => Some(f64::NAN),
+            cell => cell.parse().ok().filter(|_| !cell.starts_with(char::is_alphabetic)),
+        };
+        match (&mut *self, number) {
+            (Cells::Words(words), _) => words.push(cell.to_owned()),
+            (Cells::Numbers(numbers), Some(number)) => numbers.push(number),
+            (Cells::Numbers(numbers), None) => {
+                // Columns of words have words from the first row on, but for cells that are empty.
+                let word = |n: &f64| if n.is_nan() { String::new() } else { n.to_string() };
+                let mut words: Vec<String> = numbers.iter().map(word).collect();
+                words.push(cell.to_owned());
+                *self = Cells::Words(words);
+            }
+        }
+    }
+}
+
+fn read(path: &Path, columns: &mut Vec<(String, Cells)>) -> Result<(), csv::Error> {
+    let mut reader = csv::Reader::from_path(path)?;
+    let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+    if columns.is_empty() {
+        let none = |name| (name, Cells::Numbers(Vec::new()));
+        columns.extend(header.iter().cloned().map(none));
+    }
+    if !columns.iter().map(|c| &c.0).eq(&header) {
+        let kind = std::io::ErrorKind::InvalidData;
+        let message = "its columns are not those of the other parts";
+        return Err(std::io::Error::new(kind, message).into());
+    }
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record)? {
+        for ((_, cells), cell) in columns.iter_mut().zip(&record) {
+            cells.push(cell);
+        }
+    }
+    Ok(())
+}
+
+/// The columns of CSV files with the same header, one after the other: arrays where every cell is a number or empty,
+/// else lists of words.
+#[pyfunction]
+pub(crate) fn read_tables(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Bound<'_, PyDict>> {
+    let mut columns = Vec::new();
+    py.detach(|| {
+        let mut all = paths.iter();
+        all.try_for_each(|path| {
+            let described = |e: csv::Error| failure(format!("{}: {e}", path.display()));
+            read(path, &mut columns).map_err(described)
+        })
+    })?;
+    let table = PyDict::new(py);
+    for (name, cells) in columns {
+        match cells {
+            Cells::Numbers(numbers) => table.set_item(name, numbers.into_pyarray(py))?,
+            Cells::Words(words) => table.set_item(name, words)?,
+        }
+    }
+    Ok(table)
+}

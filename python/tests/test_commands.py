@@ -1,0 +1,143 @@
+"""Every command of the program from Python, and results read back."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hardpoint as hp
+from conftest import STUDIES
+
+FUNCTIONS = {
+    "new": hp.template,
+    "check": hp.check,
+    "solve": hp.solve,
+    "sweep": hp.sweep,
+    "merge": hp.merge,
+    "optimise": hp.optimise,
+    "setup": hp.setup,
+    "tolerance": hp.tolerance,
+    "limits": hp.limits,
+    "assemblies": hp.assemblies,
+    "bench": hp.bench,
+    "report": hp.report,
+    "import": hp.import_points,
+    "export": hp.export,
+    "compare": hp.compare,
+    "schema": hp.schema,
+    "completions": hp.completions,
+    "man": hp.man,
+}
+# A page that is served until it is closed: hp.run(["studio", ...]) is it.
+SERVED = {"studio", "help"}
+
+
+def test_every_command_has_its_function():
+    command = [sys.executable, "-P", "-m", "hardpoint", "--help"]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    listed = text.split("Commands:\n")[1].split("\n\n")[0].splitlines()
+    commands = {line.split()[0] for line in listed if line.startswith("  ") and not line.startswith("   ")}
+    assert commands - SERVED == set(FUNCTIONS)
+    assert all(f.__name__ in hp.__all__ and f.__doc__ for f in FUNCTIONS.values())
+
+
+def test_a_run_is_read_back(tmp_path):
+    study = hp.load(STUDIES / "double_wishbone_solve.toml", {"motion.rack": 5.0})
+    path = tmp_path / "mine.toml"
+    path.write_text(study.text)
+    assert hp.run(["--quiet", "solve", path, "--out", tmp_path / "run"]) == 0
+    run = hp.open(tmp_path / "run")
+    assert run.command == "solve" and "curves.csv" in run.files
+    assert run.study.text == study.text
+    curves = hp.solve(run.study)
+    table = run["curves"]
+    assert table.rows == len(curves.drive) and table["status"] == curves.status
+    for name in curves:
+        np.testing.assert_array_equal(table[name], curves[name])
+    with pytest.raises(KeyError):
+        run["nothing"]
+    for wrong in (tmp_path, tmp_path / "nowhere"):
+        with pytest.raises(hp.HardpointError):
+            hp.open(wrong) if wrong != tmp_path else hp.open(path.parent / "run" / "..")
+
+
+def test_a_sweep_is_read_back_and_merged(sweep_study, tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(sweep_study.text)
+    assert hp.run(["--quiet", "sweep", path, "--out", tmp_path / "run"]) == 0
+    rows = hp.sweep(sweep_study)
+    for run in (hp.open(tmp_path / "run"), hp.merge([tmp_path / "run"], tmp_path / "one")):
+        assert run.command == "sweep"
+        for name in rows:
+            np.testing.assert_array_equal(run["designs"][name], rows[name])
+    page = hp.report(tmp_path / "run")
+    assert page.read_text().startswith("<!")
+
+
+def test_tolerances_and_set_up():
+    study = hp.load(STUDIES / "macpherson_tolerance.toml", {"tolerance.builds": 256})
+    found = hp.tolerance(study)
+    assert {"tolerance", "contributors", "curves"} <= set(found) and found["tolerance"].rows > 0
+    assert found.summary
+    steps = hp.setup(study)
+    assert steps["setup"].rows > 0 and steps.summary["met"] in (True, False)
+    with pytest.raises(hp.HardpointError, match="tolerance"):
+        hp.tolerance(hp.loads(hp.template("macpherson")))
+
+
+def test_assemblies_and_limits(front):
+    ways = hp.assemblies(front)
+    assert sum(way["connected"] in (True, "true", "yes") for way in ways) == 1, ways
+    assert hp.limits(front)["travel"][0][0] < 0.0
+
+
+def test_designs_side_by_side(front, tmp_path):
+    moved = front.design
+    moved[front.points.index("tie_rod_inner"), 2] += 3.0
+    run = hp.compare(front, front.replace(design=moved), out=tmp_path / "compared")
+    assert run["comparison"].rows == len(hp.solve(front).drive)
+    assert (tmp_path / "compared" / "report.html").is_file()
+    with pytest.raises(hp.HardpointError):
+        hp.compare(front)
+
+
+def test_points_go_out_and_come_back(front, tmp_path):
+    for name in ("points.csv", "points.xlsx", "points.sub"):
+        assert isinstance(hp.export(front, tmp_path / name), list)
+        back, notes = hp.import_points(tmp_path / name, "macpherson")
+        assert back.points == front.points and isinstance(notes, list)
+        np.testing.assert_array_equal(hp.solve(back)["camber_deg"].shape, hp.solve(front)["camber_deg"].shape)
+        if name != "points.sub":
+            np.testing.assert_array_equal(back.design, front.design)
+    said = hp.export(front, tmp_path / "rounded.csv", round=0.5)
+    assert any("misfit" in line for line in said)
+    with pytest.raises(hp.HardpointError, match="there already"):
+        hp.export(front, tmp_path / "rounded.csv")
+    with pytest.raises(hp.HardpointError):
+        hp.import_points(tmp_path / "points.csv", "five_link")
+
+
+def test_texts_for_editors_and_shells():
+    assert "suspension" in hp.schema()["properties"]
+    assert "hardpoint" in hp.completions("bash") and ".TH" in hp.man()
+    study = hp.loads(hp.template("double_wishbone", ["pushrod", "sweep"]))
+    assert "rocker_axis" in " ".join(study.points) or len(study.points) > 11
+    with pytest.raises(hp.HardpointError):
+        hp.template("macpherson", ["nothing"])
+
+
+def test_pictures_and_a_page(front, tmp_path):
+    path = tmp_path / "front.toml"
+    path.write_text(front.text)
+    assert hp.run(["--quiet", "optimise", path, "--out", tmp_path / "run"]) == 0
+    run = hp.open(tmp_path / "run")
+    tuned = hp.optimise(front)
+    # Tuning through the program and through the module: the same bits.
+    np.testing.assert_array_equal(run.tuned.design, tuned.study.design)
+    assert run.tuned.text == tuned.study.text
+    curves = hp.solve(tuned.study)
+    for name in curves:
+        np.testing.assert_array_equal(run["curves"][name], curves[name])
+    assert hp.report(run, plots=tmp_path / "plots").is_file()
+    assert list((tmp_path / "plots").glob("*.svg"))

@@ -29,7 +29,9 @@ pub enum FunctionError {
     )]
     Formulation,
     /// The study is of both wheels.
-    #[error("a study with [axle] is of both wheels; as a function of the design there is only one wheel yet")]
+    #[error(
+        "a study with [axle] is of both wheels; as a function of the design there is only one wheel yet"
+    )]
     Axle,
     /// The study asks for nothing that is a function of position.
     #[error("the study asks for no characteristic and no point")]
@@ -81,7 +83,10 @@ impl DesignVariable {
             known.extend(sampled.variables.iter().map(Self::swept));
         }
         let offsets = Self::every_coordinate(&study.suspension);
-        let coordinates: Vec<Self> = offsets.iter().map(|v| v.as_coordinate(&study.suspension)).collect();
+        let coordinates: Vec<Self> = offsets
+            .iter()
+            .map(|v| v.as_coordinate(&study.suspension))
+            .collect();
         known.extend(offsets.into_iter().chain(coordinates));
         let meant = nearest(name, known.iter().map(|v| v.name.as_str()));
         let meant = meant.map_or(String::new(), |near| format!("; did you mean {near}?"));
@@ -383,12 +388,17 @@ impl Evaluation<'_> {
         let (width, count) = (f.variables.len(), status.len());
         assert_eq!(x.len(), count * width, "a row of variables for each design");
         assert_eq!(values.len(), count * f.len(), "room for each design");
-        assert_eq!(jacobian.len(), values.len() * width, "room for each derivative");
+        assert_eq!(
+            jacobian.len(),
+            values.len() * width,
+            "room for each derivative"
+        );
         let at_once = self.gradients.at_once();
         for first in (0..count).step_by(at_once) {
             let now = at_once.min(count - first);
             self.place(&x[first * width..(first + now) * width], now);
-            self.gradients.evaluate(&self.designs, &mut self.differentiated);
+            self.gradients
+                .evaluate(&self.designs, &mut self.differentiated);
             for number in 0..now {
                 let design = first + number;
                 self.differentiate(&x[design * width..(design + 1) * width]);

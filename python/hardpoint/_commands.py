@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +89,8 @@ def assemblies(study: Study, travel: float = 0.0, rack: float = 0.0) -> list[dic
     folder = _Folder()
     place = _options(travel=float(travel), rack=float(rack))
     written, _ = _program("assemblies", folder.file(study), "--format=json", *place)
-    return json.loads(written)["assemblies"]
+    found: list[dict[str, Any]] = json.loads(written)["assemblies"]
+    return found
 
 
 def bench(kind: str, study: Study | None = None, out: Place | None = None) -> Run:
@@ -122,8 +123,21 @@ def report(run: Run | Place, plots: Place | None = None, force: bool = False) ->
     return path / "report.html"
 
 
+def _plain(value: Any) -> Any:
+    """Mappings, lists and numbers as JSON has them, from arrays and the like."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (str, bool, int, float)) or value is None:
+        return value
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Iterable):
+        return [_plain(inner) for inner in value]
+    raise HardpointError(f"a value is {value!r}; expected names with three numbers each")
+
+
 def import_points(
-    file: Place,
+    source: Place | Mapping[str, Any],
     topology: str,
     *,
     names: Mapping[str, str] | None = None,
@@ -132,10 +146,16 @@ def import_points(
     side: str | None = None,
     sheet: str | None = None,
 ) -> tuple[Study, list[str]]:
-    """A study of the points in a table (CSV, XLSX), a JSON or YAML map or an Adams/Car subsystem, and what was guessed,
-    assumed and left over, a line each. `names` are those in the file by hardpoint."""
+    """A study of points, and what was guessed, assumed and left over, a line each. `source` is a table (CSV, XLSX), a map
+    in JSON or an Adams/Car subsystem, or a mapping from names to (x, y, z), nested as it likes; `names` are those in it by
+    hardpoint."""
     folder = _Folder()
-    to = folder.path / f"{Path(file).stem}.toml"
+    if isinstance(source, Mapping):
+        file = folder.path / "points.json"
+        file.write_text(json.dumps(_plain(source)), encoding="utf-8")
+    else:
+        file = Path(source)
+    to = folder.path / f"{file.stem}.toml"
     map_ = None
     if names is not None:
         map_ = folder.path / "names.toml"
@@ -167,7 +187,8 @@ def export(
 
 def schema() -> dict[str, Any]:
     """The JSON schema of studies."""
-    return json.loads(_hardpoint.schema())
+    found: dict[str, Any] = json.loads(_hardpoint.schema())
+    return found
 
 
 def template(topology: str, parts: Sequence[str] = ()) -> str:

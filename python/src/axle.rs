@@ -15,10 +15,16 @@ pub(crate) fn solve<'py>(
     py: Python<'py>,
     AxleStudy { axle, plan }: &AxleStudy,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| axle_curves(axle, plan)).map_err(|(side, fault)| {
-        let mechanism = &axle.suspension(side).mechanism;
-        failure(format!("{} wheel: {}", side.name(), fault.describe(mechanism)))
-    })?;
+    let found = py
+        .detach(|| axle_curves(axle, plan))
+        .map_err(|(side, fault)| {
+            let mechanism = &axle.suspension(side).mechanism;
+            failure(format!(
+                "{} wheel: {}",
+                side.name(),
+                fault.describe(mechanism)
+            ))
+        })?;
     let array = |values: Vec<f64>| -> Bound<'py, PyArray1<f64>> { values.into_pyarray(py) };
     let stations = &found.stations;
     let (columns, info) = (PyDict::new(py), PyDict::new(py));

@@ -41,7 +41,10 @@ impl Function {
         let own = &study.study;
         let variables = match variables {
             None => Ok(DesignVariable::of(own)),
-            Some(names) => names.iter().map(|n| DesignVariable::named(n, own)).collect(),
+            Some(names) => names
+                .iter()
+                .map(|n| DesignVariable::named(n, own))
+                .collect(),
         };
         let function = variables
             .and_then(|variables| py.detach(|| DesignFunction::with_variables(own, variables)));
@@ -135,7 +138,11 @@ impl Function {
             let (mut write_y, mut write_j) = (values.readwrite(), jacobian.readwrite());
             let row = f.len();
             let chunks = (write_y.as_slice_mut()?.chunks_mut(DIFFERENTIATED * row))
-                .zip(write_j.as_slice_mut()?.chunks_mut((DIFFERENTIATED * row * k).max(1)))
+                .zip(
+                    write_j
+                        .as_slice_mut()?
+                        .chunks_mut((DIFFERENTIATED * row * k).max(1)),
+                )
                 .zip(status.chunks_mut(DIFFERENTIATED))
                 .enumerate()
                 .map(|(number, ((values, jacobian), status))| Chunk {
@@ -207,7 +214,9 @@ impl Function {
         for group in chunks.chunks_mut(GROUP) {
             let done = py.detach(|| match alone {
                 true => Ok(f.evaluation().map(|mut evaluation| {
-                    group.iter_mut().for_each(|chunk| work(&mut evaluation, chunk));
+                    group
+                        .iter_mut()
+                        .for_each(|chunk| work(&mut evaluation, chunk));
                 })),
                 false => on_threads(threads, || {
                     group.par_iter_mut().try_for_each_init(

@@ -39,11 +39,19 @@ fn given(
     let own = study.corner("sweep")?;
     let variables: Result<Vec<_>, _> = match variables {
         None => Ok(DesignVariable::of(own)),
-        Some(names) => names.iter().map(|n| DesignVariable::named(n, own)).collect(),
+        Some(names) => names
+            .iter()
+            .map(|n| DesignVariable::named(n, own))
+            .collect(),
     };
     let variables = variables.map_err(|e| failure(e.to_string()))?;
     let swept = variables.iter().map(|variable| {
-        let turns = || failure(format!("{} is a turn, which sweeps do not know", variable.name));
+        let turns = || {
+            failure(format!(
+                "{} is a turn, which sweeps do not know",
+                variable.name
+            ))
+        };
         variable.swept_as().ok_or_else(turns)
     });
     let (shape, k) = (x.shape(), variables.len());

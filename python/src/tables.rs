@@ -16,14 +16,23 @@ impl Cells {
     fn push(&mut self, cell: &str) {
         let number = match cell {
             "" => Some(f64::NAN),
-            cell => cell.parse().ok().filter(|_| !cell.starts_with(char::is_alphabetic)),
+            cell => cell
+                .parse()
+                .ok()
+                .filter(|_| !cell.starts_with(char::is_alphabetic)),
         };
         match (&mut *self, number) {
             (Cells::Words(words), _) => words.push(cell.to_owned()),
             (Cells::Numbers(numbers), Some(number)) => numbers.push(number),
             (Cells::Numbers(numbers), None) => {
                 // Columns of words have words from the first row on, but for cells that are empty.
-                let word = |n: &f64| if n.is_nan() { String::new() } else { n.to_string() };
+                let word = |n: &f64| {
+                    if n.is_nan() {
+                        String::new()
+                    } else {
+                        n.to_string()
+                    }
+                };
                 let mut words: Vec<String> = numbers.iter().map(word).collect();
                 words.push(cell.to_owned());
                 *self = Cells::Words(words);

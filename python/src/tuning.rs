@@ -135,11 +135,7 @@ impl Residuals {
 }
 
 impl Residuals {
-    fn evaluated<const N: usize>(
-        &self,
-        x: &[f64],
-        variables: &[Variable],
-    ) -> PyResult<Evaluation> {
+    fn evaluated<const N: usize>(&self, x: &[f64], variables: &[Variable]) -> PyResult<Evaluation> {
         let suspension = &self.study.suspension;
         let objective = Objective::<N>::new(suspension, variables, &self.layout);
         let mut objective = objective.map_err(|e| failure(e.describe(&suspension.mechanism)))?;

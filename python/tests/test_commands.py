@@ -110,6 +110,8 @@ def test_points_go_out_and_come_back(front, tmp_path):
         np.testing.assert_array_equal(hp.solve(back)["camber_deg"].shape, hp.solve(front)["camber_deg"].shape)
         if name != "points.sub":
             np.testing.assert_array_equal(back.design, front.design)
+    back, _ = hp.import_points({"points": dict(zip(front.points, front.design))}, "macpherson")
+    np.testing.assert_array_equal(back.design, front.design)
     said = hp.export(front, tmp_path / "rounded.csv", round=0.5)
     assert any("misfit" in line for line in said)
     with pytest.raises(hp.HardpointError, match="there already"):

@@ -1,9 +1,16 @@
-"""Sweeps in parts: whoever does them, with workers killed, the same bytes."""
+"""Sweeps in parts: whoever does them, with workers and drivers killed in the middle, the same bytes.
+
+`HARDPOINT_SWEEP_SAMPLES=1000000` makes it the long check.
+"""
 
 import hashlib
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
+import threading
+import time
 from concurrent.futures import ProcessPoolExecutor
 
 import pytest
@@ -15,11 +22,10 @@ from hardpoint import distributed
 SAMPLES = int(os.environ.get("HARDPOINT_SWEEP_SAMPLES", "300000"))
 
 
+@pytest.fixture(scope="module")
 def study():
-    return hp.load(
-        STUDIES / "macpherson_sweep.toml",
-        {"sweep.samples": SAMPLES, "motion.travel": [-20.0, 0.0, 20.0], "outputs.characteristics": ["camber"]},
-    )
+    fields = {"sweep.samples": SAMPLES, "motion.travel": [-20.0, 0.0, 20.0], "outputs.characteristics": ["camber"]}
+    return hp.load(STUDIES / "macpherson_sweep.toml", fields)
 
 
 def digests(directory):
@@ -28,57 +34,102 @@ def digests(directory):
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in names}
 
 
+def program(*arguments):
+    return subprocess.Popen([sys.executable, "-P", "-m", "hardpoint", "--quiet", *map(str, arguments)])
+
+
 @pytest.fixture(scope="module")
-def alone(tmp_path_factory):
+def file(study, tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "macpherson_sweep.toml"
+    path.write_text(study.text)
+    return path
+
+
+@pytest.fixture(scope="module")
+def alone(study, file, tmp_path_factory):
     """What one process makes of it."""
-    folder = tmp_path_factory.mktemp("alone")
-    (folder / "macpherson_sweep.toml").write_text(study().text)
-    assert hp.run(["--quiet", "sweep", folder / "macpherson_sweep.toml", "--out", folder / "run"]) == 0
-    made = digests(folder / "run")
-    assert len(made) == 2 * distributed.parts(study()) + 1
+    run = tmp_path_factory.mktemp("alone") / "run"
+    assert program("sweep", file, "--out", run).wait() == 0
+    made = digests(run)
+    assert len(made) == 2 * distributed.parts(study) + 1
     return made
+
+
+class Killer(threading.Thread):
+    """Kills a process once somebody is at a part in a directory."""
+
+    def __init__(self, directory, process):
+        super().__init__(daemon=True)
+        self.directory, self.process, self.has_killed = directory, process, False
+        self.start()
+
+    def run(self):
+        end = time.monotonic() + 120.0
+        while time.monotonic() < end and not self.has_killed:
+            if self.directory.is_dir() and any("part-" in p.name for p in self.directory.iterdir()):
+                os.kill(self.process, signal.SIGKILL)
+                self.has_killed = True
+            time.sleep(0.005)
 
 
 def pool():
     return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
 
 
-def test_a_process_pool_makes_the_same_bytes(alone, tmp_path):
-    run = distributed.sweep(study(), tmp_path / "run", pool)
-    assert digests(run) == alone
-    # Again, nothing is left to do.
-    before = {p: p.stat().st_mtime_ns for p in run.glob("part-*")}
-    distributed.sweep(study(), run, pool)
-    assert {p: p.stat().st_mtime_ns for p in run.glob("part-*")} == before
+def test_shards_of_the_program_make_the_same_bytes(alone, file, tmp_path):
+    shards = [program("sweep", file, "--out", tmp_path / "run", "--shard", f"{i}/2", "--threads", 1) for i in (1, 2)]
+    assert [shard.wait() for shard in shards] == [0, 0]
+    assert digests(tmp_path / "run") == alone
 
 
-def test_a_killed_worker_loses_nothing(alone, tmp_path):
-    victims = []
+def test_a_process_pool_with_a_killed_worker_makes_the_same_bytes(alone, study, tmp_path):
+    killers = []
 
     def engine():
         made = pool()
-        if not victims:
-            made.submit(os.getpid).result()
-            victims.append(next(iter(made._processes)))
-            os.kill(victims[0], signal.SIGKILL)
+        made.submit(os.getpid).result()
+        if not killers:
+            killers.append(Killer(tmp_path / "run", next(iter(made._processes))))
         return made
 
-    assert digests(distributed.sweep(study(), tmp_path / "run", engine)) == alone
+    run = distributed.sweep(study, tmp_path / "run", engine)
+    assert killers[0].has_killed
+    assert digests(run) == alone
+    # Again, nothing is left to do.
+    before = {p: p.stat().st_mtime_ns for p in run.glob("part-*")}
+    distributed.sweep(study, run, pool)
+    assert {p: p.stat().st_mtime_ns for p in run.glob("part-*")} == before
 
 
-def test_dask_makes_the_same_bytes_with_a_worker_killed(alone, tmp_path):
+DRIVER = """
+import sys
+import hardpoint as hp
+from dask.distributed import Client
+from hardpoint import distributed
+study = hp.loads(open(sys.argv[1]).read(), name="macpherson_sweep.toml")
+distributed.sweep(study, sys.argv[2], Client(sys.argv[3]).get_executor)
+"""
+
+
+def test_dask_with_a_killed_worker_and_a_killed_driver_makes_the_same_bytes(alone, study, file, tmp_path):
     pytest.importorskip("distributed")
     from dask.distributed import Client, LocalCluster
 
-    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster:
-        with Client(cluster) as client:
-            killed = []
-
-            def engine():
-                if not killed:
-                    killed.append(client.run(os.getpid).popitem()[1])
-                    os.kill(killed[0], signal.SIGKILL)
-                return client.get_executor()
-
-            run = distributed.sweep(study(), tmp_path / "run", engine)
+    run = tmp_path / "run"
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        workers = client.run(os.getpid)
+        worker = Killer(run, next(iter(workers.values())))
+        command = [sys.executable, "-P", "-c", DRIVER, str(file), str(run), cluster.scheduler_address]
+        driver = subprocess.Popen(command)
+        worker.join()
+        assert worker.has_killed
+        driver.kill()
+        driver.wait()
+        assert set(digests(run)) != set(alone), "the driver was killed before its end"
+        # The same call again does what is missing.
+        distributed.sweep(study, run, client.get_executor)
     assert digests(run) == alone
+    assert hp.open(run)["designs"].rows == SAMPLES

@@ -4,6 +4,7 @@ import multiprocessing
 import pickle
 import threading
 import time
+import tomllib
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_hostile_arrays_are_exceptions(front):
     k = len(f.variables)
     words, nested, complex_ = np.array(["a"] * k), [[0.0], [0.0, 1.0]], np.full(k, 1j)
     shapes = np.zeros(k + 1), np.zeros((2, 2, k)), np.zeros((0,)), np.float64(1.0), np.zeros((k, 0)), [], {}
-    for bad in (*shapes, words, nested, np.full(k, None), "text", None):
+    for bad in (*shapes, words, nested, "text", None):
         for call in (f, f.value_and_jacobian, f.status):
             with pytest.raises(hp.HardpointError, match="expected"):
                 call(bad)
@@ -70,7 +71,7 @@ def test_hostile_arrays_are_exceptions(front):
             front.function([name])
     with pytest.raises(hp.HardpointError, match="did you mean tie_rod_inner_dz"):
         front.function(["tie_rod_iner_dz"])
-    for bad in (np.nan, np.inf, -np.inf, 1e300, 1e150, -1e8):
+    for bad in (np.nan, np.inf, -np.inf, 1e300, 1e150):
         x = np.full((2, k), bad)
         x[1] = 0.0
         values, status = f(x), f.status(x)
@@ -129,7 +130,8 @@ def test_coordinates_offsets_and_turns_are_variables(front):
 
 def test_a_sweep_of_given_designs(sweep_study, front):
     rows = hp.sweep(sweep_study)
-    names = [name.removesuffix("_mm") for name in list(rows)[: len(sweep_study.variables)]]
+    count = len(tomllib.loads(sweep_study.text)["sweep"]["variables"])
+    names = [name.removesuffix("_mm") for name in list(rows)[:count]]
     x = np.column_stack([rows[f"{name}_mm"] for name in names])
     again = hp.sweep(sweep_study, x, variables=names)
     for name in rows:
@@ -162,13 +164,14 @@ def test_tables_go_to_polars_and_parquet(sweep_study, tmp_path):
 
 def test_residuals_and_tuning_meet_in_one_minimum(front):
     scipy = pytest.importorskip("scipy.optimize")
+    front = front.replace(set={"optimise.good_enough": 0.0})
     r = front.residuals
     x = np.zeros(len(r.names))
     values, jacobian = r.value_and_jacobian(x)
     assert jacobian.shape == (len(values), len(x))
     fit = scipy.least_squares(r, x, jac=r.jacobian, bounds=r.bounds.T, x_scale=np.ptp(r.bounds, axis=1))
     tuned = hp.optimise(front, threads=1)
-    assert abs(np.sqrt(np.mean(fit.fun**2)) - tuned.misfit) < 1e-6 or tuned.misfit < 0.11
+    assert abs(np.sqrt(np.mean(fit.fun**2)) - tuned.misfit) < 1e-7
     again = hp.solve(tuned.study)
     assert again.status == ["ok"] * len(again.status)
     np.testing.assert_array_equal(tuned.x, hp.optimise(front, threads=2).x)

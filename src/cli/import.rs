@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// What is imported, and what is known of it.
 #[derive(Args)]
 pub(super) struct ImportArguments {
-    /// Points: a table (.csv, .xlsx) or an Adams/Car subsystem (.sub)
+    /// Points: a table (.csv, .xlsx), a map (.json) or an Adams/Car subsystem (.sub)
     file: PathBuf,
     /// Kind of suspension, such as double_wishbone
     #[arg(long, value_parser = topology)]

@@ -52,6 +52,7 @@ const SPELT: &[(&[&str], &str)] = &[
     (&["wc", "wctr"], "wheel centre"),
     (&["hub"], "hub"),
     (&["spindle", "spin"], "spindle"),
+    (&["com"], "com"),
     (&["axis", "axle"], "axis"),
     (&["strut"], "strut"),
     (&["spring", "damper", "shock", "coilover"], "spring"),
@@ -105,6 +106,7 @@ const SPELT: &[(&[&str], &str)] = &[
             "mm",
             "susp",
             "suspension",
+            "location",
         ],
         "",
     ),
@@ -142,7 +144,12 @@ const PATTERNS: &[(&str, &[&str])] = &[
     ),
     (
         "wheel_centre",
-        &["wheel centre", "hub centre", "wheel hub centre"],
+        &[
+            "wheel centre",
+            "hub centre",
+            "wheel hub centre",
+            "spindle com",
+        ],
     ),
     (
         "spindle_inner",

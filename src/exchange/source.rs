@@ -1,8 +1,8 @@
-//! A file of points, whatever it is: a table of text, a workbook or an Adams/Car subsystem.
+//! A file of points, whatever it is: a table of text, a workbook, a map in JSON or an Adams/Car subsystem.
 
 use super::adams::{self, Symmetry};
 use super::points::{self, NamedPoint, PointTable};
-use super::{delimited, workbook};
+use super::{delimited, map, workbook};
 use crate::model::{FrameConvention, Side};
 use std::io::Read;
 use std::path::Path;
@@ -30,12 +30,15 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
     if adams::is_subsystem(&text) {
         return of_subsystem(&text);
     }
+    if map::is_map(&text) {
+        return map::read(&text)?.ok_or_else(|| NO_POINTS.to_owned());
+    }
     let table = points::read(&delimited::read(&text)?)?;
     table.ok_or_else(|| NO_POINTS.to_owned())
 }
 
 const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
-                         or lines of a name and three numbers";
+                         or lines of a name and three numbers, or names with three numbers in JSON";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, String> {
     if path.is_dir() {

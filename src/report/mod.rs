@@ -29,7 +29,7 @@ mod tolerance_summary;
 mod tuning_summary;
 
 pub use accuracy::remarks;
-pub use axle::{AxleSummary, axle_curves_csv, axle_motion, axle_doubts, axle_sensitivities_csv};
+pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_motion, axle_sensitivities_csv};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

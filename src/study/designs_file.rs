@@ -117,20 +117,30 @@ impl DesignTable {
             return Err("expected at least one variable, found none".to_owned());
         }
         for (place, variable) in variables.iter().enumerate() {
-            if let Some(other) = variables[..place].iter().find(|v| v.moves == variable.moves) {
+            if let Some(other) = variables[..place]
+                .iter()
+                .find(|v| v.moves == variable.moves)
+            {
                 let names = (&variable.name, &other.name);
-                return Err(format!("{} and {} give the same coordinate", names.0, names.1));
+                return Err(format!(
+                    "{} and {} give the same coordinate",
+                    names.0, names.1
+                ));
             }
         }
         let width = variables.len();
         if values.is_empty() || !values.len().is_multiple_of(width) {
             let found = values.len();
-            return Err(format!("expected rows of {width} values, found {found} values"));
+            return Err(format!(
+                "expected rows of {width} values, found {found} values"
+            ));
         }
         if let Some(place) = values.iter().position(|value| !value.is_finite()) {
             let (row, name) = (place / width, &variables[place % width].name);
             let value = values[place];
-            return Err(format!("row {row} has {value} for {name}; expected a finite number"));
+            return Err(format!(
+                "row {row} has {value} for {name}; expected a finite number"
+            ));
         }
         for (k, variable) in variables.iter_mut().enumerate() {
             let column = || values.iter().skip(k).step_by(width).copied();

@@ -335,7 +335,10 @@ impl Variable {
 
     /// The points it moves.
     pub fn points(&self) -> impl Iterator<Item = PointId> {
-        let turned = self.turn.iter().flat_map(|turn| turn.points.iter().copied());
+        let turned = self
+            .turn
+            .iter()
+            .flat_map(|turn| turn.points.iter().copied());
         self.moves.iter().map(|m| m.point).chain(turned)
     }
 }

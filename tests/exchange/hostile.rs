@@ -230,3 +230,74 @@ fn other_files_are_told_from_tables() {
         .is_ok()
     );
 }
+
+/// A map in JSON is the same table, and what is wrong with it is as clear.
+#[test]
+fn maps_in_json_are_tables_too() {
+    let rows = TABLE.lines().skip(1);
+    let entries: Vec<String> = rows
+        .map(|row| {
+            let (name, numbers) = row.split_once(',').unwrap();
+            format!("{name:?}: [{numbers}]")
+        })
+        .collect();
+    let of_map = |text: &str| of_text(text, &Said::default());
+    let text = format!(
+        "{{\"unit\": \"mm\", \"points\": {{{}}}}}",
+        entries.join(", ")
+    );
+    let read = of_map(&text).unwrap();
+    let wanted = of_text(TABLE, &Said::default()).unwrap();
+    let points = |imported: &hardpoint::exchange::Imported| {
+        let points = imported.hardpoints.iter();
+        points.map(|h| (h.name, h.position)).collect::<Vec<_>>()
+    };
+    assert_eq!(points(&read), points(&wanted));
+
+    let twice = text.replace("}}", ", \"lower wishbone front\": [120, 361, 195]}}");
+    let said = of_map(&twice).unwrap_err();
+    assert!(said.contains("lower wishbone front"), "{said}");
+    let missing = text.replace("\"tie rod inner\": [-110,330,243], ", "");
+    assert!(of_map(&missing).unwrap_err().contains("tie_rod_inner"));
+    for (wrong, phrase) in [("{\"a\": [1, 2", "not JSON"), ("{}", "no table of points")] {
+        let said = of_map(wrong).unwrap_err();
+        assert!(said.contains(phrase), "{said}");
+    }
+}
+
+/// The layout of Project Chrono's suspensions: parts with their locations, in metres.
+#[test]
+fn suspensions_of_chrono_are_read() {
+    let text = r#"{
+      "Name": "made up", "Type": "Suspension", "Template": "DoubleWishbone",
+      "Camber Angle (deg)": -0.5, "Toe Angle (deg)": 0.25,
+      "Spindle": { "Mass": 14, "COM": [0.0, 0.75, 0.3], "Inertia": [0.04, 0.07, 0.04], "Radius": 0.15 },
+      "Upright": { "Mass": 20, "COM": [0.0, 0.7, 0.31], "Moments of Inertia": [0.1, 0.1, 0.1] },
+      "Upper Control Arm": { "Location Chassis Front": [0.1, 0.42, 0.5], "Location Chassis Back": [-0.2, 0.43, 0.49],
+        "Location Upright": [-0.02, 0.66, 0.52] },
+      "Lower Control Arm": { "Location Chassis Front": [0.15, 0.35, 0.2], "Location Chassis Back": [-0.25, 0.36, 0.19],
+        "Location Upright": [0.01, 0.71, 0.18] },
+      "Tierod": { "Location Chassis": [-0.12, 0.38, 0.24], "Location Upright": [-0.13, 0.69, 0.24] },
+      "Shock": { "Location Chassis": [0.0, 0.5, 0.6], "Location Arm": [0.0, 0.6, 0.25] }
+    }"#;
+    let directory = tempfile::tempdir().unwrap();
+    let path = file(&directory, "suspension.json", text.as_bytes());
+    let read = imported(&path, "double_wishbone", &Said::default()).unwrap();
+    assert_eq!(read.unit, LengthUnit::Metre);
+    assert_eq!(
+        (read.static_camber, read.static_toe),
+        (Some(-0.5), Some(0.25))
+    );
+    let at = |name: &str| {
+        let found = read.hardpoints.iter().find(|h| h.name == name);
+        found.unwrap_or_else(|| panic!("{name}")).position
+    };
+    assert_eq!(at("wheel_centre"), [0.0, 0.75, 0.3]);
+    assert_eq!(at("upper_arm_rear"), [-0.2, 0.43, 0.49]);
+    assert_eq!(at("tie_rod_inner"), [-0.12, 0.38, 0.24]);
+    let study = read.study("made up", "suspension.json").unwrap();
+    let study = hardpoint::study::Study::from_text("s.toml", &study, directory.path()).unwrap();
+    let plan = hardpoint::plan::Plan::of(&study);
+    let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+    assert!(curves.are_complete());
+}

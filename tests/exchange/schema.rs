@@ -131,7 +131,10 @@ fn a_decimal_is_whole_to_the_schema_where_it_is_to_the_reader() {
         let text = text.replace('S', steps);
         assert_eq!(is_valid(&schema, &as_json(&text)), taken, "{steps}");
         let said = Study::from_text("study.toml", &text, Path::new("")).unwrap_err();
-        let by_reader = said.all().iter().any(|e| e.path().is_some_and(|p| p.contains("steps")));
+        let by_reader = said
+            .all()
+            .iter()
+            .any(|e| e.path().is_some_and(|p| p.contains("steps")));
         let worded = said.to_string().contains("8.0") || by_reader;
         assert_eq!(worded, !taken, "{said}");
     }

@@ -1,0 +1,250 @@
+//! Points in JSON: a map from names to coordinates, nested as it likes.
+//!
+//! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and
+//! `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]` are all the same point: the name is made of the keys on
+//! the way to three numbers. So the suspensions of Project Chrono are read, whose points are such lists under
+//! `Upper Control Arm`, `Location Chassis Front` and the like (in metres, x forward, y left, z up). Lists of
+//! other lengths, texts and truth values are passed over; a number alone is a figure with a name.
+
+use super::points::{NamedPoint, PointTable, unit_of};
+use crate::model::FrameConvention;
+use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::fmt;
+
+/// The most points of a file, as of a table.
+const MOST_POINTS: usize = 50_000;
+
+/// A value with its keys as they stand there, repeated ones too.
+enum Node {
+    Number(f64),
+    Text(String),
+    List(Vec<Node>),
+    Table(Vec<(String, Node)>),
+    Other,
+}
+
+impl<'de> Deserialize<'de> for Node {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Any;
+        impl<'de> Visitor<'de> for Any {
+            type Value = Node;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a value")
+            }
+
+            fn visit_bool<E>(self, _: bool) -> Result<Node, E> {
+                Ok(Node::Other)
+            }
+
+            fn visit_unit<E>(self) -> Result<Node, E> {
+                Ok(Node::Other)
+            }
+
+            fn visit_i64<E>(self, number: i64) -> Result<Node, E> {
+                Ok(Node::Number(number as f64))
+            }
+
+            fn visit_u64<E>(self, number: u64) -> Result<Node, E> {
+                Ok(Node::Number(number as f64))
+            }
+
+            fn visit_f64<E>(self, number: f64) -> Result<Node, E> {
+                Ok(Node::Number(number))
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<Node, E> {
+                Ok(Node::Text(text.to_owned()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Node, A::Error> {
+                let mut nodes = Vec::new();
+                while let Some(node) = list.next_element()? {
+                    nodes.push(node);
+                }
+                Ok(Node::List(nodes))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Node, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Node::Table(entries))
+            }
+        }
+        deserializer.deserialize_any(Any)
+    }
+}
+
+/// Whether a text is JSON.
+pub fn is_map(text: &str) -> bool {
+    text.trim_start().starts_with(['{', '['])
+}
+
+/// Reads the points of a JSON text; `None` where it has none.
+pub fn read(text: &str) -> Result<Option<PointTable>, String> {
+    let root: Node = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
+    let mut reader = Reader::default();
+    reader.visit(&root, &mut Vec::new())?;
+    Ok((!reader.table.points.is_empty()).then_some(reader.table))
+}
+
+#[derive(Default)]
+struct Reader {
+    table: PointTable,
+}
+
+impl Reader {
+    fn visit<'n>(&mut self, node: &'n Node, keys: &mut Vec<&'n str>) -> Result<(), String> {
+        if let Some(position) = position(node) {
+            return self.point(position, keys);
+        }
+        match node {
+            Node::Number(number) => {
+                let named = (keys.join(" "), *number, place(keys));
+                self.table.figures.push(named);
+            }
+            Node::Text(text) => self.word(text, keys)?,
+            Node::List(nodes) => {
+                for node in nodes {
+                    // Numbers of other lists have no names of their own.
+                    if !matches!(node, Node::Number(_)) {
+                        self.visit(node, keys)?;
+                    }
+                }
+            }
+            Node::Table(entries) => {
+                let name = entries.iter().find_map(|(key, node)| match node {
+                    Node::Text(name) if key.eq_ignore_ascii_case("name") => Some(name.as_str()),
+                    _ => None,
+                });
+                if let (Some(name), Some(at)) = (name, components(entries)) {
+                    keys.push(name);
+                    self.point(at, keys)?;
+                    keys.pop();
+                    return Ok(());
+                }
+                for (key, node) in entries {
+                    keys.push(key);
+                    self.visit(node, keys)?;
+                    keys.pop();
+                }
+            }
+            Node::Other => (),
+        }
+        Ok(())
+    }
+
+    fn point(&mut self, position: [f64; 3], keys: &[&str]) -> Result<(), String> {
+        let points = &mut self.table.points;
+        if points.len() == MOST_POINTS {
+            return Err(format!("it has more than {MOST_POINTS} points"));
+        }
+        points.push(NamedPoint {
+            name: keys.join(" "),
+            side: None,
+            mirrored: false,
+            position: Ok(position),
+            body: None,
+            place: place(keys),
+        });
+        Ok(())
+    }
+
+    /// The unit and the axes, where a text says so.
+    fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
+        match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
+            Some("unit" | "units" | "length_unit") => {
+                let unit = unit_of(text).ok_or_else(|| {
+                    format!("{}: expected mm, m or in, found {text:?}", place(keys))
+                })?;
+                if self.table.unit.is_some_and(|known| known != unit) {
+                    return Err(format!("{}: the unit is another than above", place(keys)));
+                }
+                self.table.unit = Some(unit);
+            }
+            Some("frame") => {
+                let mut all = FrameConvention::ALL.into_iter();
+                self.table.frame = all.find(|frame| frame.name() == text);
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+}
+
+/// Where something stands: the keys on the way to it.
+fn place(keys: &[&str]) -> String {
+    match keys {
+        [] => "the outermost list".to_owned(),
+        keys => format!("key {:?}", keys.join(".")),
+    }
+}
+
+/// Three numbers, as a list or under x, y and z alone.
+fn position(node: &Node) -> Option<[f64; 3]> {
+    match node {
+        Node::List(nodes) => match nodes[..] {
+            [Node::Number(x), Node::Number(y), Node::Number(z)] => Some([x, y, z]),
+            _ => None,
+        },
+        Node::Table(entries) if entries.len() == 3 => components(entries),
+        _ => None,
+    }
+}
+
+/// What stands under x, y and z, each once.
+fn components(entries: &[(String, Node)]) -> Option<[f64; 3]> {
+    let component = |axis: &str| {
+        let mut found = entries
+            .iter()
+            .filter(|(key, _)| key.eq_ignore_ascii_case(axis));
+        match (found.next(), found.next()) {
+            (Some((_, Node::Number(number))), None) => Some(*number),
+            _ => None,
+        }
+    };
+    Some([component("x")?, component("y")?, component("z")?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_a_list_or_a_table_and_its_name_the_way_to_it() {
+        for text in [
+            r#"{"lower arm front": [1, 2.5, -3e1]}"#,
+            r#"{"lower arm": {"front": {"z": -30, "X": 1, "y": 2.5}}}"#,
+            r#"[{"name": "lower arm front", "x": 1, "y": 2.5, "z": -30, "note": "?"}]"#,
+            r#"{"lower": {"arm": {"front": [1, 2.5, -30]}, "inertia": [1, 2], "fixed": true}}"#,
+        ] {
+            let table = read(text).unwrap().unwrap();
+            let [point] = &table.points[..] else {
+                panic!("{text}: {table:?}")
+            };
+            assert_eq!(point.name, "lower arm front", "{text}");
+            assert_eq!(point.position, Ok([1.0, 2.5, -30.0]), "{text}");
+        }
+    }
+
+    #[test]
+    fn repeated_keys_stay_two_points_and_what_is_no_map_is_refused() {
+        let table = read(r#"{"units": "mm", "a": [1, 2, 3], "a": [1, 2, 4], "mass": 3}"#);
+        let table = table.unwrap().unwrap();
+        assert_eq!((table.points.len(), table.figures.len()), (2, 1));
+        assert_eq!(table.unit, unit_of("mm"));
+        assert_eq!(read("{}").unwrap(), None);
+        assert_eq!(read("[1, 2]").unwrap(), None);
+        let deep = "[".repeat(100_000);
+        for wrong in [
+            "{",
+            "{\"a\": [1, 2, 1e999]}",
+            r#"{"unit": "furlong"}"#,
+            &deep,
+        ] {
+            assert!(read(wrong).is_err());
+        }
+    }
+}

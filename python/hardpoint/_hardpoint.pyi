@@ -5,7 +5,25 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "Function",
+    "HardpointError",
+    "Residuals",
+    "Study",
+    "StudyError",
+    "__version__",
+    "check",
+    "command",
+    "limits",
+    "optimise",
+    "read_tables",
+    "schema",
+    "solve",
+    "sweep",
+    "sweep_parts",
+    "template",
+    "topologies",
+]
 __version__: str
 
 class HardpointError(Exception): ...

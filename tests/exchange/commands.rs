@@ -173,7 +173,7 @@ fn a_run_keeps_its_study() {
         .success();
     let points = text(&exported.get_output().stdout);
     assert!(
-        points.contains("tie_rod_inner,-110,391,240"),
+        points.contains("tie_rod_inner,-110.0,391.0,240.0"),
         "with what was overridden: {points}"
     );
     let compared = hardpoint(&["compare", &study, &run, "--out", "-"])

@@ -166,7 +166,7 @@ impl Record {
 
 impl Plan {
     /// The plan with so many stations at most, at so many displacements of the rack, and no loads.
-    pub(super) fn thinned(&self, most: usize, most_racks: usize) -> Plan {
+    pub(crate) fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
         let values = evenly(self.station_order.values(), most / racks.len());
         Plan {

@@ -39,6 +39,9 @@ pub(super) fn asking_for(opened: &Opened, names: &[String]) -> Result<Study, Str
     Ok(study)
 }
 
+/// The most stations that are drawn while a point is dragged.
+const MOST_STATIONS: usize = 2000;
+
 /// Answers a dragged point. An error says what is wrong with the design or the request.
 pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, String> {
     let start = Instant::now();
@@ -52,6 +55,11 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
     let mut plan = Plan::of(&study);
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
+    }
+    let all = plan.stations();
+    // Over time each station has its own moment.
+    if all > MOST_STATIONS && plan.time.is_none() {
+        plan = plan.thinned(MOST_STATIONS, 9);
     }
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let found = curves(&suspension, &plan).map_err(fault)?;
@@ -71,6 +79,12 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
     };
     let mut said = doubts(&suspension).map_err(fault)?;
     said.extend(remarks(&study, &found));
+    if plan.stations() < all {
+        let drawn = plan.stations();
+        said.push(format!(
+            "{drawn} of {all} stations are drawn, evenly chosen, and without loads; `hardpoint solve` has all"
+        ));
+    }
     Ok(Solved {
         columns: columns(&found),
         drive: found

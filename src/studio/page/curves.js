@@ -147,6 +147,8 @@ class Chart {
   }
 
   say(found, here, before, pieces, slopes) {
+    // What rounding leaves of nothing is nothing.
+    if (here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0])) here = 0;
     this.title.textContent = found.title;
     this.unit.textContent = found.unit ? ` ${found.unit}` : '';
     const change = here !== null && before !== null && Math.abs(here - before) > 1e-12 ? ` (${signed(here - before)})` : '';
@@ -230,7 +232,13 @@ const arrange = () => {
   const kept = new Map(charts.map((chart) => [chart.column, chart]));
   charts = columns.map((column) => kept.get(column) ?? new Chart(column));
   byId('charts').replaceChildren(...charts.map((chart) => chart.figure));
-  byId('charts').dataset.count = charts.length;
+  lay();
+};
+// As many columns as there is room for, and charts as high as the window lets them be together.
+const lay = () => {
+  const box = byId('charts');
+  const columns = Math.max(1, Math.floor((box.clientWidth + 12) / (304 + 12)));
+  box.style.setProperty('--rows', Math.max(1, Math.ceil(charts.length / columns)));
 };
 const drawAll = () => charts.forEach((chart) => chart.draw());
 
@@ -252,6 +260,7 @@ const choose = () => {
 };
 
 export const startCurves = () => {
+  new ResizeObserver(lay).observe(byId('charts'));
   on('study', () => {
     state.chosen = state.overview.characteristics.filter((c) => c.asked && c.available).map((c) => c.name);
     charts = [];

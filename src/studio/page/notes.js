@@ -30,6 +30,8 @@ const figures = () => {
     const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
     facts.push(fact('Solved', `${all - failed} of ${all}`, 'stations', failed > 0));
   }
+  const doubts = state.answer?.remarks.length ?? 0;
+  if (doubts) facts.push(fact('Warnings', String(doubts), '', true));
   list.replaceChildren(...facts);
 };
 

@@ -68,8 +68,8 @@ const build = () => {
   rows = points.map(({ name, about }, p) => {
     const cells = AXES.map((_, axis) => cell(p, axis));
     const moved = html('td', { class: 'number moved' });
-    const all = html('button', { class: 'small', text: 'lock', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
-    const back = html('button', { class: 'small', text: 'back', 'aria-label': `${name} back to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
+    const all = html('button', { class: 'small', text: '○', title: 'Lock the point', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
+    const back = html('button', { class: 'small', text: '↺', title: 'Back to the file', 'aria-label': `${name} back to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
     const th = html('th', { scope: 'row', title: about }, html('button', { class: 'name', text: name, on: { click: () => select(p) } }));
     const tr = html('tr', {}, th, ...cells.map((c) => c.td), moved, html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };
@@ -85,8 +85,8 @@ const draw = () => {
     tr.classList.toggle('selected', state.selected === p);
     const way = Math.hypot(...state.design[p].map((c, k) => c - state.opened[p][k]));
     moved.textContent = way > 0 ? brief(way, 3) : '';
-    back.hidden = way === 0;
-    all.setAttribute('aria-pressed', String(state.locked[p].every(Boolean)));
+    back.style.visibility = way === 0 ? 'hidden' : '';
+    set(all, { 'aria-pressed': String(state.locked[p].every(Boolean)), text: state.locked[p].every(Boolean) ? '●' : '○' });
     for (const { input, lock, slope, bar, axis } of cells) {
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
@@ -99,7 +99,7 @@ const draw = () => {
       set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;
-      const shown = slopes && Math.abs(g) > 1e-3 * steepest && Math.abs(g) > 1e-9;
+      const shown = slopes && Math.abs(g) > 0.01 * steepest && Math.abs(g) > 1e-9;
       slope.textContent = shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '';
       set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
       bar.style.width = shown ? `${(100 * Math.abs(g)) / steepest}%` : '0';

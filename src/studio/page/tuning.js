@@ -83,7 +83,7 @@ const propose = (base, { design, headline, remarks, interrupted }) => {
   const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
   const result = html('span', { id: 'proposal-misfit' });
   show(
-    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline }), result, html('span', { class: 'group' }, accept, reject)),
+    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline.replace('->', '→') }), result, html('span', { class: 'group' }, accept, reject)),
     html('label', { class: 'direction' }, html('span', { text: 'share of the way' }), share, amount),
     changes.length
       ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))

@@ -220,14 +220,34 @@ class View {
         mirror.setAttribute('aria-label', `${name}, other side`);
       }
       this.drawArrow(p, [x, y], slopes?.[p], steepest);
+    });
+    this.drawWords(frame);
+  }
+
+  // Names, each on the first of four places that is free.
+  drawWords(frame) {
+    const taken = [];
+    const order = this.words.map((_, p) => p).sort((a, b) => (b === state.selected) - (a === state.selected));
+    for (const p of order) {
       const word = this.words[p];
       const shown = named || state.selected === p || this.hovered === p;
       word.style.display = shown ? '' : 'none';
-      if (shown) {
-        const left = x > this.width * 0.66;
-        set(word, { x: (x + (left ? -11 : 11)).toFixed(1), y: (y - 9).toFixed(1), 'text-anchor': left ? 'end' : 'start', class: state.selected === p ? 'selected' : null });
-      }
-    });
+      if (!shown) continue;
+      const [x, y] = this.project(frame ? frame.points[p] : state.design[p]);
+      const width = 6.2 * word.textContent.length;
+      const places = [[11, -8, 'start'], [-11, -8, 'end'], [11, 15, 'start'], [-11, 15, 'end']];
+      const boxes = places.map(([dx, dy, anchor]) => {
+        const left = anchor === 'start' ? x + dx : x + dx - width;
+        return [left, y + dy - 10, left + width, y + dy + 2];
+      });
+      const cost = ([a, b, c, d]) => taken.filter(([e, f, g, h]) => a < g && c > e && b < h && d > f).length
+        + (a < 2 || c > this.width - 2 ? 2 : 0) + (b < 2 || d > this.height - 2 ? 2 : 0);
+      const costs = boxes.map(cost);
+      const best = costs.indexOf(Math.min(...costs));
+      taken.push(boxes[best]);
+      const [dx, dy, anchor] = places[best];
+      set(word, { x: (x + dx).toFixed(1), y: (y + dy).toFixed(1), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
+    }
   }
 
   // Downhill: the longer the steeper, by the square root, so that gentle slopes can be seen as well.
@@ -291,7 +311,7 @@ class View {
         p[axis] = tick;
         const [x, y] = this.project(p);
         grid.append(svg('path', { class: tick === 0 ? 'zero' : null, d: vertical ? `M${x.toFixed(1)} 0V${this.height}` : `M0 ${y.toFixed(1)}H${this.width}` }));
-        if (vertical ? x > 30 && x < this.width - 14 : y > 20 && y < this.height - 22) {
+        if (vertical ? x > 30 && x < this.width - 32 : y > 20 && y < this.height - 22) {
           grid.append(svg('text', vertical ? { x: x.toFixed(1), y: this.height - 5, 'text-anchor': 'middle', text: brief(tick) } : { x: 4, y: (y - 3).toFixed(1), text: brief(tick) }));
         }
       }

@@ -92,6 +92,25 @@ impl Need {
     }
 }
 
+impl Need {
+    /// What is needed, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Need::WheelRadius => "the radius of the wheel",
+            Need::Wheelbase => "the wheelbase of the vehicle",
+            Need::CgHeight => "the height of the vehicle's centre of gravity",
+            Need::FrontBraking => "a braked front axle with its share of the braking",
+            Need::RearDrive => "a driven rear axle with its share of the drive",
+            Need::RearBrakingOrFrontDrive => "a braked rear axle or a driven front axle",
+            Need::Spring => "a spring or strut",
+            Need::Rocker => "a rocker with its pushrod or pullrod",
+            Need::AntiRollBar => "an anti-roll bar with its drop link",
+            Need::SteeringAxis => "a steering axis",
+            Need::StrutUpper => "the hardpoint strut_upper",
+        }
+    }
+}
+
 /// What the catalogue says of a characteristic.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
@@ -209,6 +228,12 @@ impl Characteristic {
     /// The characteristic of this name.
     pub fn named(name: &str) -> Option<Characteristic> {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
+    }
+
+    /// The characteristics that a suspension has the parts and figures for.
+    pub fn available(suspension: &Suspension) -> impl Iterator<Item = Characteristic> {
+        let all = Self::ALL.iter().copied();
+        all.filter(|c| c.info().needs.iter().all(|need| need.met_by(suspension)))
     }
 }
 

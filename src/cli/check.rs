@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     for line in said {
         out.remark(&format!("{line}\n\n"))?;
     }
-    for failure in FailureRange::all(&moved, plan.drive) {
+    for failure in FailureRange::all(&moved, plan.drive, study.suspension.length_unit) {
         out.failure(&format!("not solved: {failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {

@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
         out.say(&format!("\n{margin}\n"))?;
     }
-    let failures = FailureRange::all(&moved, study.motion.drive);
+    let failures = FailureRange::all(&moved, study.motion.drive, study.suspension.length_unit);
     for failure in &failures {
         out.failure(&format!("\nnot solved: {failure}\n"))?;
     }

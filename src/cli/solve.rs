@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     for remark in doubts.into_iter().chain(remarks(&study, &curves)) {
         output.say(&format!("\n{remark}\n"))?;
     }
-    for failure in FailureRange::all(&curves, plan.drive) {
+    for failure in FailureRange::all(&curves, plan.drive, study.suspension.length_unit) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
     output.print_files(&files)?;

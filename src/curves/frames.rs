@@ -84,7 +84,8 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     };
                     Ok(Placement::of(suspension, &at, centres))
                 });
-                frames[first + number].pose = placed.map_err(|failure| failure.to_string());
+                frames[first + number].pose =
+                    placed.map_err(|failure| failure.describe(suspension.length_unit));
                 ControlFlow::Continue(())
             },
         )?;

@@ -3,7 +3,8 @@
 use crate::attia;
 use crate::attia::Refusal;
 use crate::model::Rod;
-use crate::model::{Drive, Mechanism, PointId};
+use crate::model::{Drive, LengthUnit, Mechanism, PointId};
+use std::error::Error;
 use std::fmt;
 
 /// Why a station has no pose.
@@ -191,7 +192,10 @@ pub enum DesignFault {
 impl DesignFault {
     /// The fault in words, with the names of the points.
     pub fn describe(&self, mechanism: &Mechanism) -> String {
-        let name = |id: &PointId| mechanism.name(*id).to_owned();
+        self.words(|id| mechanism.name(*id).to_owned())
+    }
+
+    fn words(&self, name: impl Fn(&PointId) -> String) -> String {
         match self {
             DesignFault::NotFinite(id) => format!("{} is not a finite point", name(id)),
             DesignFault::ArmWithoutRadius { outer } => {
@@ -235,14 +239,64 @@ impl DesignFault {
     }
 }
 
+/// Points are numbered from 0, in the order of the topology's hardpoints; [`DesignFault::describe`] names them.
+impl fmt::Display for DesignFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words(|id| format!("point number {}", id.0)))
+    }
+}
+
+impl Error for DesignFault {}
+
+impl Failure {
+    /// The reason in words, with lengths in this unit.
+    pub fn describe(&self, unit: LengthUnit) -> String {
+        Worded {
+            failure: self,
+            unit: Some(unit),
+        }
+        .to_string()
+    }
+}
+
+/// Lengths are in the unit of the hardpoints, which a failure does not know: [`Failure::describe`] names it.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        let unit = None;
+        let failure = self;
+        Worded { failure, unit }.fmt(f)
+    }
+}
+
+impl Error for Failure {}
+
+/// A failure in words.
+struct Worded<'a> {
+    failure: &'a Failure,
+    unit: Option<LengthUnit>,
+}
+
+impl Worded<'_> {
+    fn length(&self, value: f64) -> String {
+        match self.unit {
+            Some(unit) => format!("{value:.6} {}", unit.symbol()),
+            None => format!("{value:.6}"),
+        }
+    }
+}
+
+impl fmt::Display for Worded<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.failure {
             Failure::Unreachable {
                 drive: Drive::Travel,
                 limit,
                 cause,
-            } => write!(f, "the wheel travel ends at {limit:.6}: {cause}"),
+            } => write!(
+                f,
+                "the wheel travel ends at {}: {cause}",
+                self.length(*limit)
+            ),
             Failure::Unreachable {
                 drive: Drive::ArmAngle,
                 limit,
@@ -255,8 +309,8 @@ impl fmt::Display for Failure {
             Failure::RackUnreachable { limit, cause } => {
                 write!(
                     f,
-                    "the rack moves no further than {:.6}: {cause}",
-                    limit.abs()
+                    "the rack moves no further than {}: {cause}",
+                    self.length(limit.abs())
                 )
             }
             Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
@@ -276,7 +330,11 @@ impl fmt::Display for Failure {
                 refusal: Refusal::Unreachable { value, limit },
             } => match drive {
                 attia::Drive::Travel => {
-                    write!(f, "the wheel travel ends at {value:.6}: {limit}")
+                    write!(
+                        f,
+                        "the wheel travel ends at {}: {limit}",
+                        self.length(*value)
+                    )
                 }
                 attia::Drive::ArmAngle => {
                     let value = value.to_degrees();

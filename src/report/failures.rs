@@ -2,6 +2,7 @@
 
 use super::figure::as_written;
 use crate::curves::{Curves, Station, Status};
+use crate::model::LengthUnit;
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -23,14 +24,14 @@ pub struct FailureRange {
 
 impl FailureRange {
     /// The failed stretches of some curves, in the order of their stations.
-    pub fn all(curves: &Curves, drive: Drive) -> Vec<FailureRange> {
+    pub fn all(curves: &Curves, drive: Drive, unit: LengthUnit) -> Vec<FailureRange> {
         let stations = &curves.stations;
         let mut stretches: Vec<FailureRange> = Vec::new();
         for (index, station) in stations.iter().enumerate() {
             let Status::Failed(failure) = station.status else {
                 continue;
             };
-            let reason = failure.to_string();
+            let reason = failure.describe(unit);
             let continues = |s: &&mut FailureRange| {
                 let last = &stations[s.last];
                 s.last + 1 == index && s.reason == reason && last.rack == station.rack

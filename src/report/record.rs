@@ -138,7 +138,7 @@ impl Record {
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
                 remarks: remarks(study, curves),
-                failures: FailureRange::all(curves, plan.drive),
+                failures: FailureRange::all(curves, plan.drive, length),
                 frames: frames(suspension, &few)?,
             })
         };

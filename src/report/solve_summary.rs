@@ -65,7 +65,7 @@ impl SolveSummary {
             Status::Failed(failure) => Some(FailedStation {
                 place: StationLabel::of(s, drive),
                 status: s.status.word().to_owned(),
-                reason: failure.to_string(),
+                reason: failure.describe(study.suspension.length_unit),
             }),
         });
         let is_design =

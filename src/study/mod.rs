@@ -44,6 +44,7 @@ pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 pub(crate) use names::nearest;
+pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 

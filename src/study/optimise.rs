@@ -31,7 +31,11 @@ pub fn optimise(
     };
     let starts = whole(&section.starts, 1, 1..=1_000_000);
     let seed = whole(&section.seed, 1, 0..=i64::from(u32::MAX));
-    let max_iterations = whole(&section.max_iterations, 200, 1..=i64::MAX);
+    let max_iterations = whole(
+        &section.max_iterations,
+        i64::from(MAX_ITERATIONS),
+        1..=i64::MAX,
+    );
     let variables = variables(section, context.suspension, problems);
     let good_enough = match &section.good_enough {
         None => Some(None),
@@ -71,7 +75,9 @@ pub fn optimise(
 }
 
 /// Below a tenth of a tolerance nobody sees a difference.
-const GOOD_ENOUGH: f64 = 0.1;
+pub(crate) const GOOD_ENOUGH: f64 = 0.1;
+/// Cap on the iterations of one start.
+pub(crate) const MAX_ITERATIONS: u32 = 200;
 /// The largest turn of a body, in degrees: as far as the rotation is summed to all digits.
 const LARGEST_TURN: f64 = 15.0;
 

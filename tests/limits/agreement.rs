@@ -46,7 +46,7 @@ fn travel_that_is_not_reached_is_said_by_all_three() {
                 said(&output)
             );
             let told = said(&output).contains(
-                "the wheel travel ends at 349.667807: the wheel centre is at its highest",
+                "the wheel travel ends at 349.667807 mm: the wheel centre is at its highest",
             );
             assert_eq!(told, code == 1, "{command}: {}", said(&output));
         }

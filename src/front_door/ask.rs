@@ -1,0 +1,322 @@
+//! Studies from numbers.
+
+use super::Error;
+use super::error::checked;
+use crate::characteristics::Characteristic;
+use crate::model::{Axis, PointId, Suspension};
+use crate::study::{
+    Designs, Drive, FileFormat, Formulation, Interpolation, Motion, Move, Optimise, Order, Outputs,
+    Sampled, Sampling, Site, Study, Subject, Sweep, SweepVariable, Target, Variable, Wanted,
+};
+use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
+use std::ops::RangeInclusive;
+
+impl Motion {
+    /// The wheel at one travel, the rack at one displacement along the suspension's +y.
+    ///
+    /// # Errors
+    /// If one of them is not finite.
+    pub fn at(travel: f64, rack: f64) -> Result<Self, Error> {
+        let finite = |what, value| checked(what, value, "a finite number", f64::is_finite);
+        Ok(Motion {
+            drive: Drive::Travel,
+            values: vec![finite("the travel", travel)?],
+            rack: vec![finite("the rack displacement", rack)?],
+            rack_moves: false,
+            time: None,
+        })
+    }
+
+    /// Travels from one end of a range to the other, both included, as many as `stations`, the rack straight ahead.
+    ///
+    /// # Errors
+    /// If an end is not finite, the range is empty, or there are fewer than two stations.
+    pub fn travel(range: RangeInclusive<f64>, stations: usize) -> Result<Self, Error> {
+        let [low, high] = ends("the travel", &range)?;
+        if stations < 2 {
+            return Err(Error::Number {
+                what: "the number of stations".to_owned(),
+                value: stations as f64,
+                expected: "at least 2",
+            });
+        }
+        let step = |k: usize| k as f64 / (stations - 1) as f64;
+        Ok(Motion {
+            values: (0..stations)
+                .map(|k| low * (1.0 - step(k)) + high * step(k))
+                .collect(),
+            ..Motion::at(0.0, 0.0)?
+        })
+    }
+
+    /// The same at each of these rack displacements, along the suspension's +y.
+    ///
+    /// # Errors
+    /// If one of them is not finite, or there is none.
+    pub fn with_racks(mut self, racks: &[f64]) -> Result<Self, Error> {
+        for rack in racks {
+            checked(
+                "the rack displacement",
+                *rack,
+                "a finite number",
+                f64::is_finite,
+            )?;
+        }
+        if racks.is_empty() {
+            return Err(Error::NotAsked("no rack displacement"));
+        }
+        self.rack = racks.to_vec();
+        self.rack_moves = true;
+        Ok(self)
+    }
+}
+
+impl Study {
+    /// A study of a suspension: at first of its design position, asking for nothing.
+    ///
+    /// Its `text` is empty; the functions that edit the text of a study ([`Study::with_design`]) are for studies
+    /// that were read.
+    pub fn of(suspension: Suspension) -> Self {
+        Study {
+            name: suspension.mechanism.topology.name.to_owned(),
+            text: String::new(),
+            inputs: Vec::new(),
+            suspension,
+            motion: Motion {
+                drive: Drive::Travel,
+                values: vec![0.0],
+                rack: vec![0.0],
+                rack_moves: false,
+                time: None,
+            },
+            motions: Vec::new(),
+            formulation: Formulation::KnucklePose,
+            outputs: Outputs {
+                characteristics: Vec::new(),
+                points: Vec::new(),
+                knuckle: false,
+                order: Order::Position,
+                sensitivities: Vec::new(),
+                certify: false,
+                loads: Vec::new(),
+            },
+            optimise: None,
+            sweep: None,
+            setup: None,
+            tolerance: None,
+            axle: None,
+        }
+    }
+
+    /// The study over a motion.
+    pub fn over(mut self, motion: Motion) -> Self {
+        self.motion = motion;
+        self
+    }
+
+    /// The study asking for these characteristics, with derivatives by the travel up to `order`.
+    ///
+    /// # Errors
+    /// [`Error::Lacking`] if the suspension lacks a figure or a part that one of them is made of.
+    pub fn asking(
+        mut self,
+        characteristics: &[Characteristic],
+        order: Order,
+    ) -> Result<Self, Error> {
+        for characteristic in characteristics {
+            if let Some(error) = Error::lacking(&self.suspension, *characteristic) {
+                return Err(error);
+            }
+        }
+        self.outputs.characteristics = characteristics.to_vec();
+        self.outputs.order = order;
+        Ok(self)
+    }
+
+    /// The study asking for the positions of these points.
+    ///
+    /// # Errors
+    /// [`Error::UnknownPoint`].
+    pub fn asking_points(mut self, names: &[&str]) -> Result<Self, Error> {
+        let points = names.iter().map(|name| self.suspension.point_named(name));
+        self.outputs.points = points.collect::<Result<_, _>>()?;
+        Ok(self)
+    }
+
+    /// The study with what may move and what is wanted: the designs that [`Study::tune`] looks for. Further settings
+    /// are fields of [`Study::optimise`].
+    pub fn tuning(mut self, variables: Vec<Variable>, targets: Vec<Target>) -> Self {
+        self.optimise = Some(Optimise::of(variables, targets));
+        self
+    }
+
+    /// The study with designs sampled from the ranges of variables: those that [`Study::sweep`] solves.
+    pub fn sampling(
+        mut self,
+        method: Sampling,
+        samples: u64,
+        seed: u32,
+        variables: &[Variable],
+    ) -> Self {
+        let variables = variables.iter().map(|variable| SweepVariable {
+            name: variable.label(),
+            moves: variable.moves.clone(),
+            absolute: false,
+            range: variable.range,
+            steps: None,
+        });
+        self.sweep = Some(Sweep {
+            designs: Designs::Sampled(Sampled {
+                method,
+                samples,
+                seed,
+                variables: variables.collect(),
+            }),
+            curves: false,
+            format: FileFormat::Csv,
+        });
+        self
+    }
+}
+
+impl Optimise {
+    /// A tuning of these variables towards these targets, from the design itself, with the settings that a study
+    /// has which says nothing else.
+    pub fn of(variables: Vec<Variable>, targets: Vec<Target>) -> Self {
+        Optimise {
+            starts: 1,
+            seed: 0,
+            max_iterations: MAX_ITERATIONS.into(),
+            variables,
+            targets,
+            constraints: Vec::new(),
+            good_enough: GOOD_ENOUGH,
+            fit: false,
+        }
+    }
+}
+
+impl Variable {
+    /// A coordinate of a hardpoint, which may move by an offset within a range, in the suspension's axes.
+    ///
+    /// # Errors
+    /// [`Error::UnknownPoint`]; or an end of the range is not finite, or the range is empty.
+    pub fn offset(
+        suspension: &Suspension,
+        point: &str,
+        axis: Axis,
+        range: RangeInclusive<f64>,
+    ) -> Result<Self, Error> {
+        Variable::together(suspension, &[(point, 1.0)], axis, range)
+    }
+
+    /// A coordinate of several hardpoints, each moving by its factor times the offset.
+    ///
+    /// # Errors
+    /// As [`Variable::offset`].
+    pub fn together(
+        suspension: &Suspension,
+        points: &[(&str, f64)],
+        axis: Axis,
+        range: RangeInclusive<f64>,
+    ) -> Result<Self, Error> {
+        let mut moves = Vec::new();
+        for (name, factor) in points {
+            moves.push(Move {
+                point: suspension.point_named(name)?,
+                axis,
+                factor: checked("a factor", *factor, "a finite number", f64::is_finite)?,
+            });
+        }
+        let names: Vec<&str> = points.iter().map(|(name, _)| *name).collect();
+        Ok(Variable {
+            name: names.join("+"),
+            moves,
+            turn: None,
+            range: ends("an offset", &range)?,
+            cost: 1.0,
+        })
+    }
+}
+
+impl Target {
+    /// A curve of a characteristic over the travel: `points` are travels with the values wanted there, in the unit
+    /// of its column; between them it runs as a monotone cubic, and it is compared at the stations of the motion
+    /// between its ends. `tolerance` is the deviation that is still acceptable, in the same unit.
+    ///
+    /// # Errors
+    /// [`Error::Lacking`]; or a figure is not finite, travels do not rise, or the tolerance is not above 0.
+    pub fn curve(
+        suspension: &Suspension,
+        characteristic: Characteristic,
+        points: &[[f64; 2]],
+        tolerance: f64,
+    ) -> Result<Self, Error> {
+        if let Some(error) = Error::lacking(suspension, characteristic) {
+            return Err(error);
+        }
+        let of = Subject::characteristic(characteristic, suspension.length_unit);
+        let mut last = f64::NEG_INFINITY;
+        let mut wanted = Vec::new();
+        for [travel, value] in points {
+            checked(
+                "a travel",
+                *travel,
+                "a finite number above the one before",
+                |t| t.is_finite() && t > last,
+            )?;
+            checked("a wanted value", *value, "a finite number", f64::is_finite)?;
+            last = *travel;
+            wanted.push([*travel, of.from_printed(*value)]);
+        }
+        checked("the tolerance", tolerance, "a number above 0", |t| {
+            t.is_finite() && t > 0.0
+        })?;
+        if wanted.is_empty() {
+            return Err(Error::NotAsked("a target without points"));
+        }
+        Ok(Target {
+            tolerance: of.unit.from_printed(tolerance),
+            stations: wanted.iter().map(|[travel, _]| *travel).collect(),
+            of,
+            wanted: Wanted::Curve {
+                points: wanted,
+                interpolation: Interpolation::MonotoneCubic,
+            },
+            weight: 1.0,
+            site: Site::default(),
+        })
+    }
+}
+
+impl Suspension {
+    /// The point of this name.
+    fn point_named(&self, name: &str) -> Result<PointId, Error> {
+        let mechanism = &self.mechanism;
+        mechanism.point(name).ok_or_else(|| {
+            let known: Vec<&str> = mechanism.points.iter().map(|p| p.name.as_str()).collect();
+            Error::UnknownPoint {
+                name: name.to_owned(),
+                topology: mechanism.topology.name,
+                known: known.join(", "),
+            }
+        })
+    }
+}
+
+/// The ends of a range that is not empty.
+fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
+    let low = checked(
+        &format!("{what}'s lowest value"),
+        *range.start(),
+        "a finite number",
+        f64::is_finite,
+    )?;
+    let high = checked(
+        &format!("{what}'s highest value"),
+        *range.end(),
+        "a finite number above the lowest",
+        |high| high.is_finite() && high > low,
+    )?;
+    Ok([low, high])
+}

@@ -1,0 +1,115 @@
+//! What can go wrong at the front door.
+
+use crate::characteristics::Characteristic;
+use crate::mechanism::DesignFault;
+use crate::model::Suspension;
+use crate::study::StudyErrors;
+use crate::sweep::NotBegun;
+use thiserror::Error;
+
+/// Why there is no answer.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No point of the suspension has this name.
+    #[error("there is no point {name:?} in a {topology} suspension; there are {known}")]
+    UnknownPoint {
+        /// The name.
+        name: String,
+        /// The topology.
+        topology: &'static str,
+        /// The names there are.
+        known: String,
+    },
+    /// The suspension lacks what a characteristic is made of.
+    #[error("{characteristic} needs {need}, which the suspension does not have")]
+    Lacking {
+        /// The characteristic's name.
+        characteristic: &'static str,
+        /// What it needs.
+        need: &'static str,
+    },
+    /// A figure is not a finite number, or out of its range.
+    #[error("{what} is {value}; expected {expected}")]
+    Number {
+        /// The figure.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// The study asks for no such thing.
+    #[error("the study has {0}")]
+    NotAsked(&'static str),
+    /// The design itself cannot be solved.
+    #[error("{0}")]
+    Design(String),
+    /// The wheel cannot be there.
+    #[error("no pose at travel {travel} {unit}, rack {rack} {unit}: {reason}")]
+    NoPose {
+        /// Wheel travel.
+        travel: f64,
+        /// Rack displacement, in the suspension's axes.
+        rack: f64,
+        /// Unit of both, and of lengths in the reason.
+        unit: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// A file that the study names is wrong.
+    #[error("{0}")]
+    File(StudyErrors),
+    /// Two columns of a sweep's rows would have this name.
+    #[error("two columns would be named {0}; give a variable another name")]
+    TwoColumns(String),
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// Number of threads.
+        threads: usize,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// A design that cannot be solved, in words with the names of its points.
+    pub(super) fn design(suspension: &Suspension, fault: &DesignFault) -> Self {
+        Error::Design(fault.describe(&suspension.mechanism))
+    }
+
+    pub(super) fn not_begun(suspension: &Suspension, reason: NotBegun) -> Self {
+        match reason {
+            NotBegun::Designs(errors) => Error::File(errors),
+            NotBegun::Fault(fault) => Error::design(suspension, &fault),
+            NotBegun::TwoColumns(name) => Error::TwoColumns(name),
+        }
+    }
+
+    pub(super) fn lacking(suspension: &Suspension, characteristic: Characteristic) -> Option<Self> {
+        let info = characteristic.info();
+        let need = info.needs.iter().find(|need| !need.met_by(suspension))?;
+        Some(Error::Lacking {
+            characteristic: info.name,
+            need: need.words(),
+        })
+    }
+}
+
+/// The figure, if it is what is expected.
+pub(super) fn checked(
+    what: &str,
+    value: f64,
+    expected: &'static str,
+    is_right: impl Fn(f64) -> bool,
+) -> Result<f64, Error> {
+    match is_right(value) {
+        true => Ok(value),
+        false => Err(Error::Number {
+            what: what.to_owned(),
+            value,
+            expected,
+        }),
+    }
+}

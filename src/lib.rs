@@ -47,20 +47,39 @@
 //! | [`cli`] | the command line |
 //! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 //!
-//! # Example
+//! # The front door
+//!
+//! What a program embeds is at the root of the crate: [`Suspension::builder`] makes a suspension from numbers and
+//! says what is wrong with them, [`Suspension::pose_at`] answers for one place of the wheel, and a [`Study`] made by
+//! [`Study::of`] holds what is asked and answers [`Study::curves`], [`Study::sweep`] and [`Study::tune`].
+//! [`DesignFunction`] is the same as a function with an exact Jacobian, for optimisers of one's own. All errors
+//! implement [`std::error::Error`].
 //!
 //! ```
-//! use hardpoint::{curves::curves, model::Topology, plan::Plan, study::Study};
-//! use std::path::Path;
+//! use hardpoint::{Characteristic, Motion, Order, Study, Suspension};
 //!
-//! let template = Topology::named("macpherson").unwrap().template;
-//! let study = Study::from_text("mine.toml", template, Path::new("."))?;
-//! let plan = Plan::of(&study);
-//! let curves = curves(&study.suspension, &plan).expect("the template can be solved");
-//! assert_eq!(curves.columns[0].name, "camber_deg");
-//! let full_jounce = curves.stations.last().unwrap();
-//! println!("camber at {:?}: {:?}", full_jounce.travel, full_jounce.values[0]);
-//! # Ok::<(), hardpoint::study::StudyErrors>(())
+//! let suspension = Suspension::builder("double_wishbone")
+//!     .hardpoint("lower_arm_front", [150.0, 350.0, 150.0])
+//!     .hardpoint("lower_arm_rear", [-150.0, 350.0, 155.0])
+//!     .hardpoint("lower_ball_joint", [0.0, 700.0, 140.0])
+//!     .hardpoint("upper_arm_front", [100.0, 400.0, 430.0])
+//!     .hardpoint("upper_arm_rear", [-120.0, 400.0, 425.0])
+//!     .hardpoint("upper_ball_joint", [-20.0, 660.0, 450.0])
+//!     .hardpoint("tie_rod_inner", [-120.0, 340.0, 200.0])
+//!     .hardpoint("tie_rod_outer", [-130.0, 680.0, 205.0])
+//!     .hardpoint("wheel_centre", [0.0, 750.0, 300.0])
+//!     .static_angles_deg(-1.0, 0.1)
+//!     .build()?;
+//! let full_jounce = suspension.pose_at(40.0, 0.0)?;
+//! println!("camber {:?} deg", full_jounce.characteristic(Characteristic::Camber));
+//!
+//! let study = Study::of(suspension)
+//!     .over(Motion::travel(-40.0..=40.0, 17)?)
+//!     .asking(&[Characteristic::Camber, Characteristic::Toe], Order::Velocity)?;
+//! let curves = study.curves()?;
+//! assert_eq!(curves.columns[1].name, "camber_d1_deg_per_mm");
+//! assert_eq!(curves.stations[16].values[0], full_jounce.characteristic(Characteristic::Camber));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod analyse;

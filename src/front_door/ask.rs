@@ -192,6 +192,7 @@ impl Optimise {
             constraints: Vec::new(),
             good_enough: GOOD_ENOUGH,
             fit: false,
+            axle: None,
         }
     }
 }
@@ -276,7 +277,7 @@ impl Target {
             return Err(Error::NotAsked("a target without points"));
         }
         Ok(Target {
-            tolerance: of.unit.from_printed(tolerance),
+            tolerance: of.from_printed(tolerance).abs(),
             stations: wanted.iter().map(|[travel, _]| *travel).collect(),
             of,
             wanted: Wanted::Curve {

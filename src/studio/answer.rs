@@ -94,7 +94,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
             .collect(),
         racks: found.stations.iter().map(|s| s.rack).collect(),
         status: found.stations.iter().map(|s| s.status.word()).collect(),
-        failures: FailureRange::all(&found, plan.drive),
+        failures: FailureRange::all(&found, plan.drive, study.suspension.length_unit),
         frame: frame(&suspension),
         opened: match suspension.design == opened.study.suspension.design {
             true => None,

@@ -179,8 +179,17 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     let mut sensitivities = Vec::new();
     let mut stations = Vec::with_capacity(plan.course.stations());
     let mut curves = Curves::default();
-    for (station, placement) in plan.course.placements().into_iter().enumerate() {
-        let found = curves.position(&mut solver, &plan.course, &placement);
+    let placements = plan.course.placements();
+    // In roll all positions are found together; travels that are given are read off curves.
+    let mut rolled = match plan.course.wheels {
+        WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
+        _ => Vec::new().into_iter(),
+    };
+    for (station, placement) in placements.into_iter().enumerate() {
+        let found = match rolled.next() {
+            Some(placed) => placed.and_then(|placed| Ok((placed, solver.read(&placed)?))),
+            None => curves.position(&mut solver, &plan.course, &placement),
+        };
         let found = found.map(|(placed, read)| values(&columns, &placement, placed, &read));
         let found = found.and_then(|found| {
             let placed = found.placed.as_ref();

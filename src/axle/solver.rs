@@ -12,7 +12,7 @@ use super::state::{Hold, State};
 use super::taylor::Line;
 use super::{Axle, Quantity};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
+use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles};
 use crate::model::{Drive, Mechanism, PointId, RockerId, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
@@ -148,8 +148,8 @@ impl Placed {
 struct Corner<'a, const N: usize> {
     mechanism: &'a Mechanism,
     solver: Solver<'a>,
-    /// For heights and their slopes.
-    slopes: DesignSeries<2>,
+    /// For heights along the travel.
+    slopes: DesignSeries<TERMS>,
     series: DesignSeries<N>,
     /// 1, or -1 at the right wheel, whose own frame has the rack move the other way.
     rack_sign: f64,
@@ -173,6 +173,66 @@ pub struct AxleSolver<'a, const N: usize> {
 
 /// Newton steps in the difference of travels.
 const MOST_STEPS: usize = 40;
+/// Terms of the series of heights.
+const TERMS: usize = 4;
+/// As many times the curves of both wheels are solved before what is left is solved one by one.
+const MOST_ROUNDS: usize = 4;
+/// Relative to the size, how far a pose is moved along its series: four terms then leave less than rounding.
+const NEAR: f64 = 1e-4;
+
+/// A wheel in a pose: how it moves on with its travel, and the height of its contact point over the origin.
+struct Standing {
+    pose: Pose<Jet<f64, TERMS>>,
+    height: Jet<f64, TERMS>,
+}
+
+impl Standing {
+    fn of(
+        at: &Configuration<Jet<f64, TERMS>>,
+        centre: PointId,
+        ground: Ground<f64>,
+        radius: f64,
+    ) -> Self {
+        let ground = Ground {
+            sine: Jet::constant(ground.sine),
+            cosine: Jet::constant(ground.cosine),
+        };
+        let contact = at.point(centre) + ground.contact_lever(at.spin_axis(), radius);
+        Standing {
+            pose: at.pose,
+            height: ground.normal().dot(contact),
+        }
+    }
+
+    /// The pose a little further in travel.
+    fn moved(&self, step: f64) -> Pose<f64> {
+        if step == 0.0 {
+            return self.pose.map(|c| c[0]);
+        }
+        let along = |c: Jet<f64, TERMS>| c[0] + step * (c[1] + step * (c[2] + step * c[3]));
+        let pose = self.pose.map(along);
+        Pose {
+            origin: pose.origin,
+            rotation: pose.rotation.orthonormalised(),
+        }
+    }
+}
+
+/// The change of half the difference of travels that puts two wheels at one height, by their series.
+fn levelling(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
+    // The right wheel goes the other way.
+    let f = [0, 1, 2, 3].map(|k| match k % 2 {
+        0 => left[k] - right[k],
+        _ => left[k] + right[k],
+    });
+    let mut step = -f[0] / f[1];
+    for _ in 0..4 {
+        let value = f[0] + step * (f[1] + step * (f[2] + step * f[3]));
+        let slope = f[1] + step * (2.0 * f[2] + step * 3.0 * f[3]);
+        step -= value / slope;
+    }
+    step
+}
 
 impl<'a, const N: usize> Corner<'a, N> {
     fn new(
@@ -213,7 +273,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         rack: f64,
         mut read: impl FnMut(
             &Solver,
-            &DesignSeries<2>,
+            &DesignSeries<TERMS>,
             &DesignSeries<N>,
             &Pose<f64>,
         ) -> Result<R, Failure>,
@@ -239,14 +299,14 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Pose, height of the contact point over the origin and its slope by travel, on this ground.
+    /// The wheel at a travel on this ground.
     fn height(
         &mut self,
         travel: f64,
         rack: f64,
         ground: Ground<f64>,
         radius: f64,
-    ) -> Result<(Pose<f64>, Jet<f64, 2>), AxleFailure> {
+    ) -> Result<Standing, AxleFailure> {
         let rack = rack * self.rack_sign;
         let motion = MotionPoint {
             drive: Drive::Travel,
@@ -256,14 +316,91 @@ impl<'a, const N: usize> Corner<'a, N> {
         let centre = self.mechanism.wheel_centre;
         self.at(travel, rack, |solver, slopes, _, pose| {
             let at = solver.configuration_series(slopes, pose, &motion.along_drive())?;
-            let ground = Ground {
-                sine: Jet::constant(ground.sine),
-                cosine: Jet::constant(ground.cosine),
-            };
-            let contact = at.point(centre) + ground.contact_lever(at.spin_axis(), radius);
-            Ok((*pose, ground.normal().dot(contact)))
+            Ok(Standing::of(&at, centre, ground, radius))
         })
     }
+
+    /// The wheel at many travels, each on a ground of its own; none where it does not get to.
+    fn heights(
+        &mut self,
+        travels: &[f64],
+        rack: f64,
+        ground: impl Fn(usize) -> Ground<f64>,
+        radius: f64,
+    ) -> Vec<Option<Standing>> {
+        let rack = rack * self.rack_sign;
+        let centre = self.mechanism.wheel_centre;
+        let mut found: Vec<_> = travels.iter().map(|_| None).collect();
+        let order = StationOrder::through(travels);
+        let Corner { solver, slopes, .. } = self;
+        // What cannot be visited is found missing.
+        let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
+            let motion = MotionPoint {
+                drive: Drive::Travel,
+                value: travels[station],
+                rack,
+            };
+            let at = pose
+                .and_then(|pose| solver.configuration_series(slopes, pose, &motion.along_drive()));
+            let standing = at.map(|at| Standing::of(&at, centre, ground(station), radius));
+            found[station] = standing.ok();
+            ControlFlow::Continue(())
+        });
+        found
+    }
+
+    /// Reads a pose at a travel, with the rack where it is in this wheel's own frame.
+    fn read(
+        &self,
+        pose: &Pose<f64>,
+        travel: f64,
+        rack: f64,
+        (lines, parts): (&[Line], &Parts),
+    ) -> Result<WheelRead, Failure> {
+        let Corner {
+            solver,
+            series,
+            toggles,
+            ..
+        } = self;
+        read_wheel(
+            solver,
+            series,
+            toggles,
+            pose,
+            (travel, rack),
+            (lines, parts),
+        )
+    }
+}
+
+/// Reads a pose of a wheel at a travel and a place of the rack.
+fn read_wheel<const N: usize>(
+    solver: &Solver,
+    series: &DesignSeries<N>,
+    toggles: &Toggles,
+    pose: &Pose<f64>,
+    (travel, rack): (f64, f64),
+    (lines, parts): (&[Line], &Parts),
+) -> Result<WheelRead, Failure> {
+    let mut snapshots = [Snapshot::<N>::unknown(); 4];
+    let (mut condition, mut toggled) = (0.0_f64, false);
+    for (number, line) in lines.iter().enumerate() {
+        let motion = along(line, travel, rack);
+        let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
+        condition = condition.max(conditioning.number);
+        snapshots[number] = Snapshot::of(&at, parts);
+        if number == 0 {
+            toggled = toggles.note(&at, travel).is_some();
+        }
+    }
+    Ok(WheelRead {
+        travel,
+        pose: *pose,
+        reading: Reading::of(&snapshots[..lines.len()]),
+        condition,
+        toggled,
+    })
 }
 
 /// What is read of one wheel at a travel.
@@ -340,8 +477,119 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
     }
 
+    /// Finds positions. Those in roll with the rack in one place are found together: each round solves the curves of
+    /// both wheels at the travels where the series of the round before put them.
+    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, AxleFailure>> {
+        let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
+        for (number, placement) in placements.iter().enumerate() {
+            if let Placement::Roll { rack, .. } = placement {
+                match by_rack.iter_mut().find(|(known, _)| known == rack) {
+                    Some((_, numbers)) => numbers.push(number),
+                    None => by_rack.push((*rack, vec![number])),
+                }
+            }
+        }
+        let mut found: Vec<Option<Placed>> = vec![None; placements.len()];
+        for (rack, numbers) in by_rack {
+            self.roll_together(rack, &numbers, placements, &mut found);
+        }
+        let each = placements.iter().zip(found);
+        each.map(|(placement, found)| found.map_or_else(|| self.place_alone(placement), Ok))
+            .collect()
+    }
+
     /// Finds a position.
     pub fn place(&mut self, placement: &Placement) -> Result<Placed, AxleFailure> {
+        let mut found = self.place_all(std::slice::from_ref(placement));
+        found.swap_remove(0)
+    }
+
+    /// Where the ground would put the wheels if they rose straight.
+    fn straight_half(&self, roll: f64) -> f64 {
+        let level = Ground::level(0.0);
+        let half = |side: Side| {
+            let pose = self.corners[side as usize].solver.design_pose();
+            self.contact(side, &pose, level).y
+        };
+        -0.5 * roll.tan() * (half(Side::Left) + half(Side::Right))
+    }
+
+    /// Those of the placements, all in roll with the rack in one place, that are found in a few rounds.
+    fn roll_together(
+        &mut self,
+        rack: f64,
+        numbers: &[usize],
+        placements: &[Placement],
+        found: &mut [Option<Placed>],
+    ) {
+        struct Open {
+            number: usize,
+            heave: f64,
+            roll: f64,
+            half: f64,
+        }
+        let radius = self.radius();
+        let size = self.corners[0].solver.size();
+        let open = numbers
+            .iter()
+            .filter_map(|number| match placements[*number] {
+                Placement::Roll { heave, roll, .. } => Some(Open {
+                    number: *number,
+                    heave,
+                    roll,
+                    half: self.straight_half(roll),
+                }),
+                Placement::Travels { .. } => None,
+            });
+        let mut open: Vec<Open> = open.collect();
+        for _ in 0..MOST_ROUNDS {
+            if open.is_empty() {
+                return;
+            }
+            let travels = |sign: f64| -> Vec<f64> {
+                let travel = |at: &Open| at.heave + sign * at.half;
+                open.iter().map(travel).collect()
+            };
+            let ground = |station: usize| {
+                let (sine, cosine) = open[station].roll.sin_cos();
+                Ground { sine, cosine }
+            };
+            let [left, right] = &mut self.corners;
+            let lefts = left.heights(&travels(1.0), rack, ground, radius);
+            let mirrored = |station: usize| ground(station).mirrored();
+            let rights = right.heights(&travels(-1.0), rack, mirrored, radius);
+            let mut still = Vec::new();
+            for (at, wheels) in open.iter().zip(lefts.into_iter().zip(rights)) {
+                let (Some(left), Some(right)) = wheels else {
+                    continue;
+                };
+                // Written so that NaN is left to be solved alone.
+                if !(left.height[1] > 0.0 && right.height[1] > 0.0) {
+                    continue;
+                }
+                let step = levelling(&left.height, &right.height);
+                if step.abs() <= NEAR * size {
+                    let half = at.half + step;
+                    found[at.number] = Some(Placed {
+                        travels: [at.heave + half, at.heave - half],
+                        roll: at.roll,
+                        rack,
+                        hold: Hold::MeanTravel,
+                        poses: [left.moved(step), right.moved(-step)],
+                    });
+                } else if step.is_finite() {
+                    still.push(Open {
+                        half: at.half + step,
+                        ..*at
+                    });
+                }
+            }
+            open = still;
+        }
+    }
+
+    /// Finds a position by itself.
+    fn place_alone(&mut self, placement: &Placement) -> Result<Placed, AxleFailure> {
         let rack = placement.rack();
         let (travels, poses, roll) = match *placement {
             Placement::Roll { heave, roll, .. } => {
@@ -384,12 +632,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let ground = Ground { sine, cosine };
         let radius = self.radius();
         let size = self.corners[0].solver.size();
-        // Not from the station before: the same position is the same bits, and its mirror image mirrored ones.
-        let [left, right] = self.corners.each_ref().map(|corner| {
-            let centre = corner.mechanism.wheel_centre;
-            corner.solver.design()[centre.0].y
-        });
-        let mut half = -0.5 * roll * (left + right);
+        let mut half = self.straight_half(roll);
         // Where both wheels stood last, which a step may go back towards.
         let mut reached = None;
         let mut smallest = f64::INFINITY;
@@ -401,7 +644,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     let r = right.height(heave - half, rack, ground.mirrored(), radius)?;
                     Ok((l, r))
                 });
-            let ((left_pose, left), (right_pose, right)) = match (found, reached) {
+            let (left_wheel, right_wheel) = match (found, reached) {
                 (Ok(found), _) => found,
                 // Half the way back to where both wheels could stand.
                 (Err(failure), before) => {
@@ -413,6 +656,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     continue;
                 }
             };
+            let (left, right) = (left_wheel.height, right_wheel.height);
             let (mismatch, slope) = (left[0] - right[0], left[1] + right[1]);
             // Written so that NaN is refused.
             if !(left[1] > 0.0 && right[1] > 0.0) {
@@ -421,7 +665,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let step = -mismatch / slope;
             let is_rounding = step.abs() <= 4.0 * f64::EPSILON * size;
             if is_rounding || step.abs() >= smallest && smallest <= 1e-9 * size {
-                return Ok(([heave + half, heave - half], [left_pose, right_pose]));
+                let poses = [left_wheel.moved(0.0), right_wheel.moved(0.0)];
+                return Ok(([heave + half, heave - half], poses));
             }
             smallest = smallest.min(step.abs());
             reached = Some(half);
@@ -433,7 +678,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     fn contact(&self, side: Side, pose: &Pose<f64>, ground: Ground<f64>) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
         let design = corner.solver.design();
-        let at = crate::mechanism::Configuration {
+        let at = Configuration {
             mechanism: corner.mechanism,
             design,
             pose: *pose,
@@ -478,10 +723,21 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Reads a position.
     pub fn read(&mut self, placed: &Placed) -> Result<Read<'a>, AxleFailure> {
+        let (lines, parts) = (self.lines, self.parts);
         let mut wheel = |side: Side| {
-            let travel = placed.travels[side as usize];
-            let mut curve = self.wheel_curve(side, &[travel], placed.rack);
-            curve.swap_remove(0)
+            let corner = &mut self.corners[side as usize];
+            let (travel, pose) = (placed.travels[side as usize], &placed.poses[side as usize]);
+            let rack = placed.rack * corner.rack_sign;
+            let begun = corner
+                .toggles
+                .begin(&mut corner.solver, Drive::Travel, rack);
+            let found = begun.map_err(|_| Failure::Singular);
+            let found = found.and_then(|()| corner.read(pose, travel, rack, (lines, &parts)));
+            found.map_err(|failure| AxleFailure::Wheel {
+                side,
+                travel,
+                failure,
+            })
         };
         let [left, right] = [wheel(Side::Left)?, wheel(Side::Right)?];
         Ok(self.both([&left, &right], placed))
@@ -511,26 +767,6 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
-        let read = |solver: &Solver, pose: &Pose<f64>, travel: f64| {
-            let mut snapshots = [Snapshot::<N>::unknown(); 4];
-            let (mut condition, mut toggled) = (0.0_f64, false);
-            for (number, line) in lines.iter().enumerate() {
-                let motion = along(line, travel, rack);
-                let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
-                condition = condition.max(conditioning.number);
-                snapshots[number] = Snapshot::of(&at, &parts);
-                if number == 0 {
-                    toggled = toggles.note(&at, travel).is_some();
-                }
-            }
-            Ok(WheelRead {
-                travel,
-                pose: *pose,
-                reading: Reading::of(&snapshots[..lines.len()]),
-                condition,
-                toggled,
-            })
-        };
         // The design position was looked at when the solver was made; what cannot be visited keeps its failure.
         if toggles.begin(solver, Drive::Travel, rack).is_err() {
             return found;
@@ -538,7 +774,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let order = StationOrder::through(travels);
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];
-            let wheel = pose.and_then(|pose| read(solver, pose, travel));
+            let at = (travel, rack);
+            let wheel = pose
+                .and_then(|pose| read_wheel(solver, series, toggles, pose, at, (lines, &parts)));
             found[station] = wheel.map_err(|failure| fails(travel, failure));
             ControlFlow::Continue(())
         });
@@ -659,6 +897,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             receive(number, [left, right]);
         }
         Ok(())
+    }
+
+    /// The spin axis of a wheel in the design position, in the frame of its side.
+    pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
+        let corner = &self.corners[side as usize];
+        let at = Configuration {
+            mechanism: corner.mechanism,
+            design: corner.solver.design(),
+            pose: corner.solver.design_pose(),
+            rack: 0.0,
+            steering: None,
+        };
+        at.spin_axis()
     }
 
     /// Number of points of each wheel.

@@ -106,21 +106,30 @@ impl<const N: usize> WheelReading<N> {
         let (contact, velocity) = (now(inputs.contact_point()), now(inputs.contact_velocity()));
         let turn = now(inputs.turn);
         let height = RollCentreHeight::evaluate(inputs)[0];
-        let finite = |lever: Vector3<f64>| {
-            let point = contact + lever;
-            point
-                .to_array()
-                .iter()
-                .all(|x| x.is_finite())
-                .then_some(point)
-        };
-        let front = Vector3::new(0.0, -velocity.z / turn.x, velocity.y / turn.x);
-        let side = Vector3::new(velocity.z / turn.y, 0.0, -velocity.x / turn.y);
+        let [front_view, side_view] = instant_centres_of(contact, velocity, turn);
         InstantCentres {
             contact: Some(contact),
-            roll_centre: finite(Vector3::new(0.0, -contact.y, height)),
-            front_view: finite(front),
-            side_view: finite(side),
+            roll_centre: finite(contact, Vector3::new(0.0, -contact.y, height)),
+            front_view,
+            side_view,
         }
     }
+}
+
+/// The instantaneous centres in front and side view, from the contact point, its velocity and the knuckle's angular
+/// velocity; none at infinity.
+pub fn instant_centres_of(
+    contact: Vector3<f64>,
+    velocity: Vector3<f64>,
+    turn: Vector3<f64>,
+) -> [Option<Vector3<f64>>; 2] {
+    let front = Vector3::new(0.0, -velocity.z / turn.x, velocity.y / turn.x);
+    let side = Vector3::new(velocity.z / turn.y, 0.0, -velocity.x / turn.y);
+    [finite(contact, front), finite(contact, side)]
+}
+
+fn finite(from: Vector3<f64>, lever: Vector3<f64>) -> Option<Vector3<f64>> {
+    let point = from + lever;
+    let is_finite = point.to_array().iter().all(|x| x.is_finite());
+    is_finite.then_some(point)
 }

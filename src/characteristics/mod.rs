@@ -24,7 +24,7 @@ mod unit;
 mod view;
 mod wheel;
 
-pub use instant_centre::InstantCentres;
+pub use instant_centre::{InstantCentres, instant_centres_of};
 pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub use measure::{Measure, Stud};
 pub use unit::Unit;

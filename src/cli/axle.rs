@@ -5,6 +5,7 @@ use super::optimise::{say_openings, say_outcome, tune_with_progress};
 use super::output::{Output, pool};
 use super::printer::Printer;
 use super::progress;
+use super::report::Wanted;
 use super::{RunArguments, StudyArguments};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleQuantity, Course, Quantity, WheelMotion, axle_curves,
@@ -13,8 +14,8 @@ use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::optimise::{Best, moved_design};
 use crate::report::{
-    AxleSummary, TuningSummary, axle_curves_csv, axle_doubts, axle_sensitivities_csv, doubts,
-    history_csv, variable_doubts,
+    AxleSummary, Record, SolvedAxle, TuningSummary, axle_curves_csv, axle_doubts,
+    axle_sensitivities_csv, doubts, history_csv, variable_doubts,
 };
 use crate::study::{About, AxleStudy, Optimise, Study};
 use nalgebra::DVector;
@@ -97,13 +98,24 @@ fn said(
     Ok(said)
 }
 
-fn refuse_pictures(arguments: &RunArguments) -> Result<(), Stop> {
-    match arguments.report || arguments.plots.is_some() {
-        false => Ok(()),
-        true => Err(Stop::wrong_input(
-            "--report and --plots are not yet there for an axle",
-        )),
-    }
+/// Writes the record of a run, and page and pictures where they are wanted; the files that makes.
+fn show(
+    output: &Output,
+    wanted: &Wanted,
+    study: &Study,
+    (plan, designs): (&AxlePlan, &[SolvedAxle<'_>]),
+    command: &str,
+    path: &Path,
+) -> Result<Vec<&'static str>, Stop> {
+    let (Some(axle), Some(_)) = (&study.axle, output.directory()) else {
+        return Ok(Vec::new());
+    };
+    let record = Record::of_axle(command, study, axle, plan, designs);
+    let record = record.map_err(|f| fault(path, &axle.axle, f))?;
+    output.record("report.json", &record)?;
+    let mut files = vec!["report.json"];
+    files.extend(wanted.show(output.directory())?);
+    Ok(files)
 }
 
 pub(super) fn solve(
@@ -112,10 +124,10 @@ pub(super) fn solve(
     AxleStudy { axle, plan }: &AxleStudy,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
-    refuse_pictures(arguments)?;
     let curves = axle_curves(axle, plan).map_err(|f| fault(path, axle, f))?;
     let design = axle_curves(axle, &at_design(plan)).map_err(|f| fault(path, axle, f))?;
     let output = Output::open(arguments, study, "solve")?;
+    let wanted = Wanted::open(arguments)?;
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &axle_curves_csv(axle, plan, &curves))?;
@@ -127,10 +139,17 @@ pub(super) fn solve(
             files.push("sensitivities.csv");
         }
     }
-    output.without("report.json")?;
-    output.without("report.html")?;
     output.json("summary.json", &summary)?;
     files.push("summary.json");
+    let designs = [("design", "curves.csv", axle, &curves)];
+    files.extend(show(
+        &output,
+        &wanted,
+        study,
+        (plan, &designs),
+        "solve",
+        path,
+    )?);
     output.say(&format!("{}\n\n", summary.headline()))?;
     output.table("outputs", &summary.table())?;
     let remarks = said(study, path, axle, plan, &curves)?;
@@ -179,12 +198,12 @@ pub(super) fn optimise(
     optimise: &Optimise,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
-    refuse_pictures(arguments)?;
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     let plan = with_targets(plan, optimise);
     let solved = |axle: &Axle| axle_curves(axle, &plan).map_err(|f| fault(path, axle, f));
     let before = solved(axle)?;
     let output = Output::open(arguments, study, "optimise")?;
+    let wanted = Wanted::open(arguments)?;
     let tuning = pool
         .install(|| tune_with_progress(study, optimise))
         .map_err(|f| fault(path, axle, (Side::Left, f)))?;
@@ -194,19 +213,22 @@ pub(super) fn optimise(
     output.file("history.csv", &history_csv(&tuning.starts))?;
     output.json("summary.json", &summary)?;
     output.without("sensitivities.csv")?;
-    output.without("report.json")?;
-    output.without("report.html")?;
     say_outcome(&output, study, &summary)?;
+    let tuned = tuning
+        .best
+        .as_ref()
+        .map(|best| tuned_axle(axle, optimise, best));
+    let after = tuned.as_ref().map(solved).transpose()?;
+    let mut designs = vec![("before", "curves_before.csv", axle, &before)];
     let mut complete = !summary.falls_short();
     let mut refused = None;
-    if let Some(best) = &tuning.best {
-        let tuned = tuned_axle(axle, optimise, best);
-        let after = solved(&tuned)?;
-        let design = axle_curves(&tuned, &at_design(&plan)).map_err(|f| fault(path, axle, f))?;
+    if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
+        designs.push(("after", "curves.csv", tuned, after));
+        let design = axle_curves(tuned, &at_design(&plan)).map_err(|f| fault(path, axle, f))?;
         complete &= after.are_complete();
-        output.main_csv("curves.csv", &axle_curves_csv(&tuned, &plan, &after))?;
+        output.main_csv("curves.csv", &axle_curves_csv(tuned, &plan, after))?;
         if !plan.sensitivities.is_empty() {
-            let csv = axle_sensitivities_csv(&tuned, &plan, &after);
+            let csv = axle_sensitivities_csv(tuned, &plan, after);
             output.file("sensitivities.csv", &csv)?;
             files.push("sensitivities.csv");
         }
@@ -216,12 +238,12 @@ pub(super) fn optimise(
         let directory = path.parent().unwrap_or(Path::new(""));
         refused = Study::from_text("optimised.toml", &text, directory).err();
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
-        let curves = AxleSummary::of(&study.name, &tuned, &plan, &after, &design);
+        let curves = AxleSummary::of(&study.name, tuned, &plan, after, &design);
         let own = Study {
             suspension: tuned.left.clone(),
             ..study.clone()
         };
-        let remarks = said(&own, path, &tuned, &plan, &after)?;
+        let remarks = said(&own, path, tuned, &plan, after)?;
         for remark in remarks.into_iter().chain(curves.remarks()) {
             output.say(&format!("\n{remark}\n"))?;
         }
@@ -233,6 +255,15 @@ pub(super) fn optimise(
         output.without("curves.csv")?;
         output.without("optimised.toml")?;
     }
+    let given = &designs[..];
+    files.extend(show(
+        &output,
+        &wanted,
+        study,
+        (&plan, given),
+        "optimise",
+        path,
+    )?);
     for remark in variable_doubts(study) {
         output.say(&format!("\n{remark}\n"))?;
     }

@@ -40,6 +40,38 @@ pub struct Placement {
     pub front_view_centre: Option<[f64; 3]>,
     /// The instantaneous centre in side view, in the longitudinal plane of the contact point.
     pub side_view_centre: Option<[f64; 3]>,
+    /// The right wheel, of an axle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub right: Option<OtherWheel>,
+    /// What the steered wheels of an axle make of a turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn: Option<Turn>,
+}
+
+/// The right wheel of an axle; as of the left one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OtherWheel {
+    /// Unit vector along the spin axis, outboard.
+    pub spin_axis: [f64; 3],
+    /// Where the wheel stands on the ground.
+    pub contact: Option<[f64; 3]>,
+    /// The instantaneous centre in front view.
+    pub front_view_centre: Option<[f64; 3]>,
+    /// The instantaneous centre in side view.
+    pub side_view_centre: Option<[f64; 3]>,
+}
+
+/// A turn seen from above: x and y, in the body's axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Turn {
+    /// Rear and front end of the left and the right wheel.
+    pub wheels: [[[f64; 2]; 2]; 2],
+    /// Where the spin axis of each meets the other axle's line; none straight ahead.
+    pub meets: Option<[[f64; 2]; 2]>,
+    /// Midway between both: what the vehicle turns about.
+    pub centre: Option<[f64; 2]>,
+    /// Where the other axle is, along x.
+    pub other_axle: f64,
 }
 
 /// The frames of a suspension at the stations of a plan, rack by rack.
@@ -110,6 +142,8 @@ impl Placement {
             roll_centre: centres.roll_centre.map(outside),
             front_view_centre: centres.front_view.map(outside),
             side_view_centre: centres.side_view.map(outside),
+            right: None,
+            turn: None,
         }
     }
 }

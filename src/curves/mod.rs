@@ -10,7 +10,7 @@ mod run;
 
 pub use column::Column;
 pub use drive_law::DriveLaw;
-pub use frames::{Frame, Placement, frames};
+pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use run::curves;
 
 use crate::attia::Refusal;

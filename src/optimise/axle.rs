@@ -197,10 +197,12 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
         solver
             .prepare(sides.map(|(design, _)| design))
             .map_err(refused)?;
-        for AxleStation { placement, wishes } in &layout.stations {
+        let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
+        let placed = solver.place_all(&placements);
+        for (AxleStation { placement, wishes }, placed) in layout.stations.iter().zip(placed) {
             let unreached =
                 |failure| Infeasible::Refused(format!("{placement} is not reached: {failure}"));
-            let placed = solver.place(placement).map_err(unreached)?;
+            let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
             wanted.clear();
             for wish in wishes {

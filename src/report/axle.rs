@@ -5,12 +5,12 @@ use super::files::csv_of;
 use super::{Cell, Table, shortest};
 use crate::axle::{Axle, AxleCurves, AxlePlan, AxleStation, Placement};
 use crate::model::Axis;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Names and values of the columns that say where a station is.
-struct Place<'a> {
-    plan: &'a AxlePlan,
-    axle: &'a Axle,
+pub(super) struct Place<'a> {
+    pub plan: &'a AxlePlan,
+    pub axle: &'a Axle,
 }
 
 impl Place<'_> {
@@ -49,7 +49,7 @@ impl Place<'_> {
     }
 
     /// In words, as in `roll_deg 2, heave_mm 0`.
-    fn words(&self, number: usize, station: &AxleStation) -> String {
+    pub fn words(&self, number: usize, station: &AxleStation) -> String {
         let values = self.values(number, station);
         let known = self.names().into_iter().zip(values);
         let parts = known.filter_map(|(name, value)| Some(format!("{name} {}", shortest(value?))));
@@ -142,13 +142,13 @@ pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves)
 }
 
 /// `summary.json` of an axle's curves.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AxleSummary {
-    command: &'static str,
-    version: &'static str,
+    command: String,
+    version: String,
     study: String,
-    topology: &'static str,
-    axle: &'static str,
+    topology: String,
+    axle: String,
     stations: usize,
     solved: usize,
     failed: Vec<FailedStation>,
@@ -157,20 +157,20 @@ pub struct AxleSummary {
 }
 
 /// As of a corner: empty cells by reason.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Completeness {
     empty: Vec<EmptyCells>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct FailedStation {
     station: usize,
     at: String,
-    status: &'static str,
+    status: String,
     reason: String,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Range {
     output: String,
     unit: String,
@@ -180,7 +180,7 @@ struct Range {
 }
 
 /// Cells that are empty at stations that were solved.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct EmptyCells {
     columns: [String; 1],
     stations: usize,
@@ -204,7 +204,7 @@ impl AxleSummary {
             Some(FailedStation {
                 station: number,
                 at: place.words(number, station),
-                status: station.status,
+                status: station.status.to_owned(),
                 reason: failure.to_string(),
             })
         });
@@ -240,14 +240,15 @@ impl AxleSummary {
             cells.throughout = cells.stations == solved;
         }
         AxleSummary {
-            command: "solve",
-            version: env!("CARGO_PKG_VERSION"),
+            command: "solve".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
             study: name.to_owned(),
-            topology: axle.left.mechanism.topology.name,
+            topology: axle.left.mechanism.topology.name.to_owned(),
             axle: match axle.right {
                 None => "mirrored",
                 Some(_) => "own hardpoints on the right",
-            },
+            }
+            .to_owned(),
             stations: curves.stations.len(),
             solved,
             outputs: outputs.collect(),

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod axle;
+mod axle_record;
 mod comparison;
 mod completeness;
 mod curve_table;
@@ -30,6 +31,7 @@ mod tuning_summary;
 
 pub use accuracy::remarks;
 pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_motion, axle_sensitivities_csv};
+pub use axle_record::SolvedAxle;
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

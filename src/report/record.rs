@@ -40,6 +40,9 @@ pub struct Record {
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, where it moves.
     pub rack: Option<String>,
+    /// Of an axle: columns of what moves beside the drive value.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<String>,
     /// What the columns of the curves are.
     pub outputs: Vec<OutputRecord>,
     /// What was wanted.
@@ -74,6 +77,9 @@ pub struct TargetRecord {
     pub tolerance: f64,
     /// Drive values and wanted values, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
+    /// Of an axle: the column that it is over in place of the drive value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<String>,
 }
 
 /// One design of the run.
@@ -155,6 +161,7 @@ impl Record {
             drive,
             abscissae,
             rack: plan.rack_moves.then(|| format!("rack_{unit}")),
+            further: Vec::new(),
             outputs,
             targets: targets(study),
             designs: designs.iter().map(record).collect::<Result<_, _>>()?,
@@ -179,7 +186,7 @@ impl Plan {
 }
 
 /// At most so many of the values, evenly chosen, the first and the last among them.
-fn evenly(values: &[f64], most: usize) -> Vec<f64> {
+pub(super) fn evenly(values: &[f64], most: usize) -> Vec<f64> {
     match values.len() {
         few if few <= most => values.to_vec(),
         many => (0..most)
@@ -208,6 +215,7 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
                 column: target.of.column.clone(),
                 tolerance: target.tolerance * factor.abs(),
                 points,
+                over: None,
             }
         })
         .collect()
@@ -232,6 +240,7 @@ impl OutputRecord {
 
 /// `deg_per_mm2` -> `deg/mm²`.
 pub(super) fn readable_unit(unit: &str) -> String {
+    let unit = unit.replace("N_m", "N m");
     let unit = match unit.strip_prefix("per_") {
         Some(below) => format!("1/{below}"),
         None => unit.replace("_per_", "/"),

@@ -2,7 +2,7 @@
 
 use super::curve_table::CurveTable;
 use super::record::{FORM, Record};
-use super::{SolveSummary, ToleranceSummary, TuningSummary};
+use super::{AxleSummary, SolveSummary, ToleranceSummary, TuningSummary};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +36,8 @@ pub struct Run {
 pub enum Summary {
     /// A solve.
     Solve(SolveSummary),
+    /// A solve of an axle.
+    Axle(AxleSummary),
     /// An optimisation.
     Optimise(TuningSummary),
     /// Builds.
@@ -71,7 +73,8 @@ impl Run {
             let table = folder.table(&design.curves)?;
             let absent = |name: &&String| table.column(name).is_none();
             let columns = record.outputs.iter().map(|o| &o.column);
-            let mut needed = columns.chain([&record.drive]).chain(&record.rack);
+            let moving = [&record.drive].into_iter().chain(&record.rack);
+            let mut needed = columns.chain(moving).chain(&record.further);
             if table.rows() != design.stations || table.status.len() != design.stations {
                 let message = format!(
                     "expected the {} stations that report.json speaks of, found {}; run the study again",
@@ -93,6 +96,9 @@ impl Run {
         let summary = match record.command.as_str() {
             "optimise" => Summary::Optimise(folder.json("summary.json")?),
             "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
+            _ if record.scene.right_wheel_centre.is_some() => {
+                Summary::Axle(folder.json("summary.json")?)
+            }
             _ => Summary::Solve(folder.json("summary.json")?),
         };
         let history = match optimised {

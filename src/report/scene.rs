@@ -2,7 +2,8 @@
 //!
 //! Where everything is along the motion is said by [`crate::curves::frames`].
 
-use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
+use crate::axle::Axle;
+use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Side, Suspension};
 use serde::{Deserialize, Serialize};
 
 /// What stays of the drawing while the mechanism moves.
@@ -18,6 +19,10 @@ pub struct Scene {
     pub wheel_radius: Option<f64>,
     /// Signs of the study's axes: forward, outboard and up.
     pub signs: [f64; 3],
+    /// Of an axle, index of the right wheel's centre; points and bodies of the right wheel follow those of the left
+    /// one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub right_wheel_centre: Option<usize>,
 }
 
 /// A body of the drawing.
@@ -60,7 +65,27 @@ impl Scene {
             wheel_centre: mechanism.wheel_centre.0,
             wheel_radius: suspension.wheel_radius,
             signs: Axis::ALL.map(sign),
+            right_wheel_centre: None,
         }
+    }
+
+    /// The drawing of an axle.
+    pub fn of_axle(axle: &Axle) -> Scene {
+        let mut scene = Scene::of(&axle.left);
+        let right = Scene::of(axle.suspension(Side::Right));
+        let first = scene.points.len();
+        scene.right_wheel_centre = Some(first + right.wheel_centre);
+        let named = |side: Side, name: &String| format!("{}_{name}", side.name());
+        let lefts = scene.points.iter().map(|name| named(Side::Left, name));
+        let rights = right.points.iter().map(|name| named(Side::Right, name));
+        scene.points = lefts.chain(rights).collect();
+        for mut body in right.bodies {
+            for line in &mut body.lines {
+                line.iter_mut().for_each(|point| *point += first);
+            }
+            scene.bodies.push(body);
+        }
+        scene
     }
 }
 

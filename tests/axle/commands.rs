@@ -104,11 +104,6 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
             "{command}: {said}"
         );
     }
-    for flag in ["--report", "--plots=pictures"] {
-        let out = folder("refused");
-        let (_, said) = run(&["solve", path, flag, "--out", out.to_str().unwrap()], 2);
-        assert!(said.contains("not yet there for an axle"), "{flag}: {said}");
-    }
     for (set, words) in [
         ("motion.travel=1.0", "travel is of a study of one wheel"),
         ("motion.travel_left=1.0", "roll holds the mean travel"),
@@ -150,6 +145,81 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let corner = corner.to_str().unwrap();
     let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
     assert!(said.contains("roll is of an axle"), "{said}");
+}
+
+/// The page draws the body rolled on level ground: both contact points where the ground is, the roll centre at the height
+/// that the curves have, the turn about a point that the turning circle is about.
+#[test]
+fn the_page_shows_both_wheels_on_the_ground() {
+    let path = study("macpherson_axle.toml");
+    let out = folder("page");
+    let plots = folder("plots");
+    let [path, directory, plots] = [&path, &out, &plots].map(|p| p.to_str().unwrap());
+    let fewer = [
+        "motion.heave=0.0",
+        "motion.steering_wheel_angle=[0.0, 200.0]",
+        "outputs.characteristics=[\"roll_centre_height\", \"turning_circle\", \"steer\"]",
+    ];
+    let fewer = fewer.iter().flat_map(|set| ["--set", set]);
+    let arguments = [
+        "solve", path, "--out", directory, "--report", "--plots", plots,
+    ];
+    run(&arguments.into_iter().chain(fewer).collect::<Vec<_>>(), 0);
+    assert!(out.join("report.html").is_file());
+    assert!(Path::new(plots).join("overview.svg").is_file());
+    let (said, _) = run(&["report", directory, "--force"], 0);
+    assert!(said.contains("report.html"), "{said}");
+
+    let record = fs::read_to_string(out.join("report.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    let csv = fs::read_to_string(out.join("curves.csv")).unwrap();
+    let mut lines = csv.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<Option<f64>>> = lines
+        .map(|line| line.split(',').map(|cell| cell.parse().ok()).collect())
+        .collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let frames = record["designs"][0]["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), rows.len());
+    let design = &frames[6]["pose"]["Ok"];
+    let ground = number(&design["contact"][2]);
+    for (frame, row) in frames.iter().zip(&rows) {
+        assert!((number(&frame["drive"]) - row[column("roll_deg")].unwrap()).abs() < 1e-12);
+        let pose = &frame["pose"]["Ok"];
+        for contact in [&pose["contact"], &pose["right"]["contact"]] {
+            assert!((number(&contact[2]) - ground).abs() < 1e-9, "{contact}");
+        }
+        let height = number(&pose["roll_centre"][2]) - ground;
+        let expected = row[column("roll_centre_height_mm")].unwrap();
+        assert!((height - expected).abs() < 1e-9 * expected.abs().max(1.0));
+        // Points keep their distances: the body is turned, not bent.
+        let place = |name: &str| {
+            let names = record["scene"]["points"].as_array().unwrap();
+            let index = names.iter().position(|n| n == name).unwrap();
+            [0, 1, 2].map(|k| number(&pose["points"][index][k]))
+        };
+        let (a, b) = (
+            place("left_lower_arm_front"),
+            place("right_lower_arm_front"),
+        );
+        let apart = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        assert!((apart - 720.0).abs() < 1e-9, "{apart}");
+        let Some(circle) = row[column("turning_circle_mm")] else {
+            assert!(pose["turn"]["centre"].is_null());
+            continue;
+        };
+        // From above and in the body's axes: from the centre to the outer wheel, which here is the right one, within
+        // what the contact point is beside the wheel's middle.
+        let centre = [0, 1].map(|k| number(&pose["turn"]["centre"][k]));
+        let ends = &pose["turn"]["wheels"][1];
+        let middle = [0, 1].map(|k| 0.5 * (number(&ends[0][k]) + number(&ends[1][k])));
+        let radius = (middle[0] - centre[0]).hypot(middle[1] - centre[1]);
+        assert!(
+            (2.0 * radius - circle).abs() < 0.1 * 300.0,
+            "{radius} {circle}"
+        );
+    }
 }
 
 /// Tuned, an axle is written with its curves before and after and a study that other commands take.

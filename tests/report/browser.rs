@@ -176,3 +176,24 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
         assert_eq!(centre, solved);
     }
 }
+
+/// Both wheels, the path of the roll centre and the turn from above, at a place of both sliders.
+#[test]
+fn a_browser_draws_an_axle() {
+    let Some(browser) = browser() else {
+        skipped();
+        return;
+    };
+    let path = studies().join("macpherson_axle.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let run = super::Run::of("solve", "axle", &text, &["--report"]);
+    let shown = Shown::of(&browser, &run, "#station=12&rack=1");
+    assert!(shown.console.is_empty(), "{:#?}", shown.console);
+    assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
+    assert_eq!(shown.attribute("ready"), "true");
+    let outputs = run.data()["record"]["outputs"].as_array().unwrap().len();
+    // The mechanism and the turn besides the curves.
+    assert_eq!(shown.attribute("plots-drawn"), (outputs + 2).to_string());
+    assert_eq!(shown.attribute("plots-expected"), (outputs + 2).to_string());
+    assert_eq!(shown.attribute("station"), "12");
+}

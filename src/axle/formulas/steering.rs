@@ -163,6 +163,59 @@ pub fn turning_circle<T: Scalar>(state: &State<T>) -> T {
     (x * x + y * y).sqrt().scaled(2.0)
 }
 
+/// A turn as it looks from above, in the body's axes (x forward, y left).
+pub struct FromAbove {
+    /// Rear and front end of the left and the right wheel.
+    pub wheels: [[[f64; 2]; 2]; 2],
+    /// Where the spin axis of each meets the other axle's line; none straight ahead.
+    pub meets: Option<[[f64; 2]; 2]>,
+    /// Midway between both.
+    pub centre: Option<[f64; 2]>,
+    /// Where the other axle is, along x.
+    pub other_axle: f64,
+}
+
+/// The turn, where the study gives a wheelbase and the wheels' radius.
+pub fn turn(state: &State<f64>) -> Option<FromAbove> {
+    let wheelbase = state.setup.wheelbase?;
+    let radius = state.setup.wheel_radius?;
+    let forward = match state.setup.position {
+        Some(AxlePosition::Rear) => -1.0,
+        Some(AxlePosition::Front) | None => 1.0,
+    };
+    // The right wheel's frame is the mirror image.
+    let readings = state.wheels().map(|wheel| wheel.reading);
+    let plan = |v: Vector3<f64>, side: usize| [v.x, if side == 0 { v.y } else { -v.y }];
+    let centres = [0, 1].map(|side| plan(readings[side].centre(), side));
+    let wheels = [0, 1].map(|side| {
+        let [x, y] = plan(readings[side].spin_axis(), side);
+        let [dx, dy] = [y, -x].map(|c| c * radius / x.hypot(y) * (1.0 - 2.0 * side as f64));
+        let [cx, cy] = centres[side];
+        [[cx - dx, cy - dy], [cx + dx, cy + dy]]
+    });
+    let [left, right] = readings.map(|reading| reading.design_centre().x);
+    let other_axle = 0.5 * (left + right) - forward * wheelbase;
+    let meets = (!is_straight_ahead(state)).then(|| {
+        let turn = Turn::of(state);
+        let left_is_inner = mean_steer(state) * forward >= 0.0;
+        let (inner, outer, inside) = match left_is_inner {
+            true => (0, 1, 1.0),
+            false => (1, 0, -1.0),
+        };
+        let away = turn.cotangents();
+        let mut meets = [[other_axle, 0.0]; 2];
+        meets[inner][1] = centres[inner][1] + inside * turn.ahead[0] * away[0];
+        meets[outer][1] = centres[outer][1] + inside * turn.ahead[1] * away[1];
+        meets
+    });
+    Some(FromAbove {
+        wheels,
+        meets,
+        centre: meets.map(|[left, right]| [other_axle, 0.5 * (left[1] + right[1])]),
+        other_axle,
+    })
+}
+
 /// Whether the wheels are so near straight ahead that percentages of differences say nothing.
 pub fn is_straight_ahead(state: &State<f64>) -> bool {
     let steer = mean_steer(state);

@@ -1,14 +1,23 @@
 // Every output over the motion: the designs, the target with its tolerance, and what was not solved.
 const column = (table, name) => table.columns[table.header.indexOf(name)];
 
+// What curves are told apart by: the rack; of an axle the first of what else moves, the rest nearest to zero.
+const others = ({ abscissa }) => (record.further?.length
+  ? [record.drive, ...record.further].filter((name) => name !== abscissa)
+  : record.rack ? [record.rack] : []);
+const nearestToZero = (values) => values.reduce((best, v) => (Math.abs(v) < Math.abs(best) ? v : best));
+
 // Rows of a table by rack displacement, each with the station it is.
-const families = (table, design) => {
+const families = (table, design, state) => {
   const stations = record.designs[design].stations;
   const rows = table.status.length;
   const station = (row) => (rows === stations ? row : Math.floor((row * (stations - 1)) / (rows - 1)));
-  const racks = record.rack ? column(table, record.rack) : null;
+  const [apart, ...held] = others(state);
+  const racks = apart ? column(table, apart) : null;
+  const rest = held.map((name) => [column(table, name), nearestToZero(column(table, name))]);
   const byRack = new Map();
   for (let row = 0; row < rows; row += 1) {
+    if (rest.some(([values, value]) => values[row] !== value)) continue;
     const rack = racks ? racks[row] : 0;
     if (!byRack.has(rack)) byRack.set(rack, []);
     byRack.get(rack).push({ row, station: station(row) });
@@ -35,13 +44,15 @@ const designTraces = (c, output, state, design) => {
   const values = column(table, output.column);
   const places = column(table, state.abscissa);
   const { label, failures } = record.designs[design];
-  const byRack = families(table, design);
+  const byRack = families(table, design, state);
+  const [apart] = others(state);
+  const [, apartName, apartUnit] = /^(.*) \[(.*)\]$/.exec(axisTitle(apart ?? 'rack_mm'));
   const main = isMain(state, design);
   const only = shownDesigns(state).length === 1;
   const traces = [];
   let number = 0;
   for (const [rack, rows] of byRack) {
-    const rackName = `rack ${brief(rack)} ${record.length_unit}`;
+    const rackName = `${apartName} ${brief(rack)} ${apartUnit}`;
     const several = byRack.size > 1;
     const colour = several ? rackColour(c, number, byRack.size) : main ? c.accent : c.before;
     // Of many racks the legend names the first, the last and one between.
@@ -76,16 +87,18 @@ const designTraces = (c, output, state, design) => {
 // Targets are given by drive value; over anything else they are where the last design has that value.
 const targetTraces = (c, output, { abscissa }) => {
   const table = run.curves[run.curves.length - 1];
-  const place = (drive) => {
-    if (abscissa === record.drive) return drive;
+  const place = (drive, over) => {
+    if (abscissa === (over ?? record.drive)) return drive;
+    if (over) return null;
     const row = column(table, record.drive).indexOf(drive);
     return row < 0 ? null : column(table, abscissa)[row];
   };
   return record.targets.filter((t) => t.column === output.column).flatMap((target) => {
-    const points = target.points.map(([drive, value]) => [place(drive), value]).filter(([at]) => at !== null);
+    const points = target.points.map(([drive, value]) => [place(drive, target.over), value]).filter(([at]) => at !== null);
     const y = points.map(([at]) => at);
     const x = points.map(([, value]) => value);
     const shared = { type: 'scatter', legendgroup: 'target', name: 'target ± tolerance' };
+    if (!points.length) return [];
     if (points.length === 1) {
       return [{
         ...shared, mode: 'markers', x, y, marker: { color: c.target, size: 8, symbol: 'diamond' },
@@ -109,7 +122,7 @@ const missTraces = (c, output, { abscissa }) => {
   const table = run.curves[run.curves.length - 1];
   const racks = record.rack ? column(table, record.rack) : null;
   const [drives, values, places] = [record.drive, output.column, abscissa].map((name) => column(table, name));
-  const missed = record.targets.filter((t) => t.column === output.column).flatMap(({ points, tolerance }) => points.flatMap(([drive, wanted]) => {
+  const missed = record.targets.filter((t) => t.column === output.column && !t.over).flatMap(({ points, tolerance }) => points.flatMap(([drive, wanted]) => {
     const row = drives.findIndex((d, i) => d === drive && (!racks || racks[i] === 0));
     return row >= 0 && values[row] !== null && Math.abs(values[row] - wanted) > tolerance ? [row] : [];
   }));

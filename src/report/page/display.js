@@ -43,8 +43,8 @@ const mixed = (from, to, part) => {
 const plain = (text) => String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
 const brief = (value) => String(Number(value.toPrecision(6)));
 const axisTitle = (column) => {
-  const [, name, unit] = /^(travel|arm_angle|rack|time)_(.*)$/.exec(column);
-  const long = { travel: 'wheel travel', arm_angle: 'arm angle', rack: 'rack', time: 'time' }[name];
+  const [, name, unit] = /^(.*)_([^_]+)$/.exec(column);
+  const long = { travel: 'wheel travel', roll: 'roll angle' }[name] ?? name.replace(/_/g, ' ');
   return `${long} [${unit === 'deg' ? '°' : unit}]`;
 };
 const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);

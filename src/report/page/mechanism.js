@@ -5,13 +5,23 @@ const allFrames = record ? record.designs.flatMap((d) => d.frames) : [];
 const racks = [...new Set(allFrames.map((f) => f.rack))];
 const stations = record?.designs.length ? record.designs[0].frames.length / racks.length : 0;
 const frameAt = (design, place) => record.designs[design].frames[place.rack * stations + place.station];
+// What the second slider moves, of an axle.
+const [second] = record?.further ?? [];
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
 const radius = scene?.wheel_radius ?? null;
 const ROUND = 72;
 
-// The wheel's rim: a circle about its centre, normal to the spin axis.
-const rim = ({ points, spin_axis: n }) => {
-  const centre = points[scene.wheel_centre];
+// The wheels of a placement: one, or both of an axle.
+const wheelsOf = (p) => [
+  { ...p, centre: p.points[scene.wheel_centre], side: 1 },
+  ...(p.right ? [{ ...p.right, centre: p.points[scene.right_wheel_centre], side: -1 }] : []),
+];
+const isAxle = scene?.right_wheel_centre != null;
+// Bodies of the right wheel follow those of the left one and look like them.
+const bodiesPerSide = scene ? scene.bodies.length / (isAxle ? 2 : 1) : 0;
+
+// A wheel's rim: a circle about its centre, normal to the spin axis.
+const rim = ({ centre, spin_axis: n }) => {
   const across = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (v) => v.map((x) => x / Math.hypot(...v));
   const first = unit(across(n, [0, 0, 1]));
@@ -30,9 +40,9 @@ const nothing = { x: [], y: [], z: [] };
 const linesOf = (placement, body) => body.lines.flatMap((line) => [...line.map((i) => placement.points[i]), null]);
 const offset = (p, by) => p.map((v, k) => v + by[k]);
 
-// The road under the wheel, from the car's centre plane on, and an arrow on it to where the car goes.
-const road = ({ contact: c }) => {
-  const [x0, x1, y1] = [c[0] - 1.25 * radius, c[0] + 1.25 * radius, c[1] + 0.45 * radius * outboard];
+// The road under a wheel, from the car's centre plane on, and an arrow on it to where the car goes.
+const road = ({ contact: c, side }) => {
+  const [x0, x1, y1] = [c[0] - 1.25 * radius, c[0] + 1.25 * radius, c[1] + 0.45 * radius * outboard * side];
   return [[x0, 0, c[2]], [x1, 0, c[2]], [x1, y1, c[2]], [x0, y1, c[2]]];
 };
 const arrow = ({ contact: c }) => {
@@ -41,8 +51,8 @@ const arrow = ({ contact: c }) => {
 };
 
 // A line from the contact point to a centre, cut off at the edge of the stage.
-const toCentre = (placement, centre) => {
-  const from = placement.contact;
+const toCentre = (wheel, centre) => {
+  const from = wheel.contact;
   const reach = Math.min(1, ...centre.map((v, k) => {
     const [low, high] = stageRanges()[k];
     const way = v - from[k];
@@ -52,13 +62,23 @@ const toCentre = (placement, centre) => {
   return { end: from.map((v, k) => v + Math.max(0, reach) * (centre[k] - v)), cut: reach < 1 };
 };
 const centreNames = [['roll_centre', 'roll centre'], ['front_view_centre', 'centre in front view'], ['side_view_centre', 'centre in side view']];
-const centresOf = (placement) => centreNames.map(([key, name]) => {
+const centresOf = (placement) => wheelsOf(placement).flatMap((wheel) => centreNames.map(([key, name]) => {
+  const centre = key === 'roll_centre' ? placement.roll_centre : wheel[key];
   // One at infinity has no place; its label keeps its number.
-  if (!placement[key]) return { end: placement.contact, cut: true, text: '' };
-  const { end, cut } = toCentre(placement, placement[key]);
-  const away = Math.hypot(...placement[key].map((v, k) => v - placement.contact[k]));
-  return { end, cut, text: cut ? `${name}, ${Math.round(away)} ${record.length_unit} away` : name };
-});
+  if (!centre) return { from: wheel.contact, end: wheel.contact, cut: true, text: '' };
+  const { end, cut } = toCentre(wheel, centre);
+  const away = Math.hypot(...centre.map((v, k) => v - wheel.contact[k]));
+  // Both wheels have one roll centre.
+  const called = key === 'roll_centre' && wheel.side < 0 ? '' : name;
+  return { from: wheel.contact, end, cut, text: cut && called ? `${called}, ${Math.round(away)} ${record.length_unit} away` : called };
+}));
+
+// Where the roll centre of an axle goes along the motion, as far as it stays on the stage.
+const rollCentres = (design, place) => {
+  const inside = (p) => p.every((v, k) => v >= stageRanges()[k][0] && v <= stageRanges()[k][1]);
+  const path = Array.from({ length: stations }, (_, station) => frameAt(design, { ...place, station }).pose.Ok?.roll_centre ?? null);
+  return path.map((p) => (p && inside(p) ? p : null));
+};
 
 // Colours of the bodies: links and arms in turn, the rest by what it is.
 const bodyColours = (c) => {
@@ -66,7 +86,8 @@ const bodyColours = (c) => {
   const own = { knuckle: c.carrier, strut: c.strut, spring: c.strut, rocker: c.rocker };
   const first = scene.bodies.findIndex(({ kind }) => kind === 'rocker');
   const hasOwn = (kind, k) => own[kind] && (kind !== 'rocker' || k === first);
-  return scene.bodies.map(({ kind }, k) => (hasOwn(kind, k) ? own[kind] : c.hues[number++ % c.hues.length]));
+  const left = scene.bodies.slice(0, bodiesPerSide).map(({ kind }, k) => (hasOwn(kind, k) ? own[kind] : c.hues[number++ % c.hues.length]));
+  return scene.bodies.map((_, k) => left[k % bodiesPerSide]);
 };
 const widths = { arm: 7, link: 6, rocker: 6, strut: 10, spring: 10, knuckle: 4 };
 // Names of what lies low stand below it, so that they do not meet those of links above.
@@ -84,6 +105,10 @@ const mainParts = (c, state) => {
   const hues = bodyColours(c);
   const words = (texts, points, colour) => ({ ...coordinates(points), text: texts.map(plain), textfont: { color: colour, size: 12 } });
   const hasWheel = (p) => radius && p.contact;
+  const named = scene.bodies.slice(0, bodiesPerSide);
+  const each = Array.from({ length: isAxle ? 2 : 1 }, (_, k) => k);
+  // The corners of a plate for each wheel, of so many points.
+  const plates = (corners, points) => each.flatMap((k) => corners.map((corner) => corner.map((i) => i + k * points)));
   return [
     {
       at: (p) => coordinates(p.points),
@@ -94,19 +119,19 @@ const mainParts = (c, state) => {
     },
     ...scene.bodies.map((body, k) => ({
       at: (p) => coordinates(linesOf(p, body)),
-      look: { mode: 'lines', name: plain(body.name), legendgroup: body.name, showlegend: true, line: { color: hues[k], width: widths[body.kind] } },
+      look: { mode: 'lines', name: plain(body.name), legendgroup: body.name, showlegend: k < bodiesPerSide, line: { color: hues[k], width: widths[body.kind] } },
     })),
     {
-      at: (p) => (state.names ? coordinates(scene.bodies.map((body, number) => middle(p, body, number))) : nothing),
-      look: { mode: 'text', text: scene.bodies.map(({ name }) => plain(name)), textposition: scene.bodies.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
+      at: (p) => (state.names ? coordinates(named.map((body, number) => middle(p, body, number))) : nothing),
+      look: { mode: 'text', text: named.map(({ name }) => plain(name)), textposition: named.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
     },
     {
-      at: (p) => (radius ? coordinates(rim(p)) : nothing),
+      at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])) : nothing),
       look: { mode: 'lines', name: 'wheel', legendgroup: 'wheel', showlegend: Boolean(radius), line: { color: c.wheel, width: 5 } },
     },
     {
-      at: (p) => (radius ? coordinates([...rim(p).slice(1), p.points[scene.wheel_centre]]) : nothing),
-      look: { ...plate(Array.from({ length: ROUND }, (_, i) => [i, (i + 1) % ROUND, ROUND]), c.wheel, 0.14), legendgroup: 'wheel' },
+      at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel).slice(1), wheel.centre])) : nothing),
+      look: { ...plate(plates(Array.from({ length: ROUND }, (_, i) => [i, (i + 1) % ROUND, ROUND]), ROUND + 1), c.wheel, 0.14), legendgroup: 'wheel' },
     },
     {
       at: (p) => (p.steering_axis ? coordinates(axisLine(p.steering_axis)) : nothing),
@@ -116,8 +141,8 @@ const mainParts = (c, state) => {
       },
     },
     {
-      at: (p) => (hasWheel(p) ? coordinates(road(p)) : nothing),
-      look: { ...plate([[0, 1, 2], [0, 2, 3]], c.road, 0.2), name: 'ground', showlegend: Boolean(radius), legendgroup: 'ground' },
+      at: (p) => (hasWheel(p) ? coordinates(wheelsOf(p).flatMap(road)) : nothing),
+      look: { ...plate(plates([[0, 1, 2], [0, 2, 3]], 4), c.road, 0.2), name: 'ground', showlegend: Boolean(radius), legendgroup: 'ground' },
     },
     { at: (p) => (hasWheel(p) ? coordinates(arrow(p)) : nothing), look: { mode: 'lines', legendgroup: 'ground', line: { color: c.ink, width: 5 } } },
     {
@@ -125,7 +150,7 @@ const mainParts = (c, state) => {
       look: { mode: 'text', legendgroup: 'ground', textposition: 'top center' },
     },
     {
-      at: (p) => (state.centres && hasWheel(p) ? coordinates(centresOf(p).flatMap(({ end }) => [p.contact, end, null])) : nothing),
+      at: (p) => (state.centres && hasWheel(p) ? coordinates(centresOf(p).flatMap(({ from, end }) => [from, end, null])) : nothing),
       look: { mode: 'lines', name: 'instantaneous centres', legendgroup: 'centres', showlegend: Boolean(radius && state.centres), line: { color: c.centre, width: 2.5, dash: 'dot' } },
     },
     {
@@ -134,7 +159,11 @@ const mainParts = (c, state) => {
         const found = centresOf(p);
         return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: found.map(({ cut }) => (cut ? 'circle-open' : 'diamond')), color: c.centre, size: 5 } };
       },
-      look: { mode: 'markers+text', legendgroup: 'centres', textposition: ['top center', 'bottom center', 'top center'] },
+      look: { mode: 'markers+text', legendgroup: 'centres', textposition: each.flatMap(() => ['top center', 'bottom center', 'top center']) },
+    },
+    {
+      at: (p, design, place) => (isAxle && state.centres ? coordinates(rollCentres(design, place)) : nothing),
+      look: { mode: 'lines', name: 'path of the roll centre', legendgroup: 'centres', showlegend: Boolean(isAxle && radius && state.centres), line: { color: c.centre, width: 5 } },
     },
   ];
 };
@@ -150,7 +179,10 @@ const formerParts = (c) => [
     at: (p) => coordinates(scene.bodies.flatMap((body) => linesOf(p, body))),
     look: { mode: 'lines', showlegend: true, line: { color: c.before, width: 3 }, opacity: 0.7 },
   },
-  { at: (p) => (radius ? coordinates(rim(p)) : nothing), look: { mode: 'lines', line: { color: c.before, width: 2 }, opacity: 0.7 } },
+  {
+    at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])) : nothing),
+    look: { mode: 'lines', line: { color: c.before, width: 2 }, opacity: 0.7 },
+  },
 ];
 
 const stageParts = (c, state) => shownDesigns(state).flatMap((design) => {
@@ -160,7 +192,7 @@ const stageParts = (c, state) => shownDesigns(state).flatMap((design) => {
 });
 const placed = ({ design, at }, place) => {
   const { Ok: placement } = frameAt(design, place).pose;
-  return placement ? at(placement) : nothing;
+  return placement ? at(placement, design, place) : nothing;
 };
 
 // The part of space that everything stays in: the same for every place of the motion.
@@ -172,8 +204,9 @@ const stageRanges = () => {
   for (const frame of allFrames) {
     const placement = frame.pose.Ok;
     if (!placement) continue;
-    const ground = radius && placement.contact ? [...road(placement), ...arrow(placement).filter(Boolean)] : [];
-    for (const p of [...placement.points, ...(radius ? rim(placement) : []), ...ground]) {
+    const wheels = wheelsOf(placement);
+    const ground = radius && placement.contact ? [...wheels.flatMap(road), ...arrow(placement).filter(Boolean)] : [];
+    for (const p of [...placement.points, ...(radius ? wheels.flatMap(rim) : []), ...ground]) {
       for (let k = 0; k < 3; k += 1) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);
@@ -229,7 +262,7 @@ const sayPlace = (state) => {
   const [name, unit] = axisTitle(record.drive).split(/ (?=\[)/);
   const [[, now]] = frames;
   byId('station-text').textContent = [`${name} ${brief(now.drive)} ${unit.slice(1, -1)}`, ...failed.filter(Boolean)].join('; ');
-  byId('rack-text').textContent = `${brief(now.rack)} ${record.length_unit}`;
+  byId('rack-text').textContent = `${brief(now.rack)} ${second ? axisTitle(second).slice(axisTitle(second).indexOf('[') + 1, -1) : record.length_unit}`;
   const shown = stage.data.findLast((trace) => trace.meta === 'points');
   const centre = [shown.x, shown.y, shown.z].map((list) => list[scene.wheel_centre]);
   root.dataset.station = place.station;
@@ -256,9 +289,11 @@ const setUpStage = (state) => {
     slider.addEventListener('input', () => {
       state.place[name] = Number(slider.value);
       moveStage(state);
+      if (isAxle) drawTurn(state);
     });
   }
   byId('rack-label').hidden = racks.length < 2;
+  if (second) byId('rack-name').textContent = axisTitle(second).replace(/ \[.*$/, '');
   for (const button of document.querySelectorAll('[data-view]')) {
     button.addEventListener('click', () => {
       state.view = button.dataset.view;

@@ -16,6 +16,7 @@ const GLUE: &str = concat!(
     include_str!("display.js"),
     include_str!("curves.js"),
     include_str!("mechanism.js"),
+    include_str!("turn.js"),
     include_str!("tuning.js"),
     include_str!("theme.js"),
     include_str!("start.js"),
@@ -45,16 +46,17 @@ pub fn page(run: &Run) -> String {
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: match &run.summary {
             Summary::Optimise(tuning) => tuning.kept_start(),
-            Summary::Solve(_) | Summary::Tolerance(_) => None,
+            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => None,
         },
         missed: match &run.summary {
             Summary::Optimise(tuning) => missed(tuning),
-            Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
+            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => Vec::new(),
         },
     };
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
         Summary::Solve(solve) => (String::new(), solve.table().html()),
+        Summary::Axle(axle) => (String::new(), axle.table().html()),
         Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
     };
     let main = format!(
@@ -167,12 +169,24 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     let all = [
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
+        ("turn", "Turn", has_turn(run)),
         ("hardpoints", "Hardpoints", tuned),
         ("convergence", "Convergence", tuned),
-        ("sensitivities", "Sensitivities", true),
+        (
+            "sensitivities",
+            "Sensitivities",
+            !run.record.influences.is_empty(),
+        ),
     ];
     let shown = all.into_iter().filter(|(_, _, shown)| *shown);
     shown.map(|(id, name, _)| (id, name)).collect()
+}
+
+/// Whether there is a turn to be seen from above.
+fn has_turn(run: &Run) -> bool {
+    let frames = run.record.designs.iter().flat_map(|d| &d.frames);
+    let mut poses = frames.filter_map(|frame| frame.pose.as_ref().ok());
+    poses.any(|pose| pose.turn.as_ref().is_some_and(|turn| turn.centre.is_some()))
 }
 
 /// Targets that are missed: column, and by how much and where.

@@ -6,7 +6,7 @@ const state = {
 };
 
 const drawCurves = () => Promise.all(curvePlots.map((plot) => plot(state)));
-const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawHistory(), influenced.length && drawInfluences()]);
+const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawTurn(state), drawHistory(), influenced.length && drawInfluences()]);
 
 for (const name of [record.drive, ...record.abscissae]) option(byId('abscissa'), name, axisTitle(name));
 byId('abscissa').value = state.abscissa;
@@ -32,6 +32,6 @@ byId('sensitivities').hidden = influenced.length === 0;
 setTheme(wishes.get('theme'));
 sayUpright();
 drawAll().then(() => {
-  root.dataset.plotsExpected = curvePlots.length + (stations ? 1 : 0) + (run.history ? 1 : 0) + (influenced.length ? 2 : 0);
+  root.dataset.plotsExpected = curvePlots.length + (stations ? 1 : 0) + (hasTurn ? 1 : 0) + (run.history ? 1 : 0) + (influenced.length ? 2 : 0);
   root.dataset.ready = 'true';
 });

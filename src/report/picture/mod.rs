@@ -8,7 +8,7 @@ mod scale;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
-use super::record::{OutputRecord, TargetRecord};
+use super::record::{OutputRecord, Record, TargetRecord};
 use super::run::Run;
 use crate::curves::Status;
 use crate::model::Rod;
@@ -97,17 +97,20 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let mut failed = Vec::new();
     for (number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
         let main = number + 1 == record.designs.len();
-        let families = families(run, table);
+        let families = families(record, table);
+        let apart = record.further.first().or(record.rack.as_ref());
+        let (apart_name, _) = apart.map_or(("rack", ""), |name| split(name));
+        let apart_name = apart_name.replace('_', " ");
         for (number, family) in families.iter().enumerate() {
             let several = families.len() > 1;
-            let rack = record.rack.as_ref().and_then(|name| table.column(name));
+            let rack = apart.and_then(|name| table.column(name));
             let rack = rack.and_then(|racks| racks[family[0]]).unwrap_or(0.0);
             // Of more racks than there are colours every so many-th has a name.
             let named = number.is_multiple_of(families.len().div_ceil(MOST_NAMED));
             lines.push(Line {
                 name: match (several, main) {
                     (false, _) => Some(design.label.clone()),
-                    (true, true) => named.then(|| format!("rack {}", brief(rack))),
+                    (true, true) => named.then(|| format!("{apart_name} {}", brief(rack))),
                     (true, false) => (number == 0).then(|| format!("{} (dashed)", design.label)),
                 },
                 look: Look {
@@ -125,7 +128,11 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     lines.sort_by_key(|line: &Line| line.look.main);
     failed.sort_by(f64::total_cmp);
     failed.dedup();
-    let targets = || record.targets.iter().filter(|t| t.column == output.column);
+    let over_drive = |t: &&TargetRecord| t.over.as_ref().is_none_or(|over| *over == record.drive);
+    let targets = || {
+        let own = record.targets.iter().filter(|t| t.column == output.column);
+        own.filter(over_drive)
+    };
     Panel {
         value: with_unit(&output.title, &output.unit),
         motion: axis_title(abscissa),
@@ -149,13 +156,30 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     }
 }
 
-/// Rows by displacement of the rack.
-fn families(run: &Run, table: &CurveTable) -> Vec<Vec<usize>> {
-    let racks = run.record.rack.as_ref().and_then(|name| table.column(name));
-    let at_rack = |row: usize| racks.and_then(|racks| racks[row]);
-    let rows: Vec<usize> = (0..table.rows()).collect();
-    let families = rows.chunk_by(|a, b| at_rack(*a) == at_rack(*b));
-    families.map(<[usize]>::to_vec).collect()
+/// Rows by displacement of the rack; of an axle by the first of what moves beside the drive value, the rest nearest to
+/// zero.
+fn families(record: &Record, table: &CurveTable) -> Vec<Vec<usize>> {
+    let columns = record.further.iter().chain(&record.rack);
+    let mut columns = columns.filter_map(|name| table.column(name));
+    let apart = columns.next();
+    let held: Vec<_> = columns
+        .map(|values| {
+            let known = values.iter().flatten().copied();
+            (values, known.min_by(|a, b| a.abs().total_cmp(&b.abs())))
+        })
+        .collect();
+    let mut families: Vec<(Option<f64>, Vec<usize>)> = Vec::new();
+    for row in 0..table.rows() {
+        if held.iter().any(|(values, value)| values[row] != *value) {
+            continue;
+        }
+        let place = apart.and_then(|values| values[row]);
+        match families.iter_mut().find(|(known, _)| *known == place) {
+            Some((_, rows)) => rows.push(row),
+            None => families.push((place, vec![row])),
+        }
+    }
+    families.into_iter().map(|(_, rows)| rows).collect()
 }
 
 /// Where the last design of a tuning misses a target by more than its tolerance, with the rack straight ahead or
@@ -170,6 +194,10 @@ fn missed(run: &Run, target: &TargetRecord) -> Vec<[f64; 2]> {
     };
     let racks = run.record.rack.as_ref().and_then(|name| table.column(name));
     let ahead = |row: &usize| racks.is_none_or(|racks| racks[*row] == Some(0.0));
+    if !run.record.further.is_empty() {
+        // Targets of an axle are over several numbers; the tables say which are missed.
+        return Vec::new();
+    }
     let columns = table
         .column(&run.record.drive)
         .zip(table.column(&target.column));
@@ -204,9 +232,14 @@ fn with_unit(title: &str, unit: &str) -> String {
     }
 }
 
+/// A column's name and its unit.
+fn split(column: &str) -> (&str, &str) {
+    column.rsplit_once('_').unwrap_or((column, ""))
+}
+
 /// `travel_mm` -> `wheel travel [mm]`
 fn axis_title(column: &str) -> String {
-    let (name, unit) = column.rsplit_once('_').unwrap_or((column, ""));
+    let (name, unit) = split(column);
     let name = match name {
         "travel" => "wheel travel".to_owned(),
         name => name.replace('_', " "),

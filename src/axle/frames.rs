@@ -1,0 +1,152 @@
+//! Where every point of both wheels is along a motion, for drawings: on level ground, the body rolled.
+//!
+//! The curves of an axle are in the body's axes, in which the ground tilts. A drawing is turned back by the roll angle
+//! about x, and raised so that the ground stays where it is in the design position.
+
+use super::formulas::steering::turn;
+use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
+use super::{Axle, AxleQuantity, Quantity};
+use crate::characteristics::instant_centres_of;
+use crate::curves::{OtherWheel, Placement as Drawn, Turn};
+use crate::mechanism::{Configuration, DesignFault};
+use crate::model::{PointId, Side};
+use crate::number::Vector3;
+
+/// Both wheels in every position, in the study's axes, or why there is none.
+pub fn axle_frames(
+    axle: &Axle,
+    placements: &[Placement],
+) -> Result<Vec<Result<Drawn, AxleFailure>>, (Side, DesignFault)> {
+    let mut quantities = Vec::new();
+    if axle.setup.wheel_radius.is_some() {
+        quantities.push(Quantity::Axle(AxleQuantity::RollCentreHeight));
+        quantities.push(Quantity::Axle(AxleQuantity::RollCentreLateral));
+    }
+    let mut solver = AxleSolver::<2>::new(axle, &quantities, false)?;
+    let ground = design_ground(axle, &mut solver);
+    let placed = solver.place_all(placements);
+    let drawn = placed.into_iter().map(|placed| {
+        let placed = placed?;
+        drawn(axle, &mut solver, &placed, ground)
+    });
+    Ok(drawn.collect())
+}
+
+/// The height of the ground in the design position.
+fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
+    let radius = axle.setup.wheel_radius.unwrap_or(0.0);
+    let [left, right] = [Side::Left, Side::Right].map(|side| {
+        let corner = axle.suspension(side);
+        let centre = corner.design[corner.mechanism.wheel_centre.0];
+        let level = super::Ground::level(0.0);
+        let axis = solver.spin_axis(side);
+        (centre + level.contact_lever(axis, radius)).z
+    });
+    0.5 * (left + right)
+}
+
+fn drawn(
+    axle: &Axle,
+    solver: &mut AxleSolver<2>,
+    placed: &Placed,
+    ground: f64,
+) -> Result<Drawn, AxleFailure> {
+    let read = solver.read(placed)?;
+    let state = read.state;
+    let has_ground = axle.setup.wheel_radius.is_some();
+    let (sine, cosine) = placed.roll.sin_cos();
+    let turned =
+        |v: Vector3<f64>| Vector3::new(v.x, v.y * cosine - v.z * sine, v.y * sine + v.z * cosine);
+    let wheels = state.wheels();
+    let lifted = match has_ground {
+        true => ground - 0.5 * (wheels[0].height() + wheels[1].height()),
+        false => 0.0,
+    };
+    let up = Vector3::new(0.0, 0.0, lifted);
+    let frame = axle.left.frame;
+    // Of a side's own frame; that of the right wheel is the mirror image.
+    let plain = |side: Side, v: Vector3<f64>| match side {
+        Side::Left => v,
+        Side::Right => Vector3::new(v.x, -v.y, v.z),
+    };
+    let direction = |side: Side, v: Vector3<f64>| {
+        frame
+            .vector(turned(plain(side, v)))
+            .to_array()
+            .map(|x| x + 0.0)
+    };
+    let place = |side: Side, v: Vector3<f64>| {
+        frame
+            .vector(turned(plain(side, v)) + up)
+            .to_array()
+            .map(|x| x + 0.0)
+    };
+    let mut points = Vec::new();
+    let mut others = Vec::new();
+    for (side, wheel) in [Side::Left, Side::Right].into_iter().zip(wheels) {
+        let suspension = axle.suspension(side);
+        let at = Configuration {
+            mechanism: &suspension.mechanism,
+            design: &suspension.design,
+            pose: placed.poses()[side as usize],
+            rack: match side {
+                Side::Left => placed.rack,
+                Side::Right => -placed.rack,
+            },
+            steering: None,
+        };
+        let all = 0..suspension.mechanism.points.len();
+        points.extend(all.map(|i| place(side, at.point(PointId(i)))));
+        let mut other = OtherWheel {
+            spin_axis: direction(side, wheel.reading.spin_axis()),
+            contact: None,
+            front_view_centre: None,
+            side_view_centre: None,
+        };
+        if has_ground {
+            let contact = wheel.contact_point();
+            let [_, turn] = wheel.reading.by_travel();
+            let [front, view] = instant_centres_of(contact, wheel.contact_velocity(), turn);
+            other.contact = Some(place(side, contact));
+            other.front_view_centre = front.map(|v| place(side, v));
+            other.side_view_centre = view.map(|v| place(side, v));
+        }
+        others.push(other);
+    }
+    let value = |quantity| Quantity::Axle(quantity).value(&state).ok();
+    let centre = || {
+        let height = value(AxleQuantity::RollCentreHeight)?;
+        let lateral = value(AxleQuantity::RollCentreLateral)?;
+        // Between both contact points, along the ground and above it.
+        let middle = [Side::Left, Side::Right].map(|side| {
+            let wheel = &state.wheels()[side as usize];
+            turned(plain(side, wheel.contact_point())) + up
+        });
+        let between = (middle[0] + middle[1]) * 0.5;
+        let centre = between + Vector3::new(0.0, lateral, height);
+        Some(frame.vector(centre).to_array().map(|x| x + 0.0))
+    };
+    let roll_centre = if has_ground { centre() } else { None };
+    let flat = |[x, y]: [f64; 2]| {
+        let [x, y, _] = frame.vector(Vector3::new(x, y, 0.0)).to_array();
+        [x + 0.0, y + 0.0]
+    };
+    let right = others.pop();
+    let left = others.pop().expect("two wheels");
+    Ok(Drawn {
+        points,
+        spin_axis: left.spin_axis,
+        steering_axis: None,
+        contact: left.contact,
+        roll_centre,
+        front_view_centre: left.front_view_centre,
+        side_view_centre: left.side_view_centre,
+        right,
+        turn: turn(&state).map(|turn| Turn {
+            wheels: turn.wheels.map(|ends| ends.map(flat)),
+            meets: turn.meets.map(|meets| meets.map(flat)),
+            centre: turn.centre.map(flat),
+            other_axle: flat([turn.other_axle, 0.0])[0],
+        }),
+    })
+}

@@ -1,0 +1,206 @@
+//! `report.json` of an axle: what its page needs beyond the other files of a run.
+
+use super::axle::Place;
+use super::failures::FailureRange;
+use super::record::{
+    DesignRecord, FORM, OutputRecord, Record, TargetRecord, evenly, readable_unit,
+};
+use super::scene::Scene;
+use crate::axle::{
+    Axle, AxleColumn, AxleCurves, AxlePlan, Coordinate, Course, Motion, axle_frames,
+};
+use crate::curves::Frame;
+use crate::mechanism::DesignFault;
+use crate::model::Side;
+use crate::study::{AxleStudy, Study, Target};
+
+/// The most stations of the drawing, along what it is over and beside it.
+const MOST_FRAMES: [usize; 2] = [41, 9];
+
+/// A design to be recorded: label, file with its curves, the axle and the curves themselves.
+pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a AxleCurves);
+
+impl Record {
+    /// The record of a run of an axle.
+    pub fn of_axle(
+        command: &str,
+        study: &Study,
+        AxleStudy { axle, .. }: &AxleStudy,
+        plan: &AxlePlan,
+        designs: &[SolvedAxle<'_>],
+    ) -> Result<Self, (Side, DesignFault)> {
+        let length = axle.left.length_unit;
+        let moving = moving(&plan.course);
+        let column = |coordinate: &Coordinate| coordinate.column(length);
+        let further: Vec<String> = moving[1..].iter().map(column).collect();
+        let record = |(label, file, axle, curves): &SolvedAxle<'_>| {
+            Ok(DesignRecord {
+                label: (*label).to_owned(),
+                curves: (*file).to_owned(),
+                stations: curves.stations.len(),
+                remarks: Vec::new(),
+                failures: failures(axle, plan, curves),
+                frames: frames(axle, &plan.course, &moving)?,
+            })
+        };
+        let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
+            curves.columns.iter().map(output).collect()
+        });
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        Ok(Record {
+            form: FORM,
+            command: command.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            study: study.name.clone(),
+            topology: format!("{}_axle", axle.left.mechanism.topology.name),
+            length_unit: length.symbol().to_owned(),
+            drive: column(&moving[0]),
+            abscissae: further.clone(),
+            rack: None,
+            further,
+            outputs,
+            targets: targets.filter_map(|t| target(t, axle)).collect(),
+            designs: designs.iter().map(record).collect::<Result<_, _>>()?,
+            scene: Scene::of_axle(axle),
+            influences: Vec::new(),
+        })
+    }
+}
+
+/// The numbers that move, the one that curves are over first; at least one.
+fn moving(course: &Course) -> Vec<Coordinate> {
+    let mut course = course.clone();
+    let by_wheel = course.steering_wheel.is_some();
+    let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
+    available.retain(|c| course.along(*c).is_some());
+    available.retain(|c| match c {
+        Coordinate::Rack => !by_wheel && course.shows_rack,
+        Coordinate::SteeringWheel => by_wheel,
+        _ => true,
+    });
+    let mut moving = available.clone();
+    moving.retain(|c| course.along(*c).is_some_and(|values| values.len() > 1));
+    if moving.is_empty() {
+        moving.push(available[0]);
+    }
+    // Steering before the rest of what curves are not over.
+    let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
+    moving[1..].sort_by_key(|c| !steers(c));
+    moving
+}
+
+/// What a coordinate's value of the course is in the columns.
+fn written(axle: &Axle, coordinate: Coordinate, value: f64) -> f64 {
+    let one = coordinate.in_course(1.0, axle);
+    let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
+    match coordinate {
+        Coordinate::Roll => short(value.to_degrees()),
+        _ => short(value / one),
+    }
+}
+
+/// Frames over the first of what moves, for places of the second, the rest where it is nearest to zero.
+fn frames(
+    axle: &Axle,
+    course: &Course,
+    moving: &[Coordinate],
+) -> Result<Vec<Frame>, (Side, DesignFault)> {
+    let mut course = course.clone();
+    course.steering_wheel = None;
+    for (number, coordinate) in moving.iter().enumerate() {
+        let values = course.along(*coordinate).expect("it moves");
+        *values = match MOST_FRAMES.get(number) {
+            Some(most) => evenly(values, *most),
+            None => {
+                let nearest = values.iter().copied();
+                let nearest = nearest.min_by(|a, b| a.abs().total_cmp(&b.abs()));
+                nearest.into_iter().collect()
+            }
+        };
+    }
+    let mut list = |coordinate: Coordinate| course.along(coordinate).cloned().unwrap_or_default();
+    let drives = list(moving[0]);
+    let seconds = moving.get(1).map_or(vec![0.0], |second| list(*second));
+    let mut frames = Vec::new();
+    for second in seconds {
+        for drive in &drives {
+            let mut one = course.clone();
+            *one.along(moving[0]).expect("it moves") = vec![*drive];
+            if let Some(coordinate) = moving.get(1) {
+                *one.along(*coordinate).expect("it moves") = vec![second];
+            }
+            frames.push((one, *drive, second));
+        }
+    }
+    let placements: Vec<_> = frames.iter().flat_map(|f| f.0.placements()).collect();
+    let drawn = axle_frames(axle, &placements)?;
+    let frames = frames.into_iter().zip(drawn);
+    let frame = |((_, drive, second), drawn): ((Course, f64, f64), _)| Frame {
+        drive: written(axle, moving[0], drive),
+        rack: moving.get(1).map_or(0.0, |c| written(axle, *c, second)),
+        pose: Result::map_err(drawn, |failure: crate::axle::AxleFailure| {
+            failure.to_string()
+        }),
+    };
+    Ok(frames.map(frame).collect())
+}
+
+fn output(column: &AxleColumn) -> OutputRecord {
+    let name = column.quantity.name().replace('_', " ");
+    let by = column.by.map(|motion| match motion {
+        Motion::Roll => "roll",
+        Motion::Heave => "heave",
+        Motion::Rack => "rack",
+        Motion::TravelLeft => "left travel",
+        Motion::TravelRight => "right travel",
+        Motion::OpposedTravels => "opposed travels",
+    });
+    OutputRecord {
+        column: column.name.clone(),
+        title: by.map_or(name.clone(), |by| format!("{name} by {by}")),
+        unit: readable_unit(&column.unit),
+        positive: column
+            .by
+            .is_none()
+            .then(|| column.quantity.positive().to_owned()),
+    }
+}
+
+/// A value or a curve that is drawn beside the curves: of one column, the rest where the motion has it.
+fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
+    let site = target
+        .site
+        .axle
+        .as_ref()
+        .filter(|site| site.words.is_empty())?;
+    let factor = target.of.factor();
+    let mut points: Vec<[f64; 2]> = target
+        .wanted
+        .at_stations(&target.stations_among(&site.values))
+        .into_iter()
+        .map(|(at, value)| [at, value * factor])
+        .collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    (!points.is_empty()).then(|| TargetRecord {
+        column: target.of.column.clone(),
+        tolerance: target.tolerance * factor.abs(),
+        points,
+        over: Some(site.over.column(axle.left.length_unit)),
+    })
+}
+
+fn failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<FailureRange> {
+    let place = Place { plan, axle };
+    let stations = curves.stations.iter().enumerate();
+    let failed = stations.filter_map(|(number, station)| {
+        let failure = station.placed.as_ref().err()?;
+        Some(FailureRange {
+            first: number,
+            last: number,
+            status: station.status.to_owned(),
+            reason: failure.to_string(),
+            place: place.words(number, station),
+        })
+    });
+    failed.collect()
+}

@@ -186,7 +186,7 @@ fn a_browser_draws_an_axle() {
     };
     let path = studies().join("macpherson_axle.toml");
     let text = std::fs::read_to_string(path).unwrap();
-    let run = super::Run::of("solve", "axle", &text, &["--report"]);
+    let run = super::Run::of("solve", "axle", &text, &[]);
     let shown = Shown::of(&browser, &run, "#station=12&rack=1");
     assert!(shown.console.is_empty(), "{:#?}", shown.console);
     assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);

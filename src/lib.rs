@@ -10,42 +10,12 @@
 //!
 //! Inside the crate there is one frame: a left wheel, x forward, y left (outboard), z up (ISO 8855).
 //! Right-hand wheels and other axis conventions differ by the signs of coordinates and are mapped at the
-//! edges by [`model::Frame`]. Lengths are in the study's unit, whatever it is; angles are in radians
+//! edges by [`Frame`]. Lengths are in the study's unit, whatever it is; angles are in radians
 //! but where names say `deg`. Travel is the height of the wheel centre above its design position, jounce
-//! positive. Signs of characteristics are stated in their catalogue, [`characteristics`].
+//! positive. Signs of characteristics are stated in their catalogue ([`Characteristic::info`]).
 //!
 //! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are
 //! recomputed, the value of the drive is held.
-//!
-//! # Map
-//!
-//! Data goes one way, from a study to its results:
-//!
-//! | module | what |
-//! |---|---|
-//! | [`study`] | the file as written, what it means, everything that can be wrong with it |
-//! | [`model`] | hardpoints, bodies, constraints; one file for each topology |
-//! | [`mechanism`] | a design in a pose, the constraint rows that hold it, why there may be no pose |
-//! | [`mod@derive`] | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
-//! | [`solve`] | poses connected to the design position, one design at a time or many side by side |
-//! | [`analyse`] | limits, loads, assemblies, certificates |
-//! | [`attia`] | the seed paper's fifteen equations, its drive and its angles |
-//! | [`build`] | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
-//! | [`plan`] | what a study asks for, turned into what is computed |
-//! | [`characteristics`] | the catalogue of wheel characteristics, a formula each |
-//! | [`curves`] | a plan carried out over a motion |
-//! | [`mod@evaluate`] | quantities at stations with their gradients, of several designs at a time |
-//! | [`axle`] | both wheels: roll on a plane ground, steering, springs |
-//! | [`sweep`] | many designs on all cores, in constant memory |
-//! | [`optimise`] | targets as bounded least squares, and their minimum |
-//! | [`tolerance`] | what manufacturing scatter does, and which tolerance is worth money |
-//! | [`report`] | files and tables |
-//! | [`results`] | directories of results: who may replace what, locks |
-//! | [`exchange`] | points and curves from and to spreadsheets and Adams/Car |
-//! | [`studio`] | the live page: a server on this machine that follows dragged points |
-//! | [`mod@bench`] | poses per second, what a digit and an effect cost on this machine |
-//! | [`cli`] | the command line |
-//! | [`number`] | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 //!
 //! # The front door
 //!
@@ -81,41 +51,114 @@
 //! assert!((curves.stations[16].values[0].unwrap() - camber).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Map
+//!
+//! Inside, data goes one way, from a study to its results. What is public is at the root of the crate; the rooms
+//! behind it are documented at the head of their files and may change with every version:
+//!
+//! | module | what |
+//! |---|---|
+//! | `study` | the file as written, what it means, everything that can be wrong with it |
+//! | `model` | hardpoints, bodies, constraints; one file for each topology |
+//! | `mechanism` | a design in a pose, the constraint rows that hold it, why there may be no pose |
+//! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
+//! | `solve` | poses connected to the design position, one design at a time or many side by side |
+//! | `analyse` | limits, loads, assemblies, certificates |
+//! | `attia` | the seed paper's fifteen equations, its drive and its angles |
+//! | `build` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
+//! | `plan` | what a study asks for, turned into what is computed |
+//! | `characteristics` | the catalogue of wheel characteristics, a formula each |
+//! | `curves` | a plan carried out over a motion |
+//! | `evaluate` | quantities at stations with their gradients, of several designs at a time |
+//! | `axle` | both wheels: roll on a plane ground, steering, springs |
+//! | `sweep` | many designs on all cores, in constant memory |
+//! | `optimise` | targets as bounded least squares, and their minimum |
+//! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
+//! | `report` | files and tables |
+//! | `results` | directories of results: who may replace what, locks |
+//! | `exchange` | points and curves from and to spreadsheets and Adams/Car |
+//! | `studio` | the live page: a server on this machine that follows dragged points |
+//! | `bench` | poses per second, what a digit and an effect cost on this machine |
+//! | `cli` | the command line |
+//! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 
+#[doc(hidden)]
 pub mod analyse;
+#[doc(hidden)]
 pub mod attia;
+#[doc(hidden)]
 pub mod axle;
+#[doc(hidden)]
 pub mod bench;
+#[doc(hidden)]
 pub mod build;
+#[doc(hidden)]
 pub mod characteristics;
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
 pub mod curves;
+#[doc(hidden)]
 pub mod derive;
+#[doc(hidden)]
 pub mod evaluate;
+#[doc(hidden)]
 pub mod exchange;
 mod front_door;
 mod function;
 mod linear;
+#[doc(hidden)]
 pub mod mechanism;
+#[doc(hidden)]
 pub mod model;
+#[doc(hidden)]
 pub mod number;
+#[doc(hidden)]
 pub mod optimise;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod results;
+#[doc(hidden)]
 pub mod solve;
+#[doc(hidden)]
 pub mod studio;
+#[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
 pub mod sweep;
+#[doc(hidden)]
 pub mod tolerance;
 
-pub use characteristics::Characteristic;
-pub use curves::{Column, Curves, Station, Status};
+// Suspensions.
+pub use mechanism::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
+pub use model::{
+    Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Side,
+    Suspension, Topology, TorquePath, Vehicle,
+};
+
+// What is asked of them.
+pub use characteristics::{Characteristic, Info, Measure, Need, Quantity, Unit};
+pub use study::{
+    Constraint, DesignTable, Designs, Drive, FileFormat, Formulation, Interpolation, Limit,
+    Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs, Sampled, Sampling, Site,
+    Study, StudyError, StudyErrors, Subject, Sweep, SweepVariable, Target, TimeLaw, Turn, Variable,
+    Wanted,
+};
+
+// The answers.
+pub use curves::{Column, Curves, Proof, Sensitivity, Station, Status};
 pub use front_door::{Error, SuspensionPose, SweepControl};
 pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
-pub use mechanism::{BuildError, SuspensionBuilder};
-pub use model::{Axis, FrameConvention, LengthUnit, Side, Suspension, Topology, Vehicle};
+pub use mechanism::{DesignFault, Failure, LimitCause, Unproven};
+pub use optimise::{
+    Best, ConstraintOutcome, Control, Deviation, Direction, Fulfilment, Identifiability,
+    Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
+    Termination, Tuning,
+};
+pub use sweep::{Failing, Rows};
+
 pub use nalgebra;
-pub use optimise::{Control, Tuning};
-pub use study::{Motion, Order, Sampling, Study, StudyErrors, Target, Variable};
-pub use sweep::Rows;

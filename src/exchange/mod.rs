@@ -1,7 +1,7 @@
 //! Other tools' files: points in, points and curves out.
 //!
 //! Data comes from a table of text, a workbook, a map in JSON or an Adams/Car subsystem as named points in the file's own
-//! axes and unit ([`read_points`]), becomes the wheel of a topology ([`import`]) and then a study
+//! axes and unit ([`read_points`]), becomes the wheel of a topology ([`import()`]) and then a study
 //! ([`Imported::study`]). The study keeps the file's axes and unit, so that every coordinate is the double
 //! that was written.
 

@@ -1,6 +1,6 @@
 //! Results as files, tables, pictures and a page.
 //!
-//! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page`] and
+//! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page()`] and
 //! [`pictures`] are made of that alone.
 
 mod accuracy;

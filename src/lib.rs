@@ -84,7 +84,11 @@
 //! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 
 // What a command says goes through `cli::terminal`, which knows of pipes, widths and colours.
-#![warn(clippy::print_stdout, clippy::print_stderr, clippy::allow_attributes_without_reason)]
+#![warn(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::allow_attributes_without_reason
+)]
 
 #[doc(hidden)]
 pub mod analyse;

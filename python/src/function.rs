@@ -222,7 +222,10 @@ impl Function {
                     group.par_iter_mut().try_for_each_init(
                         || f.evaluation(),
                         |evaluation, chunk| match evaluation {
-                            Ok(evaluation) => Ok(work(evaluation, chunk)),
+                            Ok(evaluation) => {
+                                work(evaluation, chunk);
+                                Ok(())
+                            }
                             Err(fault) => Err(fault.clone()),
                         },
                     )

@@ -242,8 +242,11 @@ impl DesignFunction {
             of_motion,
             moved,
         };
-        match function.evaluation() {
-            Ok(_) => Ok(function),
+        // From here on workspaces can be made.
+        let sound = function.values().map(drop);
+        let sound = sound.and_then(|()| function.gradients().map(drop));
+        match sound {
+            Ok(()) => Ok(function),
             Err(fault) => {
                 let reason = fault.describe(&function.suspension.mechanism);
                 Err(FunctionError::Design(reason))
@@ -295,25 +298,34 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// A workspace to evaluate with, one for each thread.
-    ///
-    /// # Errors
-    /// If the study's own design cannot be solved.
-    pub fn evaluation(&self) -> Result<Evaluation<'_>, DesignFault> {
-        let (suspension, quantities) = (&*self.suspension, &self.quantities[..]);
-        let width = Some(Width::widest());
-        let gradients = GradientEvaluator::new(suspension, &self.stations, quantities, width)?;
-        Ok(Evaluation {
+    /// A workspace to evaluate with, one for each thread. What it needs for values, and for derivatives, it makes when
+    /// it is first asked for them.
+    pub fn evaluation(&self) -> Evaluation<'_> {
+        Evaluation {
             function: self,
-            evaluator: Evaluator::new(suspension, &self.stations, quantities)?,
-            block: Block::new(quantities.len(), self.stations.count()),
-            gradients: gradients
-                .with_sensitivities_to(&self.moved)
-                .with_every_station(),
-            differentiated: Evaluated::default(),
+            values: None,
+            gradients: None,
             designs: Vec::new(),
             offsets: DVector::zeros(self.variables.len()),
             ways: Vec::new(),
+        }
+    }
+
+    fn values(&self) -> Result<Values<'_>, DesignFault> {
+        let evaluator = Evaluator::new(&self.suspension, &self.stations, &self.quantities)?;
+        let block = Block::new(self.quantities.len(), self.stations.count());
+        Ok(Values { evaluator, block })
+    }
+
+    fn gradients(&self) -> Result<Gradients<'_>, DesignFault> {
+        let (suspension, quantities) = (&*self.suspension, &self.quantities[..]);
+        let width = Some(Width::widest());
+        let evaluator = GradientEvaluator::new(suspension, &self.stations, quantities, width)?;
+        Ok(Gradients {
+            evaluator: evaluator
+                .with_sensitivities_to(&self.moved)
+                .with_every_station(),
+            found: Evaluated::default(),
         })
     }
 }
@@ -321,13 +333,21 @@ impl DesignFunction {
 /// A workspace of a [`DesignFunction`].
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
-    evaluator: Evaluator<'f>,
-    block: Block,
-    gradients: GradientEvaluator<'f>,
-    differentiated: Evaluated,
+    values: Option<Values<'f>>,
+    gradients: Option<Gradients<'f>>,
     designs: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
     ways: Vec<Way>,
+}
+
+struct Values<'f> {
+    evaluator: Evaluator<'f>,
+    block: Block,
+}
+
+struct Gradients<'f> {
+    evaluator: GradientEvaluator<'f>,
+    found: Evaluated,
 }
 
 impl Evaluation<'_> {
@@ -346,25 +366,27 @@ impl Evaluation<'_> {
         while first < count {
             let now = (count - first).min(BLOCK);
             self.place(&x[first * width..(first + now) * width], now);
-            self.evaluator.evaluate(&self.designs, &mut self.block);
+            let make = || f.values().expect("the function was made with one");
+            let Values { evaluator, block } = self.values.get_or_insert_with(make);
+            evaluator.evaluate(&self.designs, block);
             for number in 0..now {
                 let at = (first + number) * f.len();
                 let own = &mut values[at..at + f.len()];
                 for (k, output) in f.outputs.iter().enumerate() {
                     for (s, station) in f.of_motion.iter().enumerate() {
-                        let value = self.block.value(number, k, *station) * output.factor;
+                        let value = block.value(number, k, *station) * output.factor;
                         own[k * f.of_motion.len() + s] = value;
                     }
                 }
             }
             let status = &mut status[first..first + now];
             status.fill(DesignStatus::Ok);
-            for failure in self.block.failures() {
+            for failure in block.failures() {
                 if f.of_motion.contains(&failure.station) {
                     status[failure.design] = DesignStatus::Failed;
                 }
             }
-            for (number, _) in self.block.faults() {
+            for (number, _) in block.faults() {
                 status[*number] = DesignStatus::Faulty;
             }
             first += now;
@@ -393,23 +415,28 @@ impl Evaluation<'_> {
             values.len() * width,
             "room for each derivative"
         );
-        let at_once = self.gradients.at_once();
+        let make = || f.gradients().expect("the function was made with one");
+        let mut gradients = self.gradients.take().unwrap_or_else(make);
+        let at_once = gradients.evaluator.at_once();
         for first in (0..count).step_by(at_once) {
             let now = at_once.min(count - first);
             self.place(&x[first * width..(first + now) * width], now);
-            self.gradients
-                .evaluate(&self.designs, &mut self.differentiated);
+            gradients
+                .evaluator
+                .evaluate(&self.designs, &mut gradients.found);
             for number in 0..now {
                 let design = first + number;
                 self.differentiate(&x[design * width..(design + 1) * width]);
                 let at = design * f.len();
                 status[design] = self.read(
+                    &gradients.found,
                     number,
                     &mut values[at..at + f.len()],
                     &mut jacobian[at * width..(at + f.len()) * width],
                 );
             }
         }
+        self.gradients = Some(gradients);
     }
 
     /// Puts so many designs in place.
@@ -433,9 +460,15 @@ impl Evaluation<'_> {
     }
 
     /// Copies what was found of a design by its place, derivatives by the variables in place of those by points.
-    fn read(&self, number: usize, values: &mut [f64], jacobian: &mut [f64]) -> DesignStatus {
+    fn read(
+        &self,
+        found: &Evaluated,
+        number: usize,
+        values: &mut [f64],
+        jacobian: &mut [f64],
+    ) -> DesignStatus {
         let f = self.function;
-        let (found, width) = (&self.differentiated, f.variables.len());
+        let width = f.variables.len();
         let mut status = DesignStatus::Ok;
         for (k, output) in f.outputs.iter().enumerate() {
             for (s, station) in f.of_motion.iter().enumerate() {
@@ -468,7 +501,8 @@ impl Evaluation<'_> {
     /// reason).
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &Failure)> {
         let f = self.function;
-        self.block.failures().iter().filter_map(|failure| {
+        let failures = self.values.iter().flat_map(|v| v.block.failures());
+        failures.filter_map(|failure| {
             let own = f.of_motion.iter().position(|s| *s == failure.station)?;
             Some((failure.design, own, &failure.failure))
         })

@@ -212,26 +212,19 @@ impl Function {
         let f = &self.function;
         let alone = threads == Some(1) || chunks.len() == 1;
         for group in chunks.chunks_mut(GROUP) {
-            let done = py.detach(|| match alone {
-                true => Ok(f.evaluation().map(|mut evaluation| {
+            py.detach(|| match alone {
+                true => {
+                    let mut evaluation = f.evaluation();
                     group
                         .iter_mut()
                         .for_each(|chunk| work(&mut evaluation, chunk));
-                })),
+                    Ok(())
+                }
                 false => on_threads(threads, || {
-                    group.par_iter_mut().try_for_each_init(
-                        || f.evaluation(),
-                        |evaluation, chunk| match evaluation {
-                            Ok(evaluation) => {
-                                work(evaluation, chunk);
-                                Ok(())
-                            }
-                            Err(fault) => Err(fault.clone()),
-                        },
-                    )
+                    let all = group.par_iter_mut();
+                    all.for_each_init(|| f.evaluation(), &work);
                 }),
             })?;
-            done.map_err(|_| failure("the study's own design cannot be solved"))?;
             py.check_signals()?;
         }
         Ok(())

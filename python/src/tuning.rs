@@ -3,7 +3,10 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
-use hardpoint::optimise::{Control, Evaluation, LeastSquares, Objective, TargetLayout, tune};
+use hardpoint::nalgebra::DVector;
+use hardpoint::optimise::{
+    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design, tune,
+};
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -11,7 +14,7 @@ use pyo3::types::PyDict;
 
 /// A study and its `[optimise]`.
 fn tuned(study: &Study) -> PyResult<(&hardpoint::study::Study, &Optimise)> {
-    let own = study.corner("optimise")?;
+    let own = &study.study;
     let optimise = own.optimise.as_ref().ok_or_else(|| {
         failure("the study has no [optimise], which says what may move and what is wanted")
     })?;
@@ -51,7 +54,19 @@ pub(crate) fn optimise<'py>(
             let targets: Vec<(f64, f64, f64)> =
                 targets.map(|t| (t.rms, t.worst, t.worst_at)).collect();
             result.set_item("targets", targets)?;
-            result.set_item("text", own.with_design(&best.design))?;
+            // Variables move the right wheel of an axle as the left one.
+            let right = own
+                .axle
+                .as_ref()
+                .and_then(|study| study.axle.right.as_ref());
+            let right = right.map(|right| {
+                let x = DVector::from_column_slice(&best.offsets);
+                let (frame, variables) = (&own.suspension.frame, &optimise.variables);
+                let mut moved = right.design.clone();
+                moved_design(&right.design, frame, variables, &x, &mut moved);
+                moved
+            });
+            result.set_item("text", own.with_designs(&best.design, right.as_deref()))?;
         }
     }
     Ok(result)
@@ -140,7 +155,7 @@ impl Residuals {
         let objective = Objective::<N>::new(suspension, variables, &self.layout);
         let mut objective = objective.map_err(|e| failure(e.describe(&suspension.mechanism)))?;
         let mut evaluation = Evaluation::new(objective.residuals(), objective.variables());
-        let x = hardpoint::nalgebra::DVector::from_column_slice(x);
+        let x = DVector::from_column_slice(x);
         match objective.evaluate(&x, &mut evaluation) {
             Ok(()) => Ok(evaluation),
             Err(infeasible) => Err(failure(infeasible.to_string())),

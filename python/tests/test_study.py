@@ -103,7 +103,7 @@ def test_curves_of_an_axle_are_those_of_the_program_to_the_bit(name, tmp_path):
         for column, values in columns.items():
             np.testing.assert_array_equal(table[column], values, err_msg=column)
     assert table["status"] == curves.status
-    for refused in (study.function, hp.limits, hp.sweep, hp.optimise):
+    for refused in (study.function, hp.limits, hp.sweep):
         with pytest.raises(hp.HardpointError, match="axle"):
             refused() if refused == study.function else refused(study)
 
@@ -118,3 +118,24 @@ def test_a_study_of_a_mapping_is_that_of_its_text(front):
     for wrong in ({"suspension": {"topology": None}}, {"motion": {"travel": float("nan")}}, {"motion": object()}):
         with pytest.raises(hp.HardpointError, match="expected"):
             hp.Study.from_dict(wrong)
+
+
+@pytest.mark.parametrize("name", ["macpherson_axle_front", "five_link_axle_rear"])
+def test_tuning_of_an_axle_is_that_of_the_program(name, tmp_path):
+    path = STUDIES / f"{name}.toml"
+    study = hp.load(path, {"optimise.starts": 1, "optimise.max_iterations": 3})
+    written = tmp_path / path.name
+    written.write_text(study.text)
+    assert hp.run(["--quiet", "optimise", written, "--out", tmp_path / "run"]) in (0, 1)
+    run, tuned = hp.open(tmp_path / "run"), hp.optimise(study)
+    assert run.tuned.text == tuned.study.text
+    assert run.summary["misfit_after"] == tuned.misfit <= tuned.before
+    # The function that is minimised, with its derivatives.
+    r = study.residuals
+    x = 0.05 * np.ptp(r.bounds, axis=1)
+    values, jacobian = r.value_and_jacobian(x)
+    h = 1e-3
+    for k in range(len(x)):
+        e = np.eye(len(x))[k] * h
+        difference = (8 * (r(x + e) - r(x - e)) - (r(x + 2 * e) - r(x - 2 * e))) / (12 * h)
+        np.testing.assert_allclose(jacobian[:, k], difference, atol=1e-5 * np.abs(jacobian).max())

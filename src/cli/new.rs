@@ -28,6 +28,8 @@ enum Part {
     /// Anti-roll bar and drop link
     #[value(name = "anti_roll_bar")]
     AntiRollBar,
+    /// Both wheels: roll on a plane ground
+    Axle,
 }
 
 /// Points of parts that fit a template, in its axes: name, coordinates, what it is.
@@ -263,7 +265,17 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
 fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
     let mut text = format!("#:schema ./hardpoint.schema.json\n{}", topology.template);
-    if parts.is_empty() {
+    if parts.contains(&Part::Axle) {
+        if parts.contains(&Part::Sweep) || parts.contains(&Part::Optimise) {
+            return Err(
+                "axle does not go with sweep or optimise in a template: a sweep is of one wheel, and the targets \
+                 of an axle are shown in studies/macpherson_axle_front.toml"
+                    .to_owned(),
+            );
+        }
+        text = with_axle(&text);
+    }
+    if parts.iter().all(|part| *part == Part::Axle) {
         return Ok(text);
     }
     let fitting = FITTINGS
@@ -314,6 +326,69 @@ targets = [                      # a curve over the motion, or `at` one value of
     Ok(text)
 }
 
+/// What an axle is asked for.
+const AXLE_OUTPUTS: [&str; 8] = [
+    "camber",
+    "camber_to_road",
+    "toe",
+    "track",
+    "roll_centre_height",
+    "force_roll_centre_height",
+    "roll_camber",
+    "roll_steer",
+];
+
+/// The text with both wheels in place of one: with the motion and the outputs of an axle.
+fn with_axle(text: &str) -> String {
+    let is_steered = text.lines().any(|line| line.starts_with("rack = "));
+    let mut written = String::new();
+    let mut is_left_out = false;
+    for line in text.lines() {
+        if line.starts_with('[') {
+            is_left_out = true;
+        }
+        match line.trim() {
+            "[motion]" => {
+                written += "[axle]\n\
+                    right = \"mirrored\"               # or [axle.right.hardpoints]: those that are not the mirror image\n\n";
+                if is_steered {
+                    written += "[steering]\n\
+                        c_factor = -52.0                 # length of rack along +y per turn of the steering wheel to the left; \
+                        negative: behind the axle\n\n";
+                }
+                written += "[motion]                         # the grid of all is solved, on a plane ground\n\
+                    roll = { from = -3.0, to = 3.0, steps = 13 }   # degrees; positive: right wheel in jounce, as in a left turn\n\
+                    heave = [-20.0, 0.0, 20.0]       # mean travel of both wheels\n";
+                if is_steered {
+                    written +=
+                        "steering_wheel_angle = [0.0, 90.0]   # degrees to the left; or rack\n";
+                }
+                written += "\n";
+            }
+            "[outputs]" => {
+                let steered = is_steered.then_some("mean_steer");
+                let names = AXLE_OUTPUTS.into_iter().chain(steered);
+                let names: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
+                let _ = writeln!(
+                    written,
+                    "[outputs]                        # of a wheel: columns for left and right\n\
+                     characteristics = [{}]\n\
+                     # order = \"velocity\"             # derivatives by roll, heave and rack as well\n\
+                     # sensitivities = [\"wheel_centre\"]   # derivatives by hardpoint coordinates; true: all hardpoints",
+                    names.join(", ")
+                );
+            }
+            _ => {
+                is_left_out &= !line.starts_with('[');
+                if !is_left_out {
+                    written = written + line + "\n";
+                }
+            }
+        }
+    }
+    written
+}
+
 /// The text with points behind its hardpoints, in place of those of the same name, and one more output.
 fn with_points(text: &str, points: Points, output: &str) -> String {
     let is_replaced = |line: &str| {
@@ -350,6 +425,7 @@ fn with_points(text: &str, points: Points, output: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axle::axle_curves;
     use crate::curves::curves;
     use crate::plan::Plan;
     use crate::study::Study;
@@ -365,12 +441,21 @@ mod tests {
                 .filter(|part| study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
-            for parts in alone.chain([all.clone()]) {
+            let (mut corner, mut axle) = (all.clone(), all.clone());
+            corner.retain(|part| *part != Part::Axle);
+            axle.retain(|part| ![Part::Sweep, Part::Optimise].contains(part));
+            for parts in alone.chain([corner, axle]) {
                 let text = study(topology, &parts).unwrap();
                 let study = Study::from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
-                let solved = curves(&study.suspension, &Plan::of(&study)).unwrap();
-                assert!(solved.are_complete(), "{} {parts:?}", topology.name);
+                let complete = match &study.axle {
+                    Some(axle) => axle_curves(&axle.axle, &axle.plan).unwrap().are_complete(),
+                    None => curves(&study.suspension, &Plan::of(&study))
+                        .unwrap()
+                        .are_complete(),
+                };
+                assert!(complete, "{} {parts:?}", topology.name);
+                assert_eq!(study.axle.is_some(), parts.contains(&Part::Axle));
                 assert_eq!(study.optimise.is_some(), parts.contains(&Part::Optimise));
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
             }

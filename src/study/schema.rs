@@ -10,6 +10,7 @@
 //! `suspension.hardpoints{}` for each value of a table whose keys are names.
 
 use super::file::File;
+use crate::characteristics::Characteristic;
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
@@ -527,7 +528,16 @@ impl Book {
             },
             Kind::List => json!({ "type": "array", "items": self.of(&format!("{path}[]")) }),
             Kind::Names => {
-                json!({ "type": "object", "additionalProperties": self.of(&format!("{path}{{}}")) })
+                let value = self.of(&format!("{path}{{}}"));
+                match path {
+                    "setup.want" => {
+                        let all = Characteristic::ALL.iter();
+                        let names = all.map(|c| (c.info().name.to_owned(), value.clone()));
+                        let properties: Map<String, Value> = names.collect();
+                        json!({ "type": "object", "properties": properties, "additionalProperties": false })
+                    }
+                    _ => json!({ "type": "object", "additionalProperties": value }),
+                }
             }
             Kind::Table => self.table(path, place),
         });

@@ -75,7 +75,8 @@
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
 //! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
-//! | `report` | files and tables |
+//! | `drawing` | what a page shows beside the curves, solved before it is made |
+//! | `report` | files, tables, pages |
 //! | `results` | directories of results: who may replace what, locks |
 //! | `exchange` | points and curves from and to spreadsheets and Adams/Car |
 //! | `studio` | the live page: a server on this machine that follows dragged points |
@@ -108,6 +109,8 @@ pub mod cli;
 pub mod curves;
 #[doc(hidden)]
 pub mod derive;
+#[doc(hidden)]
+pub mod drawing;
 #[doc(hidden)]
 pub mod evaluate;
 #[doc(hidden)]

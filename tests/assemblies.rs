@@ -341,3 +341,62 @@ fn two_assemblies_end_at_a_fold() {
         assert_eq!(found(-1e-9), found(1e-9) + 2, "{name} at {fold}");
     }
 }
+
+/// A template with points elsewhere.
+fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
+    let mut suspension = template(topology);
+    for (name, [x, y, z]) in points {
+        let id = suspension.mechanism.point(name).unwrap().0;
+        suspension.design[id] = Vector3::new(*x, *y, *z);
+    }
+    suspension
+}
+
+/// A tie rod with a lever of 1.7 mm about the steering axis reaches its joint over a sliver of the arm's turn alone, and
+/// there has two assemblies; all of the rest is soon decided.
+#[test]
+fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
+    let suspension = with_points(
+        "double_wishbone",
+        &[
+            ("upper_arm_front", [135.0, 265.0, 330.0]),
+            ("upper_arm_rear", [-165.0, 270.0, 318.0]),
+            ("upper_ball_joint", [-8.0, 545.0, 365.0]),
+            ("lower_arm_front", [150.0, 215.0, 142.0]),
+            ("lower_arm_rear", [-180.0, 220.0, 138.0]),
+            ("lower_ball_joint", [6.0, 575.0, 130.0]),
+            ("tie_rod_inner", [68.0, 230.0, 170.0]),
+            ("tie_rod_outer", [1e-12, 560.0, 255.0]),
+            ("wheel_centre", [0.0, 620.0, 255.0]),
+        ],
+    );
+    let found = all(&suspension.mechanism, &suspension.design, 0.0, 0.0);
+    assert!(found.undecided.is_empty(), "{:?}", found.undecided);
+    assert_eq!(found.found.len(), 2);
+    assert!(found.looked_at < 10_000, "{}", found.looked_at);
+}
+
+/// Arms and tie rod of an exact parallelogram come into line with each other and the steering axis at once, where four
+/// branches meet: away from there every assembly is found and proved.
+#[test]
+fn parallel_arms_leave_nothing_undecided() {
+    let suspension = with_points(
+        "double_wishbone",
+        &[
+            ("upper_arm_front", [150.0, 215.0, 340.0]),
+            ("upper_arm_rear", [-180.0, 215.0, 340.0]),
+            ("upper_ball_joint", [0.0, 575.0, 330.0]),
+            ("lower_arm_front", [150.0, 215.0, 140.0]),
+            ("lower_arm_rear", [-180.0, 215.0, 140.0]),
+            ("lower_ball_joint", [0.0, 575.0, 130.0]),
+            ("tie_rod_inner", [100.0, 215.0, 240.0]),
+            ("tie_rod_outer", [100.0, 575.0, 230.0]),
+        ],
+    );
+    let mechanism = &suspension.mechanism;
+    for travel in [0.0, 10.0, -60.0] {
+        let found = all(mechanism, &suspension.design, travel, 0.0);
+        assert!(found.looked_at < 12_000, "{}", found.looked_at);
+    }
+    compare_with_newton(mechanism, &suspension.design, 0.0, 0.0);
+}

@@ -23,6 +23,9 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
+/// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
+/// decide is far narrower.
+const GIVEN_UP: f64 = 1e-6;
 /// Undecided places that are said one by one.
 const MOST_UNDECIDED: usize = 3;
 
@@ -41,14 +44,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let rack = arguments.rack * Plan::of(&study).rack_sign;
-    let Some(all) = solver.assemblies(arguments.travel, rack) else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no method that finds all assemblies of a {}",
-            path.display(),
-            suspension.mechanism.topology.name
-        )));
-    };
-    // The one that is connected to the design position.
+    // The one that is connected to the design position; a design that is singular is refused before the search.
     let mut connected = None;
     let station_order = StationOrder::through(&[arguments.travel]);
     let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {
@@ -56,6 +52,13 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         ControlFlow::Continue(())
     });
     visited.map_err(fault)?;
+    let Some(all) = solver.assemblies(arguments.travel, rack) else {
+        return Err(Stop::wrong_input(format!(
+            "{}: there is no method that finds all assemblies of a {}",
+            path.display(),
+            suspension.mechanism.topology.name
+        )));
+    };
     let is_connected = |assembly: &Assembly| {
         connected.is_some_and(|pose| same(&pose, &assembly.pose, solver.size()))
     };
@@ -118,6 +121,12 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     for place in all.undecided.iter().take(MOST_UNDECIDED) {
         let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
         let unknown = match place {
+            Undecided::ArmAngle(low, high) if high - low > GIVEN_UP => format!(
+                "are more between arm angles {} and {} deg; the search was given up there, as the design has \
+                 assemblies too close together or without number",
+                degrees(*low),
+                degrees(*high)
+            ),
             Undecided::ArmAngle(low, high) => format!(
                 "is one more between arm angles {} and {} deg",
                 degrees(*low),

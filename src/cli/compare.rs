@@ -2,16 +2,17 @@
 
 use super::TableFormat;
 use super::exit::{Exit, Stop};
-use super::terminal::{note, print, width};
+use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::curves::curves;
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::plan::Plan;
 use crate::report::{
-    Compared, Comparison, CurveTable, Format, Tables, comparison_page, curves_csv,
+    Compared, Comparison, CurveTable, Format, Tables, comparison_page, curves_csv, printable,
 };
 use crate::results::{Claim, RunDirectory};
 use crate::study::{Drive, Study};
 use clap::Args;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// What is compared, and where it goes.
@@ -49,7 +50,6 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let mut topologies: Vec<String> = designs.iter().filter_map(|d| d.topology.clone()).collect();
     topologies.dedup();
     if arguments.out == Path::new("-") {
-        use std::io::Write;
         std::io::stdout().write_all(&comparison.csv())?;
     } else {
         let claim = Claim {
@@ -74,15 +74,22 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         }
         directory.finish().map_err(Stop::unwritten)?;
     }
+    let format: Format = arguments.format.into();
     let mut tables = Tables::default();
     tables.push("figures", comparison.table());
     let moved = comparison.moved_table();
-    if !moved.is_empty() {
+    if format != Format::Text || !moved.is_empty() {
         tables.push("moved", moved);
     }
-    let format: Format = arguments.format.into();
+    let text = tables.render(format, width());
+    match (format, arguments.out == Path::new("-")) {
+        (Format::Text, true) => note(&text),
+        (Format::Text, false) if is_quiet() => (),
+        (Format::Text, false) => print(&text)?,
+        (_, true) => eprint(&text),
+        (_, false) => std::io::stdout().write_all(text.as_bytes())?,
+    }
     if arguments.out != Path::new("-") {
-        print(&tables.render(format, width()))?;
         note(&format!(
             "\n{}: comparison.csv, report.html\n",
             arguments.out.display()
@@ -110,9 +117,11 @@ fn labels(sources: &[PathBuf]) -> Vec<String> {
             || path.display().to_string(),
             |n| n.to_string_lossy().into_owned(),
         );
+        // They become names of columns.
+        let name = printable(&name).replace(['\n', '\t'], " ");
         let is_taken = labels.contains(&name);
         let label = if is_taken {
-            path.display().to_string()
+            printable(&path.display().to_string())
         } else {
             name
         };

@@ -192,6 +192,12 @@ impl Source {
     }
 
     fn pages(&self) -> Result<Vec<Page>, Stop> {
+        if self.study.is_none() {
+            note(&format!(
+                "{}: this run keeps no study: the workbook has its tables alone, and no hardpoints\n",
+                self.path.display()
+            ));
+        }
         let refused =
             |reason: String| Stop::wrong_input(format!("{}: {reason}", self.path.display()));
         let mut pages = Vec::new();

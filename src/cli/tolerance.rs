@@ -69,10 +69,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let mut files = vec!["tolerance.csv", "contributors.csv", "summary.json"];
     if output.directory().is_some() {
         let fan = Fan::of(&study, &problem, &builds).map_err(fault)?;
-        let mut designs = vec![("drawn", "curves.csv", &study.suspension, &fan.drawn)];
+        let mut designs = Vec::new();
         for ((name, file, _), curves) in FANS.iter().zip(&fan.percentiles) {
-            designs.push((name, file, &study.suspension, curves));
+            designs.push((*name, *file, &study.suspension, curves));
         }
+        // What matters most is the last.
+        designs.push(("drawn", "curves.csv", &study.suspension, &fan.drawn));
         for (_, file, _, curves) in &designs {
             output.file(file, &curves_csv(curves, &fan.plan, length))?;
             files.push(file);

@@ -3,14 +3,17 @@
 mod column;
 mod drive_law;
 mod frames;
+mod influence;
 mod loads;
 mod point_coordinates;
 mod prover;
 mod run;
+pub(crate) mod thinned;
 
 pub use column::Column;
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
+pub use influence::{Influence, influences};
 pub use run::curves;
 
 use crate::attia::Refusal;

@@ -206,6 +206,12 @@ impl Div for Interval {
 }
 
 impl Real for Interval {
+    const SHARES_DIVISIONS: bool = false;
+
+    #[inline]
+    fn also(self, other: Self) -> Self {
+        self.meet(other)
+    }
     #[inline]
     fn lit(self, value: f64) -> Self {
         Interval::point(value)

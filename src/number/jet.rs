@@ -200,6 +200,15 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
+    const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
+
+    #[inline(always)]
+    fn also(self, other: Self) -> Self {
+        match T::SHARES_DIVISIONS {
+            true => self,
+            false => Jet(std::array::from_fn(|k| self.0[k].also(other.0[k]))),
+        }
+    }
 
     #[inline]
     fn lit(self, value: f64) -> Self {

@@ -44,6 +44,9 @@ pub trait Real:
     /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
     /// function that is compiled for them.
     const IN_REGISTERS: bool = false;
+    /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would
+    /// take the other with it.
+    const SHARES_DIVISIONS: bool = true;
 
     /// The constant `value`, in the shape of `self` (all derivatives zero).
     fn lit(self, value: f64) -> Self;
@@ -65,6 +68,24 @@ pub trait Real:
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
         self - a * b
+    }
+
+    /// 1/`self` and 1/`other`.
+    #[inline(always)]
+    fn inverses(self, other: Self) -> [Self; 2] {
+        if Self::SHARES_DIVISIONS {
+            let inverse = self.one() / (self * other);
+            [inverse * other, inverse * self]
+        } else {
+            [self.one() / self, self.one() / other]
+        }
+    }
+
+    /// The same number, known in another way as well: an interval is narrowed to what both contain, any other number
+    /// stays as it is.
+    #[inline(always)]
+    fn also(self, _: Self) -> Self {
+        self
     }
 
     /// Zero, in the shape of `self`.

@@ -2,14 +2,13 @@
 
 use super::axle::Place;
 use super::failures::FailureRange;
-use super::record::{
-    DesignRecord, FORM, OutputRecord, Record, TargetRecord, evenly, readable_unit,
-};
+use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
 use crate::axle::{
     Axle, AxleColumn, AxleCurves, AxlePlan, Coordinate, Course, Motion, axle_frames,
 };
 use crate::curves::Frame;
+use crate::curves::thinned::evenly;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::study::{AxleStudy, Study, Target};

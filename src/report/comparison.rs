@@ -187,17 +187,17 @@ impl Comparison {
                 let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
                 let largest = self.largest_difference(output, design);
                 table.push_row([
-                    Cell::from(if design == 0 {
-                        output.column.as_str()
-                    } else {
-                        ""
-                    }),
+                    match design {
+                        0 => Cell::from(output.column.as_str()),
+                        _ => Cell::repeated(&output.column),
+                    },
                     Cell::from(self.labels[design].as_str()),
                     figure(at_design).into(),
                     figure(least).into(),
                     figure(most).into(),
                     figure(largest.map(|(difference, _)| difference)).into(),
                     largest
+                        .filter(|(difference, _)| *difference != 0.0)
                         .map(|(_, row)| Cell::from(self.stations[row][0]))
                         .into(),
                 ]);

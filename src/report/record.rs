@@ -2,22 +2,14 @@
 
 use super::accuracy::remarks;
 use super::failures::FailureRange;
-use super::influence::{Influence, influences};
 use super::scene::Scene;
-use crate::curves::{Column, Curves, Frame, frames};
-use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
-use crate::solve::StationOrder;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
 pub const FORM: u32 = 2;
-
-/// The most frames of the drawing, and stations of the sensitivities: a page must stay small and a run
-/// of a million stations must not be run twice.
-const MOST_FRAMES: usize = 400;
 
 /// What the report needs beyond the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,38 +88,31 @@ pub struct DesignRecord {
     pub remarks: Vec<String>,
     /// The stations that failed.
     pub failures: Vec<FailureRange>,
-    /// Some of the stations, drawn.
+    /// Some of the stations, drawn; none where they are those of the last design.
     pub frames: Vec<Frame>,
 }
 
-/// A design to be recorded: label, file with its curves, the suspension and the curves themselves.
-pub type Solved<'a> = (&'a str, &'a str, &'a Suspension, &'a Curves);
+/// A design to be recorded.
+pub struct DrawnDesign<'a> {
+    /// What it is called.
+    pub label: &'a str,
+    /// The file with its curves.
+    pub file: &'a str,
+    /// The curves themselves.
+    pub curves: &'a Curves,
+    /// The mechanism along its motion; empty where it is that of the last design.
+    pub frames: Vec<Frame>,
+}
 
 impl Record {
-    /// The record of a run. The last of the designs is the one sensitivities are taken of.
-    pub fn of(
+    /// The record of a run: its designs, and which coordinate moves what in the last of them.
+    pub fn with(
         command: &str,
         study: &Study,
         plan: &Plan,
-        designs: &[Solved<'_>],
-    ) -> Result<Self, DesignFault> {
-        let influences = match designs.last() {
-            Some((_, _, suspension, _)) => influences(suspension, &plan.thinned(MOST_FRAMES, 9))?,
-            None => Vec::new(),
-        };
-        Ok(Record {
-            influences,
-            ..Record::drawing(command, study, plan, designs)?
-        })
-    }
-
-    /// The same without sensitivities.
-    pub fn drawing(
-        command: &str,
-        study: &Study,
-        plan: &Plan,
-        designs: &[Solved<'_>],
-    ) -> Result<Self, DesignFault> {
+        designs: Vec<DrawnDesign<'_>>,
+        influences: Vec<Influence>,
+    ) -> Self {
         let length = study.suspension.length_unit;
         let unit = length.symbol();
         let (travel, arm) = (format!("travel_{unit}"), "arm_angle_deg".to_owned());
@@ -137,21 +122,18 @@ impl Record {
             Drive::PaperTheta => ("theta_deg".to_owned(), vec![travel]),
         };
         abscissae.extend(plan.time.is_some().then(|| "time_s".to_owned()));
-        let few = plan.thinned(MOST_FRAMES, 9);
-        let record = |(label, file, suspension, curves): &Solved<'_>| {
-            Ok(DesignRecord {
-                label: (*label).to_owned(),
-                curves: (*file).to_owned(),
-                stations: curves.stations.len(),
-                remarks: remarks(study, curves),
-                failures: FailureRange::all(curves, plan.drive, length),
-                frames: frames(suspension, &few)?,
-            })
-        };
-        let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
-            curves.columns.iter().map(OutputRecord::of).collect()
+        let outputs = designs.last().map_or_else(Vec::new, |last| {
+            last.curves.columns.iter().map(OutputRecord::of).collect()
         });
-        Ok(Record {
+        let record = |design: DrawnDesign<'_>| DesignRecord {
+            label: design.label.to_owned(),
+            curves: design.file.to_owned(),
+            stations: design.curves.stations.len(),
+            remarks: remarks(study, design.curves),
+            failures: FailureRange::all(design.curves, plan.drive, length),
+            frames: design.frames,
+        };
+        Record {
             form: FORM,
             command: command.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -164,34 +146,10 @@ impl Record {
             further: Vec::new(),
             outputs,
             targets: targets(study),
-            designs: designs.iter().map(record).collect::<Result<_, _>>()?,
+            designs: designs.into_iter().map(record).collect(),
             scene: Scene::of(&study.suspension),
-            influences: Vec::new(),
-        })
-    }
-}
-
-impl Plan {
-    /// The plan with so many stations at most, at so many displacements of the rack, and no loads.
-    pub(crate) fn thinned(&self, most: usize, most_racks: usize) -> Plan {
-        let racks = evenly(&self.racks, most_racks);
-        let values = evenly(self.station_order.values(), most / racks.len());
-        Plan {
-            station_order: StationOrder::through(&values),
-            racks,
-            loads: Vec::new(),
-            ..self.clone()
+            influences,
         }
-    }
-}
-
-/// At most so many of the values, evenly chosen, the first and the last among them.
-pub(super) fn evenly(values: &[f64], most: usize) -> Vec<f64> {
-    match values.len() {
-        few if few <= most => values.to_vec(),
-        many => (0..most)
-            .map(|i| values[i * (many - 1) / (most - 1)])
-            .collect(),
     }
 }
 
@@ -267,13 +225,5 @@ mod tests {
         ] {
             assert_eq!(readable_unit(unit), readable);
         }
-    }
-
-    #[test]
-    fn thinning_keeps_the_ends() {
-        let values: Vec<f64> = (0..1000).map(f64::from).collect();
-        let few = evenly(&values, 41);
-        assert_eq!((few.len(), few[0], few[40]), (41, 0.0, 999.0));
-        assert_eq!(evenly(&values, 1000), values);
     }
 }

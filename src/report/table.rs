@@ -6,7 +6,7 @@
 
 use super::figure::{brief, figure, with_decimals};
 use super::shortest;
-use super::text::{broken, widest};
+use super::text::{broken, printable, printable_json, widest};
 use serde_json::{Map, Value};
 
 /// How tables are printed.
@@ -88,6 +88,22 @@ impl Cell {
         }
     }
 
+    /// A text that a reader has seen in the row above.
+    pub fn repeated(text: &str) -> Self {
+        Cell {
+            shown: String::new(),
+            data: Value::from(text),
+        }
+    }
+
+    /// What a program gets as `data`, in words for a reader.
+    pub fn in_words(data: impl Into<Value>, words: &str) -> Self {
+        Cell {
+            shown: words.to_owned(),
+            data: data.into(),
+        }
+    }
+
     /// A measurement: a number with so many decimals, to readers and programs alike.
     pub fn rounded(value: f64, decimals: usize) -> Self {
         let text = with_decimals(value, decimals);
@@ -111,7 +127,7 @@ impl Cell {
     fn csv(&self) -> String {
         match &self.data {
             Value::Null => String::new(),
-            Value::String(text) => text.clone(),
+            Value::String(text) => printable(text),
             Value::Number(number) => match number.as_f64().filter(|_| number.is_f64()) {
                 Some(value) => shortest(value),
                 None => number.to_string(),
@@ -273,7 +289,8 @@ impl Table {
         let layout: Vec<Layout> = (0..header.len())
             .map(|k| Layout::of(header[k], rows.iter().map(|row| row[k]), k == 0))
             .collect();
-        let mut widths: Vec<usize> = layout.iter().map(|l| l.natural).collect();
+        let natural: Vec<usize> = layout.iter().map(|l| l.natural).collect();
+        let mut widths = natural.clone();
         let room = |widths: &[usize]| widths.iter().map(|w| w + 2).sum::<usize>();
         while room(&widths) > width {
             let wider = (0..widths.len()).filter(|k| widths[*k] > layout[*k].least);
@@ -282,6 +299,15 @@ impl Table {
                 break;
             };
             widths[widest] -= 1;
+        }
+        if room(&widths) > width {
+            // In several tables headings need not be broken.
+            let first = natural[0].min((width / 2).max(layout[0].least));
+            let most = width.saturating_sub(first + 4);
+            let fitting =
+                |(layout, natural): (&Layout, &usize)| (*natural).min(most.max(layout.least));
+            widths = layout.iter().zip(&natural).map(fitting).collect();
+            widths[0] = first;
         }
         let mut text = String::new();
         for piece in pieces(&widths, width) {
@@ -407,7 +433,8 @@ impl Tables {
                     .iter()
                     .map(|(name, table)| ((*name).to_owned(), table.json()));
                 let object = Value::Object(named.collect());
-                serde_json::to_string_pretty(&object).expect("plain values") + "\n"
+                let text = serde_json::to_string_pretty(&object).expect("plain values");
+                printable_json(&text) + "\n"
             }
         }
     }

@@ -99,6 +99,19 @@ pub fn printable(text: &str) -> String {
     printable
 }
 
+/// JSON that says the same without characters that a terminal would obey; within JSON they stand in strings alone.
+pub fn printable_json(json: &str) -> String {
+    let mut printable = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '\n' => printable.push(c),
+            c if c.is_control() || turns(c) => printable.push_str(&format!("\\u{:04x}", c as u32)),
+            c => printable.push(c),
+        }
+    }
+    printable
+}
+
 /// Whether there is something in a text that [`printable`] changes.
 pub fn is_printable(text: &str) -> bool {
     text.chars()
@@ -140,5 +153,9 @@ mod tests {
         let shown = printable(hostile);
         assert_eq!(shown, "a\\u{1b}[31mb\\u{7}\\u{d}\\u{9b}c\\u{202e}d\n\té");
         assert!(is_printable(&shown) && !is_printable(hostile));
+        let json = serde_json::to_string(hostile).unwrap();
+        let shown = printable_json(&json);
+        assert!(is_printable(&shown) && !is_printable(&json));
+        assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), hostile);
     }
 }

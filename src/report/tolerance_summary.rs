@@ -1,6 +1,6 @@
 //! What scatter comes to, in tables and files.
 
-use super::table::{Cell, Table};
+use super::table::{Cell, Column, Table};
 use super::{brief, shortest};
 use crate::model::Axis;
 use crate::study::Band;
@@ -211,17 +211,13 @@ impl ToleranceSummary {
 
     /// Every value in the drawn position, and where it scatters most.
     pub fn values_table(&self) -> Table {
-        let mut table = Table::new([
-            "output",
-            "travel",
-            "drawn",
-            "mean",
-            "sigma",
-            "linear",
-            "p5",
-            "p95",
-            "linear holds",
-        ]);
+        let rack_moves = self.values.iter().any(|v| v.rack != self.values[0].rack);
+        let head = ["output", "travel"].into_iter();
+        let head = head.chain(rack_moves.then_some("rack"));
+        let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
+        let header = head.chain(numbers).chain(["linear holds"]);
+        let because = Column::for_programs("because");
+        let mut table = Table::with_columns(header.map(Column::from).chain([because]));
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {
@@ -236,7 +232,7 @@ impl ToleranceSummary {
             let mut shown: Vec<&ValueRecord> = rest.into_iter().collect();
             shown.extend(wide.filter(|wide| !wide.at_rest));
             for value in shown {
-                let holds = match value.linear_holds {
+                let words = match value.linear_holds {
                     Some(true) => "yes",
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
@@ -255,13 +251,15 @@ impl ToleranceSummary {
                     value.percentiles[2],
                     value.percentiles[4],
                 ];
+                let holds = Cell::in_words(value.linear_holds, words);
                 let head = [Cell::from(output), Cell::from(value.travel)];
+                let rack = rack_moves.then(|| Cell::from(value.rack));
                 let figure = |v: Option<f64>| match v {
                     Some(v) => Cell::figure(v, &value.unit),
                     None => Cell::from(""),
                 };
-                let cells = head.into_iter().chain(numbers.map(figure));
-                table.push_row(cells.chain([Cell::from(holds)]));
+                let cells = head.into_iter().chain(rack).chain(numbers.map(figure));
+                table.push_row(cells.chain([holds, words.into()]));
             }
         }
         table

@@ -443,7 +443,7 @@ impl TuningSummary {
         let mut table = Table::new(["constraint", "room", "unit", "at", "kept", "price"]);
         for c in &self.constraints {
             let kept = match c.room {
-                room if room < -VISIBLE => Some("VIOLATED".to_owned()),
+                room if is_violated(room) => Some("VIOLATED".to_owned()),
                 room if room < BINDING => Some("binds".to_owned()),
                 _ => None,
             };
@@ -461,6 +461,13 @@ impl TuningSummary {
             ]);
         }
         Some(table)
+    }
+
+    /// The constraints that are violated, by their rows in [`TuningSummary::constraints_table`].
+    pub fn violated(&self) -> Vec<usize> {
+        let rows = self.constraints.iter().enumerate();
+        let violated = rows.filter(|(_, c)| is_violated(c.room));
+        violated.map(|(row, _)| row).collect()
     }
 
     /// What has to be said of targets and constraints, in sentences.
@@ -519,7 +526,7 @@ impl TuningSummary {
             let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
             rms > 1.0 && self.unmoved.contains(&target.output)
         };
-        self.constraints.iter().any(|c| c.room < -VISIBLE) || self.targets.iter().any(missed)
+        self.constraints.iter().any(|c| is_violated(c.room)) || self.targets.iter().any(missed)
     }
 
     /// How each start ended.
@@ -580,7 +587,7 @@ impl TuningSummary {
                 let violated = self
                     .constraints
                     .iter()
-                    .filter(|c| c.room < -VISIBLE)
+                    .filter(|c| is_violated(c.room))
                     .count();
                 let kept = match violated {
                     0 => String::new(),
@@ -631,6 +638,10 @@ const FEW_STARTS: usize = 8;
 const VISIBLE: f64 = 1e-6;
 /// Constraints with less room than this bind.
 const BINDING: f64 = 1e-6;
+
+fn is_violated(room: f64) -> bool {
+    room < -VISIBLE
+}
 
 /// A misfit for reading: two decimals, or its order of magnitude.
 fn hundredths(value: f64) -> String {

@@ -54,6 +54,14 @@ fn control_characters_of_files_are_shown_and_not_obeyed() {
     for command in ["check", "solve"] {
         obeys_nothing(&Called::with(&[command, path], &[]));
     }
+    // Names of files are names of columns and cells there.
+    let sound = study("macpherson_solve");
+    for format in ["text", "csv", "json"] {
+        let arguments = ["compare", path, sound.to_str().unwrap(), "--format", format];
+        obeys_nothing(&Called::with(&arguments, &[]));
+    }
+    let arguments = ["compare", path, sound.to_str().unwrap(), "--out", "-"];
+    obeys_nothing(&Called::with(&arguments, &[]));
 }
 
 /// `script` gives the program a terminal, where there is one.

@@ -4,7 +4,7 @@ use super::Called;
 use serde_json::Value;
 
 /// The calls whose tables are compared, and the names of their tables.
-const CALLS: [(&str, &str, &[&str], &[&str]); 8] = [
+const CALLS: [(&str, &str, &[&str], &[&str]); 11] = [
     (
         "solve",
         "macpherson_solve",
@@ -38,6 +38,24 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 8] = [
     ("limits", "double_wishbone_pushrod", &[], &["limits"]),
     ("assemblies", "macpherson_solve", &[], &["assemblies"]),
     ("limits", "semi_trailing_arm_solve", &[], &["limits"]),
+    (
+        "setup",
+        "double_wishbone_tolerance",
+        &[],
+        &["effects", "steps"],
+    ),
+    (
+        "tolerance",
+        "double_wishbone_tolerance",
+        &["--set", "tolerance.builds=200"],
+        &["bands", "ranking", "values"],
+    ),
+    (
+        "optimise",
+        "macpherson_steering",
+        &["--set", "optimise.max_iterations=2"],
+        &["constraints", "misfit", "starts", "targets", "variables"],
+    ),
 ];
 
 /// The blocks of a CSV of several tables: name, header, rows.
@@ -181,4 +199,44 @@ fn what_is_not_solved_is_in_a_table() {
     assert_eq!(travels, [-400.0, 400.0]);
     assert_eq!(failed[0]["status"], "unreachable");
     assert!(!failed[0]["reason"].as_str().unwrap().is_empty());
+}
+
+/// Two designs side by side: every row has the name of its output, and no line is broken for a reader's sake.
+#[test]
+fn a_comparison_is_complete_for_programs() {
+    let [one, other] = ["macpherson_solve", "macpherson_front"].map(super::study);
+    let more = [other.to_str().unwrap(), "--format", "json"];
+    let called = Called::on("compare", "macpherson_solve", &more);
+    let tables: Value = serde_json::from_str(&called.said()).unwrap();
+    let figures = tables["figures"].as_array().unwrap();
+    assert!(figures.len() >= 4 && figures.len() % 2 == 0);
+    for pair in figures.chunks(2) {
+        assert_eq!(pair[0]["output"], pair[1]["output"]);
+        assert_eq!(
+            [&pair[0]["of"], &pair[1]["of"]],
+            ["macpherson_solve", "macpherson_front"]
+        );
+        assert!(pair[0]["largest_difference"].is_null());
+        assert!(pair[1]["largest_difference"].is_f64());
+    }
+    assert!(tables["moved"].is_array());
+    let long = one.parent().unwrap().join("double_wishbone_solve.toml");
+    let arguments = [
+        one.to_str().unwrap(),
+        long.to_str().unwrap(),
+        "--format",
+        "csv",
+    ];
+    let called = Called::with(
+        &[&["compare"], &arguments[..]].concat(),
+        &[("COLUMNS", "40")],
+    );
+    for line in called.said().lines().filter(|line| !line.is_empty()) {
+        assert!(
+            ["table,", "figures,", "moved,"]
+                .iter()
+                .any(|first| line.starts_with(first)),
+            "{line}"
+        );
+    }
 }

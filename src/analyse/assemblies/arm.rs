@@ -25,8 +25,9 @@ use std::f64::consts::PI;
 
 /// Pieces this narrow (rad) are not halved any further.
 const NARROWEST: f64 = 1e-10;
-/// Pieces looked at before giving up, for each of the four.
-const MOST_PIECES: usize = 40_000;
+/// Pieces looked at before giving up, for each of the four: a quarter of a second. An ordinary design takes 400; one whose
+/// arms are parallel, or whose tie rod's lever is a hundredth of its arm, 1,500.
+const MOST_PIECES: usize = 20_000;
 /// The width (rad) from which on Newton's method is tried where the closed form leaves a piece open, and
 /// how much narrower the piece must be for the next try.
 const FIRST_TRY: f64 = 0.02;
@@ -127,6 +128,7 @@ impl Search<'_> {
             pieces.push(part(low, middle));
             pieces.push(part(middle, high));
         }
+        self.all.looked_at += looked_at;
         for (low, high) in undecided {
             // A root of even order, or one at a toggle: as seen from the middle, or there is none.
             match self.beside(branch, 0.5 * (low + high)) {
@@ -164,8 +166,7 @@ impl Branch {
     /// Whether there is a root on a piece.
     fn verdict(&self, low: f64, high: f64) -> Verdict {
         let piece = Interval::bounds(low, high);
-        let (state, miss) = self.miss(piece);
-        let squares = self.form.map(Jet::constant).squares(&state).map(|s| s[0]);
+        let (squares, miss) = self.miss(piece);
         let excludes_zero = |i: Interval| i.low > 0.0 || i.high < 0.0;
         if squares.iter().any(|s| s.high < 0.0) || excludes_zero(miss[0]) {
             return Verdict::None;
@@ -195,38 +196,52 @@ impl Branch {
         }
     }
 
-    /// State and f - travel, as series in the angle.
-    fn miss(&self, angle: Interval) -> (State<Value>, Value) {
+    /// Squares that are negative where there is no assembly, of the upper end and of the tie rod's; and f - travel
+    /// as a series in the angle.
+    fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
-        let state = self.state(&form, angle);
+        let (state, upper_square) = self.state(&form, angle);
         let miss = form.travel(&state) - Jet::constant(self.travel);
-        (state, miss)
+        ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// The mechanism on a piece. The square of the tie-rod end's distance from its plane is a small
-    /// difference of large terms near a toggle: its mean-value form is far narrower than these.
-    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> State<Value> {
-        let at = |angle: Interval| {
-            let (sine, cosine) = angle.sin_cos();
-            form.at(
-                Jet([cosine, -sine, cosine.scaled(-0.5)]),
-                Jet([sine, cosine, sine.scaled(-0.5)]),
-                Jet::constant(Interval::point(self.rack)),
-            )
-        };
-        let over = at(angle);
+    /// The mechanism on a piece, and the square of what holds its upper end. This square, and that of the tie-rod
+    /// end's distance from its plane, are small differences of large terms near their zeros, which may be double ones
+    /// (parallel arms come into line with each other and the steering axis): their mean-value forms are far narrower
+    /// than these.
+    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (State<Value>, Interval) {
         let middle = Interval::point(angle.middle());
-        let (square, there) = (over.toggle_square(), at(middle).toggle_square());
         let around = angle - middle;
-        let slope = square[1].meet(there[1] + (square[2] + square[2]) * around);
-        let value = square[0].meet(there[0] + slope * around);
-        form.with_toggle_square(over, Jet([value, slope, square[2]]))
+        let turn = |angle: Interval| {
+            let (sine, cosine) = angle.sin_cos();
+            let cosines = Jet([cosine, -sine, cosine.scaled(-0.5)]);
+            [cosines, Jet([sine, cosine, sine.scaled(-0.5)])]
+        };
+        let by_mean = |over: Value, there: Value| {
+            let slope = over[1].meet(there[1] + (over[2] + over[2]) * around);
+            let value = over[0].meet(there[0] + slope * around);
+            Jet([value, slope, over[2]])
+        };
+        let (turned, there) = (turn(angle), turn(middle));
+        let upper = |[cosine, sine]: [Value; 2]| form.upper_square(cosine, sine);
+        let upper_square = by_mean(upper(turned), upper(there));
+        let rack = Jet::constant(Interval::point(self.rack));
+        let at = |[cosine, sine]: [Value; 2], upper_square| {
+            form.at_knowing(cosine, sine, rack, upper_square)
+        };
+        let over = at(turned, Some(upper_square));
+        let toggle_square = by_mean(over.toggle_square(), at(there, None).toggle_square());
+        (
+            form.with_toggle_square(over, toggle_square),
+            upper_square[0],
+        )
     }
 
     /// All poses of a piece.
     fn poses(&self, angle: Interval) -> Pose<Interval> {
         let form = self.form.map(Jet::constant);
-        form.pose(&self.state(&form, angle)).map(|series| series[0])
+        form.pose(&self.state(&form, angle).0)
+            .map(|series| series[0])
     }
 
     /// The pose at an arm angle, or the next that can be computed, if there is one.

@@ -88,6 +88,8 @@ pub struct Assemblies {
     pub found: Vec<Assembly>,
     /// Where it could not be decided whether there is one more; nothing for all but degenerate designs.
     pub undecided: Vec<Undecided>,
+    /// Pieces of the arm's turn, or boxes of poses, that were looked at.
+    pub looked_at: usize,
 }
 
 /// Where something is left open.

@@ -38,7 +38,7 @@ const comparePlots = run.outputs.map((output) => {
       yaxis: axis(c, { title: { text: axisTitle(run.drive) } }),
       hovermode: 'y unified',
       showlegend: true,
-      legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
+      legend: below,
     }));
   };
 });

@@ -32,6 +32,10 @@ const turned = (upright, trace) => {
   return { ...rest, x: y, y: x, ...(xaxis && { yaxis: 'y2' }), ...(bar && { error_y: bar }) };
 };
 
+// Designs beside the one that matters, which is the last: percentiles stand in pairs about it.
+const dashes = ['dash', 'dot', 'dashdot', 'longdash'];
+const besides = (design) => Math.max(0, Math.min(design, record.designs.length - 2 - design));
+
 // Each rack has its colour, whichever the design.
 const rackColour = (c, number, all) => {
   if (all <= c.hues.length) return c.hues[number];
@@ -65,7 +69,7 @@ const designTraces = (c, output, state, design) => {
       hovertemplate: `%{${state.upright ? 'x' : 'y'}:.5~g}<extra>${plain(several ? (only ? rackName : `${label}, ${rackName}`) : label)}</extra>`,
       marker: { size: 6, color: 'rgba(0,0,0,0)' },
       x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
-      line: { color: colour, width: main ? 2.2 : 1.6, dash: main ? 'solid' : 'dash' },
+      line: { color: colour, width: main ? 2.2 : 1.6, dash: main ? 'solid' : dashes[besides(design) % dashes.length] },
       opacity: several && !main ? 0.6 : 1,
     });
     number += 1;
@@ -151,7 +155,7 @@ const drawCurve = (element, output, state) => {
     ...axes,
     hovermode: state.upright ? 'y unified' : 'x unified',
     showlegend: true,
-    legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
+    legend: below,
     uirevision: `${state.abscissa} ${state.upright} ${shownDesigns(state)}`,
   }));
 };

@@ -75,6 +75,8 @@ const layout = (c, more) => ({
   margin: { l: 56, r: 16, t: 28, b: 44 },
   ...more,
 });
+// The legend of a curve, at the foot of its plot: above it would meet the buttons.
+const below = { orientation: 'h', yref: 'container', y: 0, yanchor: 'bottom', x: 0 };
 
 const drawn = new Set();
 const draw = async (element, traces, figure, settings = config) => {

@@ -3,7 +3,9 @@
 const scene = record ? record.scene : null;
 const allFrames = record ? record.designs.flatMap((d) => d.frames) : [];
 const racks = [...new Set(allFrames.map((f) => f.rack))];
-const stations = record?.designs.length ? record.designs[0].frames.length / racks.length : 0;
+// The last design has frames; curves of the very same mechanism have none of their own.
+const stations = record?.designs.length ? record.designs.at(-1).frames.length / racks.length : 0;
+const standing = (state) => shownDesigns(state).filter((design) => record.designs[design].frames.length);
 const frameAt = (design, place) => record.designs[design].frames[place.rack * stations + place.station];
 // What the second slider moves, of an axle.
 const [second] = record?.further ?? [];
@@ -185,7 +187,7 @@ const formerParts = (c) => [
   },
 ];
 
-const stageParts = (c, state) => shownDesigns(state).flatMap((design) => {
+const stageParts = (c, state) => standing(state).flatMap((design) => {
   const { label } = record.designs[design];
   const [parts, prefix] = isMain(state, design) ? [mainParts(c, state), ''] : [formerParts(c), label];
   return parts.map(({ at, look }) => ({ design, at, look: { type: 'scatter3d', hoverinfo: 'skip', showlegend: false, ...(prefix && { name: plain(prefix), legendgroup: prefix }), ...look } }));
@@ -257,7 +259,7 @@ const drawStage = async (state) => {
 // Where the slider is, in words, and what the plot then shows, for those who cannot see it.
 const sayPlace = (state) => {
   const { place } = state;
-  const frames = shownDesigns(state).map((design) => [record.designs[design].label, frameAt(design, place)]);
+  const frames = standing(state).map((design) => [record.designs[design].label, frameAt(design, place)]);
   const failed = frames.map(([label, f]) => (f.pose.Err ? `${label} not solved: ${f.pose.Err}` : ''));
   const [name, unit] = axisTitle(record.drive).split(/ (?=\[)/);
   const [[, now]] = frames;
@@ -337,7 +339,7 @@ const wished = (name, most, otherwise) => {
   return number >= 0 && number < most ? number : otherwise;
 };
 const nearestToDesign = () => {
-  const drives = Array.from({ length: stations }, (_, station) => Math.abs(frameAt(0, { station, rack: 0 }).drive));
+  const drives = Array.from({ length: stations }, (_, station) => Math.abs(frameAt(record.designs.length - 1, { station, rack: 0 }).drive));
   return Math.max(0, drives.indexOf(Math.min(...drives)));
 };
 const stageState = () => ({

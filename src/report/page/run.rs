@@ -223,9 +223,24 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
             .then_some("unmet")),
         missed = missed_in_words(&missed(tuning)),
         variables = tuning.variables_table().html(),
+        constraints = constraints(tuning),
         unseen = unseen,
         starts = tuning.starts_table().html(),
     )
+}
+
+/// How the constraints are kept, and what has to be said of them and the targets.
+fn constraints(tuning: &TuningSummary) -> String {
+    let violated = tuning.violated();
+    let mark = |row| violated.contains(&row).then_some("unmet");
+    let mut shown = tuning.constraints_table().map_or_else(String::new, |of| {
+        let about = "What must hold, and the room that is left; the price of a limit in tolerances of misfit per unit.";
+        format!(r#"<p class="note">{about}</p>{}"#, table(&of, mark))
+    });
+    for remark in tuning.remarks() {
+        shown += &format!("<p>{}</p>", html(&remark));
+    }
+    shown
 }
 
 /// What scatter comes to: below the fans about the curves.

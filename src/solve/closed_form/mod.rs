@@ -209,18 +209,24 @@ impl<T: Real> ClosedForm<T> {
     /// mechanism cannot be assembled the state holds NaN.
     #[inline(always)]
     pub(crate) fn at(&self, cosine: T, sine: T, rack: T) -> State<T> {
+        self.at_knowing(cosine, sine, rack, None)
+    }
+
+    /// As [`ClosedForm::at`], where more is known of [`ClosedForm::upper_square`] than the angle tells.
+    #[inline(always)]
+    pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> State<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
-        let (d, slide, upper_margin) = self.upper.at(ball_joint);
+        let (d, slide, upper_margin) = self.upper.at(ball_joint, square);
         let mut g = self.tie_rod_inner - ball_joint;
         g.y = g.y + rack;
         let n = d.cross(g);
-        let (dd, gg, dg) = (d.norm_squared(), g.norm_squared(), d.dot(g));
+        let dd = self.upper.length_squared(d);
+        let (gg, dg) = (g.norm_squared(), d.dot(g));
         let tau = self.tie_by_m.plus_product(self.tie_by_u, slide);
         let kappa = self.tie_difference.plus_product(gg, gg.lit(0.5));
         let gram = (dd * gg).minus_product(dg, dg);
         let e = (dd * self.tie_squared).minus_product(tau, tau);
-        let inverse = dd.one() / (gram * e);
-        let (inverse_gram, inverse_e) = (inverse * e, inverse * gram);
+        let [inverse_gram, inverse_e] = gram.inverses(e);
         let al = (gg * tau).minus_product(dg, kappa) * inverse_gram;
         let be = (dd * kappa).minus_product(dg, tau) * inverse_gram;
         let rest = self
@@ -332,13 +338,9 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Squares that are negative where the mechanism cannot be assembled: of what holds the upper end,
-    /// and of the tie-rod end's distance from its plane.
-    pub(crate) fn squares(&self, state: &State<T>) -> [T; 2] {
-        [
-            self.upper.square(state.ball_joint),
-            state.toggle_square / state.tie_squared,
-        ]
+    /// Of what holds the upper end, at an arm angle: negative where the mechanism cannot be assembled.
+    pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
+        self.upper.square(self.ball_joint.at(cosine, sine))
     }
 }
 

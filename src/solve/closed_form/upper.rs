@@ -97,9 +97,11 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// d, s and a margin that vanishes where there is no d. NaN beyond.
+    /// d, s and a margin that vanishes where there is no d. NaN beyond. `square` is [`Upper::square`] where more is
+    /// known of it than the joint tells.
     #[inline(always)]
-    pub(crate) fn at(&self, ball_joint: Vector3<T>) -> (Vector3<T>, T, T) {
+    pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
+        let known = |own: T| square.map_or(own, |square| own.also(square));
         match self {
             Upper::Strut {
                 top,
@@ -108,7 +110,7 @@ impl<T: Real> Upper<T> {
                 ..
             } => {
                 let d = *top - ball_joint;
-                let length = (d.norm_squared() - *foot_squared).sqrt();
+                let length = known(d.norm_squared() - *foot_squared).sqrt();
                 (d, length, length * *scale)
             }
             Upper::Arm {
@@ -121,7 +123,7 @@ impl<T: Real> Upper<T> {
                 let (a, b) = (q.dot(circle.radius), q.dot(circle.turned));
                 let c = *half_difference - q.norm_squared().scaled(0.5);
                 let h = (a * a).plus_product(b, b);
-                let lever = h.minus_product(c, c).sqrt();
+                let lever = known(h.minus_product(c, c)).sqrt();
                 let (w, inverse) = (*side * lever, h.one() / h);
                 let cosine = (a * c).minus_product(b, w) * inverse;
                 let sine = (b * c).plus_product(a, w) * inverse;
@@ -130,6 +132,21 @@ impl<T: Real> Upper<T> {
                     .plus_scaled(circle.turned, sine);
                 (d, c.zero(), lever * *scale)
             }
+        }
+    }
+
+    /// d.d, which an arm's joint keeps: (m.m - a.a)/2 and a.a have it, too.
+    #[inline(always)]
+    pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
+        match self {
+            Upper::Strut { .. } => d.norm_squared(),
+            Upper::Arm {
+                circle,
+                half_difference,
+                ..
+            } => d
+                .norm_squared()
+                .also(circle.radius.norm_squared() + half_difference.scaled(2.0)),
         }
     }
 

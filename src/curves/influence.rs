@@ -1,7 +1,7 @@
 //! Which coordinate moves which curve.
 
+use super::curves;
 use crate::characteristics::Quantity;
-use crate::curves::curves;
 use crate::mechanism::DesignFault;
 use crate::model::{PointId, Suspension};
 use crate::plan::{Output, Plan};

@@ -1,0 +1,72 @@
+//! Some designs of a sweep with their curves and their mechanism.
+
+use super::{Solved, drawn};
+use crate::curves::curves;
+use crate::mechanism::DesignFault;
+use crate::model::Suspension;
+use crate::plan::Plan;
+use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
+use crate::study::Study;
+use crate::sweep::SweepPlan;
+
+/// The most designs that are drawn, beside the one as given.
+const MOST_DESIGNS: usize = 16;
+/// The most stations of each.
+const MOST_STATIONS: usize = 45;
+/// The most displacements of the rack among them.
+const MOST_RACKS: usize = 3;
+
+impl DrawnDesigns {
+    /// The best designs of a sweep and some of its front, or without targets those with the least or
+    /// largest values of outputs. Designs that cannot be drawn are left out.
+    pub fn of(
+        study: &Study,
+        plan: &SweepPlan<'_>,
+        summary: &SweepSummary,
+    ) -> Result<Self, DesignFault> {
+        let mut numbers: Vec<Option<u64>> = vec![None];
+        numbers.extend(summary.telling(MOST_DESIGNS).into_iter().map(Some));
+        let asked = Plan {
+            sensitivities: Vec::new(),
+            loads: Vec::new(),
+            certify: false,
+            ..Plan::with_targets(study)
+        };
+        let asked = asked.thinned(MOST_STATIONS, MOST_RACKS);
+        let given = &study.suspension;
+        let mut solved = Vec::new();
+        for number in numbers {
+            let suspension = Suspension {
+                design: number.map_or_else(|| given.design.clone(), |n| plan.design(n)),
+                ..given.clone()
+            };
+            match curves(&suspension, &asked) {
+                Ok(curves) => solved.push((number, suspension, curves)),
+                Err(fault) if number.is_none() => return Err(fault),
+                Err(_) => {}
+            }
+        }
+        let named: Vec<(String, String)> = solved
+            .iter()
+            .map(|(number, ..)| match number {
+                None => ("as given".to_owned(), String::new()),
+                Some(number) => (format!("design {number}"), String::new()),
+            })
+            .collect();
+        let designs: Vec<Solved<'_>> = solved
+            .iter()
+            .zip(&named)
+            .map(|((_, suspension, curves), (label, file))| (&**label, &**file, suspension, curves))
+            .collect();
+        let table = |(_, suspension, curves): &(_, Suspension, _)| {
+            let csv = curves_csv(curves, &asked, suspension.length_unit);
+            CurveTable::read(&csv).expect("it has just been written")
+        };
+        Ok(DrawnDesigns {
+            digest: plan.record.digest.clone(),
+            designs: solved.iter().map(|(number, ..)| *number).collect(),
+            record: Record::with("sweep", study, &asked, drawn(&asked, &designs)?, Vec::new()),
+            curves: solved.iter().map(table).collect(),
+        })
+    }
+}

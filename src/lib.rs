@@ -172,3 +172,8 @@ pub use optimise::{
 pub use sweep::{Failing, Rows};
 
 pub use nalgebra;
+
+/// The example of the manual's page is run.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/rust.md")]
+struct Manual;

@@ -197,7 +197,7 @@ impl OutputRecord {
 }
 
 /// `deg_per_mm2` -> `deg/mm²`.
-pub(super) fn readable_unit(unit: &str) -> String {
+pub(crate) fn readable_unit(unit: &str) -> String {
     let unit = unit.replace("N_m", "N m");
     let unit = match unit.strip_prefix("per_") {
         Some(below) => format!("1/{below}"),

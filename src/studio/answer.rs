@@ -45,10 +45,12 @@ const MOST_STATIONS: usize = 2000;
 /// Answers a dragged point. An error says what is wrong with the design or the request.
 pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, String> {
     let start = Instant::now();
-    let places = request.at.iter().chain(&request.curves_rack);
-    if !places.copied().all(f64::is_finite) {
-        return Err("expected a finite travel and rack".to_owned());
+    if let Some(both) = &opened.study.axle {
+        return super::axle::solved(opened, both, request);
     }
+    let &[drive, rack] = request.at.as_slice() else {
+        return Err("expected a value for each of two sliders".to_owned());
+    };
     let suspension = moved(opened, &request.of)?;
     let mechanism = &suspension.mechanism;
     let study = asking_for(opened, &request.characteristics)?;
@@ -64,7 +66,6 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let found = curves(&suspension, &plan).map_err(fault)?;
     let misfit = misfit::misfit(opened, &suspension).map_err(fault)?;
-    let [drive, rack] = request.at;
     let place = Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
         racks: vec![rack],
@@ -85,6 +86,11 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
             "{drawn} of {all} stations are drawn, evenly chosen, and without loads; `hardpoint solve` has all"
         ));
     }
+    let along = plan.station_order.values().len().max(1);
+    let far = |number: &usize| (plan.racks[*number] - rack).abs();
+    let shown = (0..plan.racks.len())
+        .min_by(|a, b| far(a).total_cmp(&far(b)))
+        .unwrap_or(0);
     Ok(Solved {
         columns: columns(&found),
         drive: found
@@ -92,10 +98,13 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
             .iter()
             .map(|s| s.angle.or(s.travel))
             .collect(),
-        racks: found.stations.iter().map(|s| s.rack).collect(),
+        groups: (0..found.stations.len()).map(|s| s / along).collect(),
+        shown,
+        rack: plan.racks[shown],
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, plan.drive, study.suspension.length_unit),
         frame: frame(&suspension),
+        right: None,
         opened: match suspension.design == opened.study.suspension.design {
             true => None,
             false => frame(&opened.study.suspension),
@@ -109,6 +118,9 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
 /// `curves.csv` of a design, as `hardpoint solve` writes it.
 pub(super) fn csv(opened: &Opened, of: &super::message::Designed) -> Result<Vec<u8>, String> {
     let suspension = moved(opened, of)?;
+    if let Some(both) = &opened.study.axle {
+        return super::axle::csv(both, suspension);
+    }
     let plan = Plan::of(&opened.study);
     let found = curves(&suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     Ok(curves_csv(&found, &plan, suspension.length_unit))

@@ -20,6 +20,10 @@ pub(super) fn influence(
         return Err("there is no such point".to_owned());
     }
     let point = PointId(request.point);
+    if let Some(both) = &opened.study.axle {
+        let names = &request.characteristics;
+        return super::axle::influence(both, suspension, names, point, *axis);
+    }
     let plan = Plan {
         sensitivities: vec![point],
         loads: Vec::new(),

@@ -51,6 +51,10 @@ impl Job {
         }
         let optimise = Optimise {
             variables,
+            axle: optimise
+                .axle
+                .as_ref()
+                .map(|axle| super::axle::moved(axle, &suspension)),
             ..optimise.clone()
         };
         let job = Arc::new(Job {
@@ -106,8 +110,12 @@ impl Job {
             design: best.design.clone(),
             ..suspension.clone()
         };
-        let after = curves(&tuned, &Plan::with_targets(&moved)).map_err(fault)?;
-        let summary = TuningSummary::of(&moved, optimise, &tuning, Some(&after));
+        // An axle has curves of its own.
+        let after = match study.axle {
+            Some(_) => None,
+            None => Some(curves(&tuned, &Plan::with_targets(&moved)).map_err(fault)?),
+        };
+        let summary = TuningSummary::of(&moved, optimise, &tuning, after.as_ref());
         Ok(Proposal {
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),

@@ -23,8 +23,8 @@ pub(super) struct SolveRequest {
     pub of: Designed,
     /// Names of the characteristics wanted.
     pub characteristics: Vec<String>,
-    /// Drive value and rack displacement at which the mechanism is drawn.
-    pub at: [f64; 2],
+    /// Where the mechanism is drawn: a value for each slider.
+    pub at: Vec<f64>,
     /// Rack displacement of the curves; those of the study without it.
     pub curves_rack: Option<f64>,
 }
@@ -78,18 +78,31 @@ pub(super) struct Overview {
     pub scene: Scene,
     /// The catalogue.
     pub characteristics: Vec<CharacteristicOverview>,
-    /// Column, name and unit of the drive.
-    pub drive: [String; 3],
-    pub drive_values: Vec<f64>,
-    /// Drive value in the design position.
-    pub drive_home: f64,
+    pub is_axle: bool,
+    /// What moves.
+    pub sliders: Vec<Slider>,
+    /// Number of the slider that curves are drawn over.
+    pub main: usize,
+    /// Values of that, over the motion.
+    pub values: Vec<f64>,
+    /// Rack displacements of the motion.
     pub racks: Vec<f64>,
-    pub rack_moves: bool,
-    pub is_steered: bool,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
     pub starts: usize,
+}
+
+/// A number that says where the mechanism is.
+#[derive(Serialize)]
+pub(super) struct Slider {
+    pub key: &'static str,
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub low: f64,
+    pub high: f64,
+    /// In the design position.
+    pub home: f64,
 }
 
 #[derive(Serialize)]
@@ -101,7 +114,6 @@ pub(super) struct PointOverview {
 #[derive(Serialize)]
 pub(super) struct CharacteristicOverview {
     pub name: &'static str,
-    pub column: String,
     pub unit: String,
     pub positive: &'static str,
     /// Whether the study asks for it, itself or by a target.
@@ -114,12 +126,14 @@ pub(super) struct CharacteristicOverview {
 #[derive(Serialize)]
 pub(super) struct TargetOverview {
     pub column: String,
+    /// Columns of curves it is about.
+    pub columns: Vec<String>,
     pub tolerance: f64,
     /// Drive value, lowest and highest wanted value; none where there is no limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Of which motion it is, if not of the study's own.
-    pub motion: Option<String>,
-    /// Rack displacements it is for; empty for that of the motion.
+    /// Whether it is about the motion that is drawn.
+    pub is_drawn: bool,
+    /// Rack displacements it is for; empty for all.
     pub racks: Vec<f64>,
     pub is_band: bool,
 }
@@ -137,12 +151,19 @@ pub(super) struct VariableOverview {
 #[derive(Serialize)]
 pub(super) struct Solved {
     pub columns: Vec<ColumnValues>,
+    /// What curves are drawn over, station by station.
     pub drive: Vec<Option<f64>>,
-    pub racks: Vec<f64>,
+    /// Stations that differ in that alone are a group.
+    pub groups: Vec<usize>,
+    /// The group nearest to the sliders, and the rack's displacement in it.
+    pub shown: usize,
+    pub rack: f64,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
     /// The mechanism where it is drawn, and the study's own design there.
     pub frame: Option<Frame>,
+    /// The right wheel of an axle.
+    pub right: Option<Frame>,
     pub opened: Option<Frame>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,

@@ -74,7 +74,21 @@ pub(super) fn misfit(
     let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
         return Ok(None);
     };
-    let found = assessed(suspension, &opened.every, layout)?;
+    let found = match optimise.axle.as_ref().filter(|axle| axle.right.is_some()) {
+        None => assessed(suspension, &opened.every, layout)?,
+        // The layout holds the right wheel.
+        Some(axle) => {
+            let moved = Optimise {
+                axle: Some(super::axle::moved(axle, suspension)),
+                ..optimise.clone()
+            };
+            let Suspension {
+                mechanism, frame, ..
+            } = suspension;
+            let layout = TargetLayout::of(&moved, &opened.study.motion, frame, mechanism);
+            assessed(suspension, &opened.every, &layout)?
+        }
+    };
     let drive = opened.study.motion.drive;
     Ok(Some(match found {
         Ok(found) => of_assessment(optimise, layout, drive, &found),

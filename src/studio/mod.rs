@@ -13,6 +13,7 @@
 
 mod access;
 mod answer;
+mod axle;
 mod directions;
 mod http;
 mod influence;

@@ -1,7 +1,8 @@
 //! The study, as far as it stays while points move.
 
 use super::message::{
-    CharacteristicOverview, Coordinates, Overview, PointOverview, TargetOverview, VariableOverview,
+    CharacteristicOverview, Coordinates, Overview, PointOverview, Slider, TargetOverview,
+    VariableOverview,
 };
 use super::study_file::{Opened, StudyFile};
 use crate::attia::PaperTheta;
@@ -10,7 +11,7 @@ use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::Scene;
-use crate::study::{Drive, Study, Target};
+use crate::study::{About, Drive, Study, Target};
 
 /// The overview of a study that was read.
 pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
@@ -26,7 +27,6 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     };
     let characteristic = |c: &Characteristic| CharacteristicOverview {
         name: c.info().name,
-        column: c.column(unit),
         unit: c.info().unit.suffix(unit),
         positive: c.info().positive,
         asked: asked(c),
@@ -40,14 +40,9 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
             .map_or("a point to report", |hardpoint| hardpoint.about)
             .to_owned(),
     };
-    let drive = match study.motion.drive {
-        Drive::Travel => [
-            format!("travel_{}", unit.symbol()),
-            "travel".to_owned(),
-            unit.symbol().to_owned(),
-        ],
-        Drive::ArmAngle => ["arm_angle_deg", "arm angle", "°"].map(str::to_owned),
-        Drive::PaperTheta => ["theta_deg", "theta", "°"].map(str::to_owned),
+    let (sliders, main, values, racks) = match &study.axle {
+        None => of_corner(study),
+        Some(both) => super::axle::sliders(both),
     };
     Overview {
         name: study.name.clone(),
@@ -59,18 +54,15 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         points: mechanism.points.iter().map(|p| point(&p.name)).collect(),
         design: coordinates(suspension, &suspension.design),
         scene: Scene::of(suspension),
-        characteristics: Characteristic::ALL.iter().map(characteristic).collect(),
-        drive,
-        drive_values: study
-            .motion
-            .values
-            .iter()
-            .map(|value| study.motion.drive.printed(*value))
-            .collect(),
-        drive_home: home(study),
-        racks: study.motion.rack.clone(),
-        rack_moves: study.motion.rack_moves,
-        is_steered: mechanism.steering_axis.is_some(),
+        characteristics: match &study.axle {
+            None => Characteristic::ALL.iter().map(characteristic).collect(),
+            Some(both) => super::axle::catalogue(study, both),
+        },
+        is_axle: study.axle.is_some(),
+        sliders,
+        main,
+        values,
+        racks,
         targets: optimise
             .iter()
             .flat_map(|o| &o.targets)
@@ -113,6 +105,69 @@ fn home(study: &Study) -> f64 {
     }
 }
 
+/// Sliders of one wheel, the main one, its values over the motion, and those of the rack.
+fn of_corner(study: &Study) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
+    let Suspension {
+        mechanism,
+        length_unit,
+        ..
+    } = &study.suspension;
+    let motion = &study.motion;
+    let (key, name, unit) = match motion.drive {
+        Drive::Travel => ("travel", "travel", length_unit.symbol()),
+        Drive::ArmAngle => ("arm_angle", "arm angle", "°"),
+        Drive::PaperTheta => ("theta", "theta", "°"),
+    };
+    let printed = motion
+        .values
+        .iter()
+        .map(|value| motion.drive.printed(*value));
+    let values: Vec<f64> = printed.collect();
+    let home = home(study);
+    let drive = Slider::over(key, name, unit, home, &values);
+    // Where the study holds the rack, that is its home.
+    let rack_home = match motion.rack_moves {
+        true => 0.0,
+        false => motion.rack[0],
+    };
+    let rack = rack_slider(&study.suspension, rack_home, &motion.rack);
+    let mut sliders = vec![drive, rack];
+    if mechanism.steering_axis.is_none() && !motion.rack_moves {
+        sliders[1].high = sliders[1].low;
+    }
+    (sliders, 0, values, motion.rack.clone())
+}
+
+/// The slider of the rack: as far as the motion goes, or what an ordinary rack does.
+pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
+    let unit = suspension.length_unit;
+    let mut slider = Slider::over("rack", "rack", unit.symbol(), home, racks);
+    let usual = 0.06 * unit.per_metre();
+    slider.low = slider.low.min(-usual);
+    slider.high = slider.high.max(usual);
+    slider
+}
+
+impl Slider {
+    /// Over some values.
+    pub fn over(
+        key: &'static str,
+        name: &'static str,
+        unit: &'static str,
+        home: f64,
+        values: &[f64],
+    ) -> Self {
+        Slider {
+            key,
+            name,
+            unit,
+            low: values.iter().copied().fold(home, f64::min),
+            high: values.iter().copied().fold(home, f64::max),
+            home,
+        }
+    }
+}
+
 fn target(target: &Target, study: &Study) -> TargetOverview {
     let motion = target.site.motion.as_ref();
     let own = motion.map_or(&study.motion, |(_, motion)| motion);
@@ -120,7 +175,10 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let mut points: Vec<_> = target
         .wanted
-        .samples(&target.stations_in(own))
+        .samples(&match &target.site.axle {
+            Some(site) => target.stations_among(&site.values),
+            None => target.stations_in(own),
+        })
         .into_iter()
         .map(|sample| {
             let [low, high] = match factor < 0.0 {
@@ -131,12 +189,32 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         })
         .collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let racks = match (&study.axle, target.site.racks.as_slice()) {
+        (Some(_), _) => Vec::new(),
+        (None, []) if study.motion.rack_moves => vec![0.0],
+        (None, []) => study.motion.rack.clone(),
+        (None, racks) => racks.to_vec(),
+    };
+    let columns = match &target.of.about {
+        About::Wheel(_) => vec![target.of.column.clone()],
+        About::Axle(quantities) => {
+            let length = study.suspension.length_unit;
+            quantities
+                .iter()
+                .map(|q| super::axle::column(*q, length))
+                .collect()
+        }
+    };
     TargetOverview {
         column: target.of.column.clone(),
+        columns,
         tolerance: target.tolerance * factor.abs(),
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points,
-        motion: motion.map(|(name, _)| name.clone()),
-        racks: target.site.racks.clone(),
+        is_drawn: match (&study.axle, &target.site.axle) {
+            (Some(both), Some(site)) => site.over == super::axle::main(&both.plan.course),
+            _ => motion.is_none(),
+        },
+        racks,
     }
 }

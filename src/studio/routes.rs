@@ -145,9 +145,6 @@ impl Workshop {
     fn study(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         let opened = self.file.read().map_err(|why| (422, why))?;
-        if opened.study.axle.is_some() {
-            return Err((422, super::server::NOT_OF_AXLES.to_owned()));
-        }
         let opened = self.remember(opened);
         json(&overview::overview(&self.file, &opened))
     }
@@ -253,6 +250,9 @@ impl Workshop {
 }
 
 fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
+    if opened.study.axle.is_some() {
+        return Err("the report page of an axle is made by `hardpoint solve --report`".to_owned());
+    }
     let suspension = answer::moved(opened, of)?;
     let study = Study {
         suspension: suspension.clone(),

@@ -19,9 +19,6 @@ const MOST_CONNECTIONS: usize = 64;
 /// How often it is looked whether to stop.
 const LOOK: Duration = Duration::from_millis(100);
 
-pub(super) const NOT_OF_AXLES: &str =
-    "the live page does not show an axle yet; without [axle] the study is of one wheel";
-
 /// Why a study is not served.
 #[derive(Debug, Error)]
 pub enum NotServed {
@@ -51,16 +48,13 @@ impl Studio {
     /// Reads a study and listens on a port of 127.0.0.1; without a port on the usual one, or any that is free.
     ///
     /// # Errors
-    /// If the study is wrong or of an axle, or the port is taken.
+    /// If the study is wrong or the port is taken.
     pub fn open(study: &Path, port: Option<u16>) -> Result<Self, NotServed> {
         let shown = study.display();
         let wrong = |why: String| NotServed::Study(why);
         let file =
             StudyFile::at(study).map_err(|e| wrong(format!("{shown}: cannot be read: {e}")))?;
         let opened = file.read().map_err(wrong)?;
-        if opened.study.axle.is_some() {
-            return Err(wrong(format!("{shown}: axle: {NOT_OF_AXLES}")));
-        }
         let listen = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = match port {
             Some(port) => listen(port).map_err(|source| NotServed::Port { port, source })?,

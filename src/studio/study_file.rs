@@ -1,6 +1,7 @@
 //! The study file: read, and written back with its comments.
 
 use super::message::Coordinates;
+use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::results::temporary_of;
@@ -114,12 +115,12 @@ impl StudyFile {
     ) -> Result<Opened, NotSaved> {
         let text = self.text().map_err(NotSaved::Refused)?;
         let edited = if digest(&text) == opened.digest {
-            opened.study.text_with_designs(&text, design, None)
+            edited(&opened.study, &text, design)
         } else if anyway {
             let now = Opened::of(&self.path, text.clone())
                 .map_err(|errors| NotSaved::Refused(errors.render(false)))?;
             let merged = moved_in(opened, design, &now).map_err(NotSaved::Refused)?;
-            now.study.text_with_designs(&text, &merged, None)
+            edited(&now.study, &text, &merged)
         } else {
             let message = format!("{} has been changed since it was opened", self.name());
             return Err(NotSaved::Changed(message));
@@ -157,7 +158,7 @@ impl StudyFile {
         if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
             return Err(NotSaved::Refused("that is the study itself".to_owned()));
         }
-        let edited = opened.study.text_with_designs(&opened.text, design, None);
+        let edited = edited(&opened.study, &opened.text, design);
         let edited = self.understood(&path, edited)?;
         let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", path.display()));
         let temporary = self.temporary(&edited.text).map_err(refused)?;
@@ -195,6 +196,18 @@ impl StudyFile {
         file.as_file().sync_all()?;
         Ok(file)
     }
+}
+
+/// A text of a study with another design; of an axle with both wheels.
+fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
+    let right = study.axle.as_ref().and_then(|both| {
+        let left = Suspension {
+            design: design.to_vec(),
+            ..study.suspension.clone()
+        };
+        Some(super::axle::moved(&both.axle, &left).right?.design)
+    });
+    study.text_with_designs(text, design, right.as_deref())
 }
 
 /// The design of a text with the coordinates of another that differ from what was opened.

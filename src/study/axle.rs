@@ -532,15 +532,9 @@ fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
     ))
 }
 
-/// Whether the study gives all that a quantity needs; says what it does not.
-pub fn lacks_nothing(
-    text: &Text,
-    quantity: Quantity,
-    axle: &Axle,
-    problems: &mut Problems,
-) -> bool {
-    let setup = &axle.setup;
-    let missing = |need: &Need| match need {
+/// What a study must give for something that a quantity needs, where it does not.
+pub(crate) fn missing(need: Need, setup: &Setup) -> Option<&'static str> {
+    match need {
         Need::WheelRadius => setup.wheel_radius.is_none().then_some("radius in [wheel]"),
         Need::Wheelbase => setup
             .wheelbase
@@ -558,11 +552,23 @@ pub fn lacks_nothing(
             let absent = setup.unsprung_mass.is_none();
             absent.then_some("unsprung_mass in [vehicle]")
         }
-    };
+    }
+}
+
+/// Whether the study gives all that a quantity needs; says what it does not.
+pub fn lacks_nothing(
+    text: &Text,
+    quantity: Quantity,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> bool {
     if let Quantity::Corner(..) = quantity {
         return super::outputs::characteristic(text, &axle.left, problems).is_some();
     }
-    let missing: Vec<_> = quantity.needs().iter().filter_map(missing).collect();
+    let needs = quantity.needs().iter();
+    let missing: Vec<_> = needs
+        .filter_map(|need| missing(*need, &axle.setup))
+        .collect();
     if missing.is_empty() {
         return true;
     }

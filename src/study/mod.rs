@@ -40,6 +40,7 @@ mod tolerance;
 mod value;
 
 pub use axle::AxleStudy;
+pub(crate) use axle::missing;
 pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};

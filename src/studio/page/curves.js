@@ -1,13 +1,13 @@
 // Curves over the drive: now, as opened, wanted, and a proposal beside them.
 import { brief, byId, html, set, signed, svg, ticks } from './draw.js';
-import { ask, askGhost, emit, isInGesture, on, state } from './design.js';
+import { ask, askGhost, emit, here as placeNow, isInGesture, on, state } from './design.js';
 
 const MARGIN = { left: 46, right: 10, top: 8, bottom: 22 };
 let charts = [];
 
-// Stations of one rack displacement by rising drive value, in runs without gaps.
-const runs = (answer, values, rack) => {
-  const places = answer.drive.map((x, i) => i).filter((i) => answer.racks[i] === rack && answer.drive[i] !== null);
+// Stations of one group by rising drive value, in runs without gaps.
+const runs = (answer, values, group) => {
+  const places = answer.drive.map((x, i) => i).filter((i) => answer.groups[i] === group && answer.drive[i] !== null);
   places.sort((a, b) => answer.drive[a] - answer.drive[b]);
   const found = [];
   let run = [];
@@ -20,9 +20,7 @@ const runs = (answer, values, rack) => {
   if (run.length) found.push(run);
   return found;
 };
-const racksOf = (answer) => [...new Set(answer.racks)];
-const nearest = (values, to) => values.reduce((best, v) => (Math.abs(v - to) < Math.abs(best - to) ? v : best), values[0]);
-const shownRack = (answer) => nearest(racksOf(answer), state.at.rack);
+const groupsOf = (answer) => [...new Set(answer.groups)];
 
 // The value of a curve at a drive value, by straight lines between stations.
 const at = (pieces, x) => {
@@ -37,12 +35,8 @@ const at = (pieces, x) => {
 };
 
 // Targets of a column in the study's own motion, for the rack that is shown.
-const targetsOf = (column, rack) => state.overview.targets.filter((target) => {
-  const { racks, rack_moves: moves } = state.overview;
-  const home = moves ? 0 : racks[0];
-  const own = target.racks.length ? target.racks : [home];
-  return target.column === column && target.motion === null && own.includes(rack);
-});
+const targetsOf = (column, rack) => state.overview.targets.filter((target) => target.columns.includes(column)
+  && target.is_drawn && (!target.racks.length || target.racks.includes(rack)));
 
 class Chart {
   constructor(column) {
@@ -66,7 +60,7 @@ class Chart {
       const box = this.svg.getBoundingClientRect();
       const [low, high] = this.xs;
       const x = low + ((event.clientX - box.x - MARGIN.left) / this.inner[0]) * (high - low);
-      state.at.drive = Math.max(low, Math.min(high, x));
+      state.at[state.overview.main] = Math.max(low, Math.min(high, x));
       emit('place', event);
     };
     this.svg.addEventListener('pointerdown', (event) => {
@@ -99,25 +93,25 @@ class Chart {
     const { width, height } = this.svg.getBoundingClientRect();
     if (width < 40) return;
     this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
-    const rack = shownRack(answer);
+    const group = answer.shown;
     this.values = found.values;
-    const pieces = runs(answer, found.values, rack);
-    const of = (other, wanted = rack) => {
+    const pieces = runs(answer, found.values, group);
+    const of = (other) => {
       const column = other?.columns.find((c) => c.column === this.column);
-      return column && racksOf(other).includes(wanted) ? runs(other, column.values, wanted) : [];
+      return column && groupsOf(other).includes(group) ? runs(other, column.values, group) : [];
     };
     const old = of(ghost);
     const next = of(proposed);
-    const others = racksOf(answer).filter((r) => r !== rack).map((r) => runs(answer, found.values, r)).flat();
-    const targets = targetsOf(this.column, rack);
+    const others = groupsOf(answer).filter((g) => g !== group).map((g) => runs(answer, found.values, g)).flat();
+    const targets = targetsOf(this.column, answer.rack);
     const slopes = influence?.columns.get(this.column);
     // By one unit of length, or by a tenth where that is much.
     const far = influence ? 10 * state.step : 0;
-    const bent = slopes ? runs(answer, found.values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), rack) : [];
+    const bent = slopes ? runs(answer, found.values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : [];
 
     const drives = answer.drive.filter((x) => x !== null);
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
-    const all = [...drives, ...state.overview.drive_values, ...wantedAt];
+    const all = [...drives, ...state.overview.values, ...wantedAt];
     this.xs = [Math.min(...all), Math.max(...all)];
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
     const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [low, high].filter((v) => v !== null)));
@@ -137,13 +131,14 @@ class Chart {
     set(this.proposed, { d: path(next) });
     set(this.moved, { d: path(bent) });
     this.parts.others.replaceChildren(...others.map((piece) => svg('path', { d: path([piece]) })));
-    this.drawGaps(answer, found.values, rack, x, height);
-    const here = at(pieces, state.at.drive);
-    const cursor = x(state.at.drive);
+    this.drawGaps(answer, found.values, group, x, height);
+    const now = placeNow();
+    const here = at(pieces, now);
+    const cursor = x(now);
     set(this.line, { d: `M${cursor.toFixed(1)} ${MARGIN.top}V${height - MARGIN.bottom}` });
     this.spot.style.display = here === null ? 'none' : '';
     if (here !== null) set(this.spot, { cx: cursor.toFixed(1), cy: y(here).toFixed(1) });
-    this.say(found, here, at(old, state.at.drive), pieces, slopes);
+    this.say(found, here, at(old, now), pieces, slopes);
   }
 
   say(found, here, before, pieces, slopes) {
@@ -161,7 +156,7 @@ class Chart {
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
     this.range.textContent = text;
-    this.svg.setAttribute('aria-label', `${found.title}: ${brief(here, 4)} ${found.unit} at ${brief(state.at.drive)}, ${text}${found.positive ? `; positive: ${found.positive}` : ''}`);
+    this.svg.setAttribute('aria-label', `${found.title}: ${brief(here, 4)} ${found.unit} at ${brief(placeNow())}, ${text}${found.positive ? `; positive: ${found.positive}` : ''}`);
     this.figure.title = found.positive ? `positive: ${found.positive}` : '';
   }
 
@@ -206,11 +201,11 @@ class Chart {
   }
 
   // Stations without a value, each with its reason.
-  drawGaps(answer, values, rack, x, height) {
+  drawGaps(answer, values, group, x, height) {
     const { gaps } = this.parts;
     gaps.replaceChildren();
     values.forEach((value, i) => {
-      if (value !== null || answer.racks[i] !== rack || answer.drive[i] === null) return;
+      if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
       const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
       const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
       gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - MARGIN.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));

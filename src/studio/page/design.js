@@ -8,7 +8,8 @@ export const state = {
   // Those of the file.
   opened: [],
   locked: [],
-  at: { drive: 0, rack: 0 },
+  // A value for each slider.
+  at: [],
   step: 0.1,
   coupled: true,
   curvesAtRack: false,
@@ -122,12 +123,15 @@ export const setCoordinate = (point, axis, value) => {
   finish();
 };
 
+// The place on the number that curves are drawn over. The rack is the last slider.
+export const here = () => state.at[state.overview.main];
+
 export const of = (design = state.design) => ({ digest: state.overview.digest, design });
 const request = (design) => ({
   of: of(design),
   characteristics: state.chosen,
-  at: [state.at.drive, state.at.rack],
-  curves_rack: state.curvesAtRack ? state.at.rack : null,
+  at: state.at,
+  curves_rack: state.curvesAtRack ? state.at.at(-1) : null,
 });
 
 // Asks for the latest design, one request at a time: what was wanted in between is never computed, and an

@@ -33,7 +33,7 @@ export const readStudy = async () => {
   state.opened = copy(overview.design);
   state.design = copy(overview.design);
   state.locked = overview.points.map(() => [false, false, false]);
-  state.at = { drive: overview.drive_home, rack: overview.rack_moves ? overview.racks.reduce((a, b) => (Math.abs(b) < Math.abs(a) ? b : a)) : overview.racks[0] };
+  state.at = overview.sliders.map((slider) => slider.home);
   state.arrows = null;
   state.selected = null;
   forget();

@@ -26,27 +26,23 @@ const startTheme = () => {
 
 const STEPS = { mm: [0.01, 0.1, 1, 5], m: [0.00001, 0.0001, 0.001, 0.005], in: [0.001, 0.005, 0.05, 0.2] };
 const startSliders = () => {
-  const [travel, rack, step] = ['travel', 'rack', 'step'].map(byId);
-  const show = () => {
-    const { drive, unit } = state.overview;
-    travel.value = state.at.drive;
-    rack.value = state.at.rack;
-    byId('travel-value').textContent = `${brief(state.at.drive, 4)} ${drive[2]}`;
-    byId('rack-value').textContent = `${brief(state.at.rack, 4)} ${unit}`;
-  };
-  const range = (input, low, high) => {
-    input.min = low;
-    input.max = high;
-    input.step = 'any';
-  };
+  const step = byId('step');
+  let sliders = [];
+  const show = () => sliders.forEach(({ input, output, unit }, k) => {
+    input.value = state.at[k];
+    output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+  });
   on('study', () => {
-    const { drive, drive_values: values, drive_home: home, racks, unit, is_steered: steered } = state.overview;
-    byId('travel-name').textContent = drive[1];
-    range(travel, Math.min(home, ...values), Math.max(home, ...values));
-    const far = { mm: 60, m: 0.06, in: 2.4 }[unit] ?? 60;
-    range(rack, Math.min(-far, ...racks), Math.max(far, ...racks));
-    byId('rack-label').hidden = !steered;
-    byId('rack-curves-label').hidden = !steered;
+    const { sliders: wanted, unit } = state.overview;
+    sliders = wanted.map(({ key, name, unit: own, low, high }, k) => {
+      const input = html('input', { id: key, type: 'range', min: low, max: high, step: 'any', on: { input: (event) => { state.at[k] = Number(input.value); emit('place', event); } } });
+      const output = html('output', { for: key });
+      const label = html('label', { for: key }, html('span', { text: name }), input, output);
+      label.hidden = low === high;
+      return { input, output, label, unit: own };
+    });
+    byId('sliders').replaceChildren(...sliders.map(({ label }) => label));
+    byId('rack-curves-label').hidden = sliders.at(-1).label.hidden;
     step.replaceChildren(...STEPS[unit].map((value) => html('option', { value, text: `${value} ${unit}` })));
     [, state.step] = STEPS[unit];
     step.value = state.step;
@@ -57,9 +53,7 @@ const startSliders = () => {
     ask(event);
     if (state.curvesAtRack) askGhost();
   };
-  travel.addEventListener('input', (event) => { state.at.drive = Number(travel.value); emit('place', event); });
-  rack.addEventListener('input', (event) => { state.at.rack = Number(rack.value); emit('place', event); });
-  byId('home').addEventListener('click', (event) => { state.at = { drive: state.overview.drive_home, rack: 0 }; emit('place', event); });
+  byId('home').addEventListener('click', (event) => { state.at = state.overview.sliders.map((slider) => slider.home); emit('place', event); });
   byId('rack-curves').addEventListener('change', (event) => { state.curvesAtRack = event.target.checked; askGhost(); ask(event); });
   step.addEventListener('change', () => { state.step = Number(step.value); });
   byId('coupled').addEventListener('change', (event) => { state.coupled = event.target.checked; });

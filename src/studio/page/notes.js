@@ -43,7 +43,7 @@ const targets = () => {
     html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: `number ${t.rms > 1 ? 'bad' : ''}`, text: brief(t.rms, 3) }),
     html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: brief(t.worst_at, 4) })));
-  const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', `at ${state.overview.drive[1]}`], body))];
+  const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', 'at'], body))];
   if (misfit.constraints.length) {
     const rows = misfit.constraints.map((c) => html('tr', {}, html('th', { scope: 'row', text: c.name }),
       html('td', { class: `number ${c.room < -1e-6 ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));

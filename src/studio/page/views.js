@@ -36,8 +36,9 @@ const inSpace = ({ turn, lift }) => {
 };
 
 // The wheel's rim: a circle about its centre, normal to the spin axis.
-const rim = ({ points, spin_axis: n }, { wheel_centre: centre, wheel_radius: radius }) => {
-  if (!radius) return [];
+const rim = (at, { wheel_centre: centre, wheel_radius: radius }) => {
+  if (!radius || !at) return [];
+  const { points, spin_axis: n } = at;
   const reference = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
   const first = cross(n, reference);
   const unit = first.map((c) => c / norm(first));
@@ -55,6 +56,13 @@ const hueOf = (bodies) => {
 };
 const mirrored = (p) => [p[0], -p[1], p[2]];
 const placement = (frame) => frame?.pose?.Ok ?? null;
+// The other wheel: of an axle where it is, else the mirror image.
+const otherWheel = (frame) => {
+  if (state.overview.is_axle) return placement(state.answer?.right);
+  const { points, spin_axis: axis, contact } = frame;
+  return { points: points.map(mirrored), spin_axis: mirrored(axis), contact: contact && mirrored(contact) };
+};
+const otherPoints = (frame) => otherWheel(frame)?.points ?? [];
 
 class View {
   constructor(name, title, basis) {
@@ -108,7 +116,7 @@ class View {
     const frame = placement(state.answer?.frame) ?? placement(state.ghost?.frame);
     if (!frame || !this.width) return;
     let points = [...frame.points, ...rim(frame, scene)];
-    if (others) points = [...points, ...points.map(mirrored)];
+    if (others) points = [...points, ...otherPoints(frame), ...rim(otherWheel(frame), scene)];
     this.look = this.turned();
     const spans = ['right', 'up'].map((way) => {
       const places = points.map((p) => dot(p, this.look[way]));
@@ -180,21 +188,22 @@ class View {
     const frame = placement(state.answer?.frame);
     this.look = this.turned();
     this.drawGrid();
-    const show = (paths, at, image = (p) => p) => scene.bodies.forEach((body, k) => {
-      paths[k].setAttribute('d', at ? body.lines.map((line) => this.path(line.map((i) => image(at.points[i])))).join('') : '');
+    const show = (paths, at) => scene.bodies.forEach((body, k) => {
+      paths[k].setAttribute('d', at ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '');
     });
-    const round = (path, at, image = (p) => p) => path.setAttribute('d', at ? this.path(rim(at, scene).map(image), true) : '');
+    const round = (path, at) => path.setAttribute('d', at ? this.path(rim(at, scene), true) : '');
     show(this.bodies, frame);
     round(this.wheel, frame);
     const opened = placement(state.answer?.opened);
     show(this.ghost, opened);
     round(this.ghost.at(-1), opened);
     show(this.proposal, placement(state.proposed?.frame));
-    show(this.other, others ? frame : null, mirrored);
-    round(this.other.at(-1), others ? frame : null, mirrored);
+    const other = others && frame ? otherWheel(frame) : null;
+    show(this.other, other);
+    round(this.other.at(-1), other);
     const axis = frame?.steering_axis;
     this.axis.setAttribute('d', axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '');
-    this.drawGround(frame);
+    this.drawGround(frame, other);
     const centre = this.name === 'front' && frame?.roll_centre ? this.project(frame.roll_centre) : null;
     const inside = centre && centre.every((c, k) => c > 4 && c < (k ? this.height : this.width) - 4);
     this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
@@ -213,9 +222,9 @@ class View {
       handle.classList.toggle('selected', state.selected === p);
       handle.classList.toggle('free', state.overview.variables.some(({ moves }) => moves.some(([q]) => q === p)));
       const mirror = this.mirrors[p];
-      mirror.style.display = others ? '' : 'none';
-      if (others) {
-        const [mx, my] = this.project(mirrored(at));
+      mirror.style.display = other ? '' : 'none';
+      if (other) {
+        const [mx, my] = this.project(other.points[p]);
         mirror.setAttribute('transform', `translate(${mx.toFixed(1)} ${my.toFixed(1)})`);
         mirror.setAttribute('aria-label', `${name}, other side`);
       }
@@ -273,11 +282,18 @@ class View {
     title.textContent = `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
   }
 
-  drawGround(frame) {
+  drawGround(frame, other) {
     const contact = frame?.contact;
     const { wheel_radius: radius } = state.overview.scene;
     if (!contact || !radius || this.name === 'top') {
       this.ground.setAttribute('d', '');
+      return;
+    }
+    if (this.name === 'front' && other?.contact) {
+      // Where the body rolls, the ground does in its axes.
+      const [a, b] = [contact, other.contact].map((c) => this.project(c));
+      const slope = (b[1] - a[1]) / (b[0] - a[0] || 1);
+      this.ground.setAttribute('d', `M0 ${(a[1] - slope * a[0]).toFixed(1)}L${this.width} ${(a[1] + slope * (this.width - a[0])).toFixed(1)}`);
       return;
     }
     if (this.basis) {
@@ -464,6 +480,8 @@ export const startViews = () => {
   let fitted = false;
   on('study', () => {
     fitted = false;
+    others = state.overview.is_axle || byId('mirror').checked;
+    byId('mirror-label').hidden = state.overview.is_axle;
     views.forEach((view) => { view.gridKey = null; view.build(); });
   });
   on('answer', () => {

@@ -1,0 +1,406 @@
+//! Both wheels: what sliders an axle has, its curves, and where its wheels are.
+//!
+//! The points that move are the left wheel's. Where the right one has hardpoints of its own they go the mirrored
+//! way, as they do with a variable of a tuning.
+
+use super::message::{
+    CharacteristicOverview, ColumnValues, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest,
+    Solved,
+};
+use super::overview::rack_slider;
+use super::study_file::Opened;
+use crate::axle::{
+    Axle, AxleCurves, AxlePlan, Coordinate, Course, Placement, Quantity, WheelMotion, axle_curves,
+};
+use crate::curves::{Frame, frames};
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
+use crate::plan::Plan;
+use crate::report::{FailureRange, axle_curves_csv, axle_doubts, doubts, readable_unit};
+use crate::solve::StationOrder;
+use crate::study::{About, AxleStudy, Study, missing};
+use std::time::Instant;
+
+/// The axle with another left wheel.
+pub(super) fn moved(axle: &Axle, left: &Suspension) -> Axle {
+    let mut moved = axle.clone();
+    moved.left = left.clone();
+    if let Some(right) = &mut moved.right {
+        let ways = axle.left.design.iter().zip(&left.design);
+        for (point, (old, new)) in right.design.iter_mut().zip(ways) {
+            // What is the mirror image stays so to the last digit.
+            *point = match *point == *old {
+                true => *new,
+                false => *point + (*new - *old),
+            };
+        }
+    }
+    moved
+}
+
+/// The numbers a course has, each with a value where it is held at nothing.
+fn coordinates(course: &Course) -> Vec<Coordinate> {
+    let mut found = match course.wheels {
+        WheelMotion::Heave(_) => vec![Coordinate::Heave],
+        WheelMotion::Roll { .. } => vec![Coordinate::Roll, Coordinate::Heave],
+        WheelMotion::Travels { .. } => vec![Coordinate::TravelLeft, Coordinate::TravelRight],
+    };
+    found.push(Coordinate::Rack);
+    found
+}
+
+/// The number that curves are drawn over: the first that moves.
+pub(super) fn main(course: &Course) -> Coordinate {
+    let all = coordinates(course);
+    let moves = |c: &&Coordinate| course.clone().along(**c).is_some_and(|v| v.len() > 1);
+    *all.iter().find(moves).unwrap_or(&all[0])
+}
+
+/// Values of a number over a course, as they are printed.
+fn values(course: &Course, coordinate: Coordinate, left: &Suspension) -> Vec<f64> {
+    let values = course
+        .clone()
+        .along(coordinate)
+        .map_or_else(Vec::new, |v| v.clone());
+    values
+        .into_iter()
+        .map(|value| printed(coordinate, value, left))
+        .collect()
+}
+
+fn printed(coordinate: Coordinate, value: f64, left: &Suspension) -> f64 {
+    match coordinate {
+        Coordinate::Roll => value.to_degrees(),
+        Coordinate::Rack => value * left.frame.sign(Axis::Y) + 0.0,
+        _ => value,
+    }
+}
+
+/// Sliders, the main one, its values over the motion, and those of the rack.
+pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
+    let (course, left) = (&both.plan.course, &both.axle.left);
+    let all = coordinates(course);
+    let length = left.length_unit;
+    let far = 0.05 * length.per_metre();
+    let slider = |coordinate: &Coordinate| {
+        let values = values(course, *coordinate, left);
+        let mut slider = match coordinate {
+            Coordinate::Rack => return rack_slider(left, 0.0, &values),
+            Coordinate::Roll => Slider::over("roll", "roll", "°", 0.0, &values),
+            Coordinate::Heave => Slider::over("heave", "heave", length.symbol(), 0.0, &values),
+            Coordinate::TravelLeft => {
+                Slider::over("travel_left", "left travel", length.symbol(), 0.0, &values)
+            }
+            _ => Slider::over(
+                "travel_right",
+                "right travel",
+                length.symbol(),
+                0.0,
+                &values,
+            ),
+        };
+        // What the study holds may be tried all the same.
+        if values.len() < 2 {
+            let reach = if *coordinate == Coordinate::Roll {
+                3.0
+            } else {
+                far
+            };
+            (slider.low, slider.high) = (slider.low.min(-reach), slider.high.max(reach));
+        }
+        slider
+    };
+    let over = main(course);
+    let number = all.iter().position(|c| *c == over).unwrap_or(0);
+    let racks = values(course, Coordinate::Rack, left);
+    let sliders = all.iter().map(slider).collect();
+    (sliders, number, values(course, over, left), racks)
+}
+
+/// The name of a quantity's column.
+pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
+    let unit = quantity.unit().suffix(length);
+    match unit.is_empty() {
+        true => quantity.name(),
+        false => format!("{}_{unit}", quantity.name()),
+    }
+}
+
+/// What a study may ask of its axle.
+pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOverview> {
+    let AxleStudy { axle, plan } = both;
+    let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let mut asked = plan.quantities.clone();
+    for target in targets {
+        if let About::Axle(quantities) = &target.of.about {
+            asked.extend(quantities);
+        }
+    }
+    let overview = |name: &'static str| {
+        let quantities = Quantity::named(name);
+        let first = *quantities.first()?;
+        Some(CharacteristicOverview {
+            name,
+            unit: first.unit().suffix(axle.left.length_unit),
+            positive: first.positive(),
+            asked: quantities.iter().any(|q| asked.contains(q)),
+            available: has_all(first, axle),
+        })
+    };
+    Quantity::names().into_iter().filter_map(overview).collect()
+}
+
+/// Whether the study gives what a quantity needs.
+fn has_all(quantity: Quantity, axle: &Axle) -> bool {
+    match quantity {
+        Quantity::Corner(_, c) => c.info().needs.iter().all(|need| need.met_by(&axle.left)),
+        _ => {
+            let mut needs = quantity.needs().iter();
+            needs.all(|need| missing(*need, &axle.setup).is_none())
+        }
+    }
+}
+
+/// The plan with these quantities.
+fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan, String> {
+    let mut quantities: Vec<Quantity> = Vec::new();
+    for name in names {
+        let named = Quantity::named(name);
+        if named.is_empty() || !named.iter().all(|q| has_all(*q, axle)) {
+            return Err(format!("this study has no {name}"));
+        }
+        quantities.extend(
+            named
+                .iter()
+                .filter(|q| !quantities.contains(q))
+                .collect::<Vec<_>>(),
+        );
+    }
+    Ok(AxlePlan {
+        quantities,
+        ..plan.clone()
+    })
+}
+
+fn words(axle: &Axle, (side, fault): (Side, DesignFault)) -> String {
+    let mechanism = &axle.suspension(side).mechanism;
+    format!("{} wheel: {}", side.name(), fault.describe(mechanism))
+}
+
+/// Answers a dragged point of an axle.
+pub(super) fn solved(
+    opened: &Opened,
+    both: &AxleStudy,
+    request: &SolveRequest,
+) -> Result<Solved, String> {
+    let start = Instant::now();
+    let left = super::answer::moved(opened, &request.of)?;
+    let axle = moved(&both.axle, &left);
+    let sign = left.frame.sign(Axis::Y);
+    let mut plan = asking_for(&both.plan, &axle, &request.characteristics)?;
+    plan.sensitivities.clear();
+    if let Some(rack) = request.curves_rack {
+        plan.course.racks = vec![rack * sign];
+        plan.course.steering_wheel = None;
+    }
+    let all = coordinates(&plan.course);
+    if request.at.len() != all.len() {
+        return Err(format!(
+            "expected a value for each of {} sliders",
+            all.len()
+        ));
+    }
+    let found = axle_curves(&axle, &plan).map_err(|f| words(&axle, f))?;
+    let over = main(&plan.course);
+    let places: Vec<Vec<f64>> = found
+        .stations
+        .iter()
+        .map(|s| all.iter().map(|c| place(&s.placement, *c, &left)).collect())
+        .collect();
+    let main = all.iter().position(|c| *c == over).unwrap_or(0);
+    let (groups, shown) = grouped(&places, main, &request.at);
+    let rack = groups.iter().position(|group| *group == shown);
+    let fault = |fault: DesignFault| fault.describe(&left.mechanism);
+    let mut said = doubts(&left).map_err(fault)?;
+    said.extend(axle_doubts(&axle, &found, false));
+    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, &opened.study);
+    Ok(Solved {
+        columns: columns(&found),
+        drive: places.iter().map(|place| Some(place[main])).collect(),
+        groups,
+        shown,
+        rack: rack.map_or(0.0, |station| places[station][all.len() - 1]),
+        status: found.stations.iter().map(|s| s.status).collect(),
+        failures: failures(&found, &places, &all),
+        frame: frame(&axle, Side::Left),
+        right: frame(&axle, Side::Right),
+        opened: match left.design == opened.study.suspension.design {
+            true => None,
+            false => frame(&both.axle, Side::Left),
+        },
+        misfit: super::misfit::misfit(opened, &left).map_err(fault)?,
+        remarks: said,
+        milliseconds: start.elapsed().as_secs_f64() * 1e3,
+    })
+}
+
+/// A number of a placement, as it is printed.
+fn place(placement: &Placement, coordinate: Coordinate, left: &Suspension) -> f64 {
+    let value = match (coordinate, *placement) {
+        (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
+        (Coordinate::Roll, Placement::Roll { roll, .. }) => roll,
+        (_, Placement::Roll { heave, .. }) => heave,
+        (Coordinate::TravelRight, Placement::Travels { travels, .. }) => travels[1],
+        (_, Placement::Travels { travels, .. }) => travels[0],
+    };
+    printed(coordinate, value, left)
+}
+
+/// Stations that differ in the main number alone as groups, and the group nearest to a place.
+fn grouped(places: &[Vec<f64>], main: usize, at: &[f64]) -> (Vec<usize>, usize) {
+    let mut keys: Vec<Vec<f64>> = Vec::new();
+    let rest = |place: &[f64]| -> Vec<f64> {
+        let others = place.iter().enumerate().filter(|(k, _)| *k != main);
+        others.map(|(_, value)| *value).collect()
+    };
+    let group = |place: &Vec<f64>| {
+        let key = rest(place);
+        keys.iter().position(|k| *k == key).unwrap_or_else(|| {
+            keys.push(key);
+            keys.len() - 1
+        })
+    };
+    let groups = places.iter().map(group).collect();
+    let here = rest(at);
+    let far = |number: &usize| -> f64 {
+        let pairs = keys[*number].iter().zip(&here);
+        pairs.map(|(a, b)| (a - b) * (a - b)).sum()
+    };
+    let shown = (0..keys.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
+    (groups, shown.unwrap_or(0))
+}
+
+fn columns(found: &AxleCurves) -> Vec<ColumnValues> {
+    let columns = found.columns.iter().enumerate();
+    columns
+        .map(|(number, column)| ColumnValues {
+            column: column.name.clone(),
+            title: match column.by {
+                None => column.quantity.name().replace('_', " "),
+                Some(_) => column.name.replace('_', " "),
+            },
+            unit: readable_unit(&column.unit),
+            positive: column.by.is_none().then(|| column.quantity.positive()),
+            values: found.stations.iter().map(|s| s.value(number)).collect(),
+        })
+        .collect()
+}
+
+/// Stations without a position, those that follow each other for one reason as one stretch.
+fn failures(found: &AxleCurves, places: &[Vec<f64>], all: &[Coordinate]) -> Vec<FailureRange> {
+    let mut stretches: Vec<FailureRange> = Vec::new();
+    for (number, station) in found.stations.iter().enumerate() {
+        let Err(failure) = &station.placed else {
+            continue;
+        };
+        let reason = failure.to_string();
+        if let Some(last) = stretches.last_mut()
+            && last.last + 1 == number
+            && last.reason == reason
+        {
+            last.last = number;
+            continue;
+        }
+        let named = all.iter().zip(&places[number]);
+        let named = named.map(|(c, value)| format!("{} {value}", c.key().replace('_', " ")));
+        stretches.push(FailureRange {
+            first: number,
+            last: number,
+            status: station.status.to_owned(),
+            reason,
+            place: format!("from {}", named.collect::<Vec<_>>().join(", ")),
+        });
+    }
+    stretches
+}
+
+/// A wheel where the sliders are, or why it is not there.
+fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) -> Option<Frame> {
+    let mut course = plan.course.clone();
+    course.steering_wheel = None;
+    for (coordinate, value) in coordinates(&plan.course).into_iter().zip(at) {
+        *course.along(coordinate)? = vec![coordinate.in_course(*value, axle)];
+    }
+    let here = AxlePlan {
+        course,
+        quantities: Vec::new(),
+        derivatives: false,
+        sensitivities: Vec::new(),
+    };
+    let found = axle_curves(axle, &here).ok()?;
+    let station = found.stations.first()?;
+    let placed = match &station.placed {
+        Ok(placed) => placed,
+        Err(failure) => {
+            return Some(Frame {
+                drive: at[0],
+                rack: at[at.len() - 1],
+                pose: Err(failure.to_string()),
+            });
+        }
+    };
+    let (wheel, travel) = match side {
+        Side::Left => (axle.left.clone(), placed.travels[0]),
+        Side::Right => {
+            let frame = axle.left.frame.of_other_side();
+            let wheel = Suspension {
+                frame,
+                ..axle.suspension(Side::Right).clone()
+            };
+            (wheel, placed.travels[1])
+        }
+    };
+    let corner = Plan {
+        station_order: StationOrder::through(&[travel]),
+        racks: vec![at[at.len() - 1]],
+        rack_sign: wheel.frame.sign(Axis::Y),
+        ..Plan::of(study)
+    };
+    let mut frame = frames(&wheel, &corner).ok()?.pop()?;
+    if let Ok(placement) = &mut frame.pose {
+        // That of one wheel is not the axle's.
+        placement.roll_centre = None;
+    }
+    Some(frame)
+}
+
+/// `curves.csv` of an axle with another left wheel.
+pub(super) fn csv(both: &AxleStudy, left: Suspension) -> Result<Vec<u8>, String> {
+    let axle = moved(&both.axle, &left);
+    let found = axle_curves(&axle, &both.plan).map_err(|f| words(&axle, f))?;
+    Ok(axle_curves_csv(&axle, &both.plan, &found))
+}
+
+/// What a coordinate of both wheels does to each column.
+pub(super) fn influence(
+    both: &AxleStudy,
+    left: Suspension,
+    names: &[String],
+    point: PointId,
+    axis: Axis,
+) -> Result<InfluenceAnswer, String> {
+    let axle = moved(&both.axle, &left);
+    let mut plan = asking_for(&both.plan, &axle, names)?;
+    plan.sensitivities = vec![point];
+    let found = axle_curves(&axle, &plan).map_err(|f| words(&axle, f))?;
+    let stations = found.stations.len();
+    let columns = found.columns.iter().map(|column| InfluenceColumn {
+        column: column.name.clone(),
+        slopes: vec![None; stations],
+    });
+    let mut columns: Vec<InfluenceColumn> = columns.collect();
+    for s in found.sensitivities.iter().filter(|s| s.axis == axis) {
+        columns[s.column].slopes[s.station] = s.value.is_finite().then_some(s.value);
+    }
+    Ok(InfluenceAnswer { columns })
+}

@@ -158,15 +158,7 @@ impl Effects {
             rack_moves: false,
             time: None,
         };
-        base.outputs = Outputs {
-            characteristics: vec![Characteristic::Camber],
-            points: Vec::new(),
-            knuckle: false,
-            order: Order::Position,
-            sensitivities: Vec::new(),
-            certify: false,
-            loads: Vec::new(),
-        };
+        base.outputs = Outputs::of(vec![Characteristic::Camber]);
         base.suspension.vehicle = Vehicle::default();
         let mut added = base.clone();
         let mut runs = Vec::new();

@@ -110,13 +110,13 @@ pub struct GradientEvaluator<'a> {
     quantities: &'a [Quantity],
     points: usize,
     lanes: Option<Gradients<'a>>,
-    one_by_one: ByOrder<'a>,
+    one_by_one: ByRateOrder<'a>,
     /// Whether a design keeps the stations that have a pose where others have none.
     every_station: bool,
 }
 
 /// The pose's derivatives that values take.
-enum ByOrder<'a> {
+enum ByRateOrder<'a> {
     Positions(Box<OneByOne<'a, 1>>),
     Rates(Box<OneByOne<'a, 2>>),
 }
@@ -139,10 +139,12 @@ impl<'a> GradientEvaluator<'a> {
             points: suspension.design.len(),
             lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
             one_by_one: match rates {
-                false => {
-                    ByOrder::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?))
+                false => ByRateOrder::Positions(Box::new(OneByOne::new(
+                    suspension, stations, quantities,
+                )?)),
+                true => {
+                    ByRateOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?))
                 }
-                true => ByOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
             },
             every_station: false,
         })
@@ -152,8 +154,8 @@ impl<'a> GradientEvaluator<'a> {
     #[must_use]
     pub fn with_sensitivities_to(mut self, points: &[PointId]) -> Self {
         match &mut self.one_by_one {
-            ByOrder::Positions(one) => one.differentiate_by(points),
-            ByOrder::Rates(one) => one.differentiate_by(points),
+            ByRateOrder::Positions(one) => one.differentiate_by(points),
+            ByRateOrder::Rates(one) => one.differentiate_by(points),
         }
         self
     }
@@ -205,8 +207,8 @@ impl<'a> GradientEvaluator<'a> {
                 into.forget(place);
                 let every_station = self.every_station;
                 let solved = match &mut self.one_by_one {
-                    ByOrder::Positions(one) => one.evaluate(design, place, every_station, into),
-                    ByOrder::Rates(one) => one.evaluate(design, place, every_station, into),
+                    ByRateOrder::Positions(one) => one.evaluate(design, place, every_station, into),
+                    ByRateOrder::Rates(one) => one.evaluate(design, place, every_station, into),
                 };
                 if solved.is_err() && !every_station {
                     into.forget(place);

@@ -608,13 +608,5 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
 
 /// The outputs of one wheel in a study of an axle: none.
 pub fn no_corner_outputs() -> Outputs {
-    Outputs {
-        characteristics: Vec::new(),
-        points: Vec::new(),
-        knuckle: false,
-        order: Order::Position,
-        sensitivities: Vec::new(),
-        certify: false,
-        loads: Vec::new(),
-    }
+    Outputs::of(Vec::new())
 }

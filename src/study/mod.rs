@@ -164,6 +164,21 @@ pub struct Outputs {
     pub loads: Vec<Load>,
 }
 
+impl Outputs {
+    /// Values of these characteristics, and nothing else.
+    pub fn of(characteristics: Vec<Characteristic>) -> Self {
+        Outputs {
+            characteristics,
+            points: Vec::new(),
+            knuckle: false,
+            order: Order::Position,
+            sensitivities: Vec::new(),
+            certify: false,
+            loads: Vec::new(),
+        }
+    }
+}
+
 /// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {

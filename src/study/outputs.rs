@@ -22,21 +22,11 @@ const DEFAULT: [Characteristic; 4] = [
 /// What is asked for, if nothing is wrong with it.
 pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
-        return Some(Outputs {
-            characteristics: DEFAULT
-                .into_iter()
-                .filter(|c| {
-                    let steered = suspension.mechanism.steering_axis.is_some();
-                    steered || !c.info().reads_steering_axis()
-                })
-                .collect(),
-            points: Vec::new(),
-            knuckle: false,
-            order: Order::Position,
-            sensitivities: Vec::new(),
-            certify: false,
-            loads: Vec::new(),
-        });
+        let steered = suspension.mechanism.steering_axis.is_some();
+        let possible = DEFAULT
+            .into_iter()
+            .filter(|c| steered || !c.info().reads_steering_axis());
+        return Some(Outputs::of(possible.collect()));
     };
     let characteristics = distinct(&section.characteristics, problems, |text, problems| {
         characteristic(text, suspension, problems)

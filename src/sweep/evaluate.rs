@@ -154,13 +154,13 @@ impl Block {
 pub struct Evaluator<'a> {
     points: usize,
     lanes: Result<LaneSolver<'a>, NotInLanes>,
-    one_by_one: ByDepth<'a>,
+    one_by_one: ByRateOrder<'a>,
     /// Designs of the block left to be solved one by one, by number.
     left: Vec<usize>,
 }
 
 /// The pose's derivatives that values take.
-enum ByDepth<'a> {
+enum ByRateOrder<'a> {
     Positions(Box<OneByOne<'a, 1>>),
     Rates(Box<OneByOne<'a, 2>>),
 }
@@ -184,8 +184,8 @@ impl<'a> Evaluator<'a> {
     ) -> Result<Self, DesignFault> {
         let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
         let one_by_one = match depth {
-            0 => ByDepth::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?)),
-            _ => ByDepth::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+            0 => ByRateOrder::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+            _ => ByRateOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
         };
         Ok(Evaluator {
             points: suspension.design.len(),
@@ -208,10 +208,12 @@ impl<'a> Evaluator<'a> {
         Evaluator {
             lanes: Err(NotInLanes::Asked),
             one_by_one: match self.one_by_one {
-                ByDepth::Positions(solver) => {
-                    ByDepth::Positions(Box::new(solver.by_continuation()))
+                ByRateOrder::Positions(solver) => {
+                    ByRateOrder::Positions(Box::new(solver.by_continuation()))
                 }
-                ByDepth::Rates(solver) => ByDepth::Rates(Box::new(solver.by_continuation())),
+                ByRateOrder::Rates(solver) => {
+                    ByRateOrder::Rates(Box::new(solver.by_continuation()))
+                }
             },
             ..self
         }
@@ -233,8 +235,8 @@ impl<'a> Evaluator<'a> {
             Err(_) => self.left.extend(0..count),
         }
         match &mut self.one_by_one {
-            ByDepth::Positions(solver) => solver.evaluate(designs, &self.left, block),
-            ByDepth::Rates(solver) => solver.evaluate(designs, &self.left, block),
+            ByRateOrder::Positions(solver) => solver.evaluate(designs, &self.left, block),
+            ByRateOrder::Rates(solver) => solver.evaluate(designs, &self.left, block),
         }
         self.left.len()
     }

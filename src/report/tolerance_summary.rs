@@ -174,6 +174,11 @@ impl ToleranceSummary {
         }
     }
 
+    /// The share of builds in all bands, where there are bands.
+    pub fn kept_in_words(&self) -> Option<String> {
+        self.yield_of_all.map(percent)
+    }
+
     /// One line on the run.
     pub fn headline(&self) -> String {
         let aligned = if self.aligned {
@@ -182,8 +187,8 @@ impl ToleranceSummary {
             ", as assembled"
         };
         let mut line = format!("{} builds{aligned}", self.builds);
-        if let Some(kept) = self.yield_of_all {
-            line += &format!(", {} in all bands", percent(kept));
+        if let Some(kept) = self.kept_in_words() {
+            line += &format!(", {kept} in all bands");
         }
         line
     }

@@ -121,6 +121,17 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let met = format!("<span{class}>{met}</span> of {targets} <small>targets</small>");
         facts.push(("Within tolerance", met));
     }
+    if let Summary::Tolerance(tolerance) = &run.summary {
+        let builds = tolerance.builds;
+        let rejected = match tolerance.rejected {
+            0 => String::new(),
+            n => format!(" <small class=\"bad\">{n} rejected</small>"),
+        };
+        facts.push(("Builds", format!("{builds}{rejected}")));
+        if let Some(kept) = tolerance.kept_in_words() {
+            facts.push(("In all bands", html(&kept)));
+        }
+    }
     if let Some(design) = run.record.designs.last() {
         let failed: usize = design.failures.iter().map(FailureRange::stations).sum();
         let all = design.stations;

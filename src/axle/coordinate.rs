@@ -1,6 +1,6 @@
 //! The numbers that say where an axle is, and as what a study writes them.
 
-use super::{Axle, Course, WheelMotion};
+use super::{Axle, Course, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
 
 /// One of the numbers that a motion of an axle is made of.
@@ -61,9 +61,56 @@ impl Coordinate {
             _ => written,
         }
     }
+
+    /// A value of a course as the study writes it: the shortest decimal where an angle has one.
+    pub fn written(self, value: f64, axle: &Axle) -> f64 {
+        let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
+        match self {
+            Coordinate::Roll => short(value.to_degrees()),
+            _ => short(value / self.in_course(1.0, axle)),
+        }
+    }
+}
+
+impl Placement {
+    /// The value of a coordinate, as a course has it; 0 of one that this is not made of.
+    pub fn along(&self, coordinate: Coordinate) -> f64 {
+        match (coordinate, *self) {
+            (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
+            (Coordinate::Roll, Placement::Roll { roll, .. }) => roll,
+            (Coordinate::Heave, Placement::Roll { heave, .. }) => heave,
+            (Coordinate::Heave | Coordinate::TravelLeft, Placement::Travels { travels, .. }) => {
+                travels[0]
+            }
+            (Coordinate::TravelRight, Placement::Travels { travels, .. }) => travels[1],
+            _ => 0.0,
+        }
+    }
 }
 
 impl Course {
+    /// The numbers that move, the one that curves are over first; at least one.
+    pub fn moving(&self) -> Vec<Coordinate> {
+        let mut course = self.clone();
+        let by_wheel = course.steering_wheel.is_some();
+        let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
+        available.retain(|c| course.along(*c).is_some());
+        available.retain(|c| match c {
+            Coordinate::Rack => !by_wheel && course.shows_rack,
+            Coordinate::SteeringWheel => by_wheel,
+            _ => true,
+        });
+        let mut moving = available.clone();
+        moving.retain(|c| course.along(*c).is_some_and(|values| values.len() > 1));
+        if moving.is_empty() {
+            moving.push(available[0]);
+        }
+        // Steering before the rest of what curves are not over.
+        let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
+        moving[1..].sort_by_key(|c| !steers(c));
+        moving
+    }
+
     /// The values of a coordinate; none of one that this course does not have. The rack and the steering wheel
     /// are the same.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {

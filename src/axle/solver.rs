@@ -11,6 +11,7 @@ use super::setup::Setup;
 use super::state::{Hold, State};
 use super::taylor::Line;
 use super::{Axle, Quantity};
+use crate::analyse::Limits;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles};
 use crate::model::{Drive, Mechanism, PointId, RockerId, Side};
@@ -897,6 +898,23 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             receive(number, [left, right]);
         }
         Ok(())
+    }
+
+    /// How far one wheel goes by itself, in the frame of its side.
+    pub(super) fn limits_of(&mut self, side: Side) -> Result<Limits, (Side, DesignFault)> {
+        let limits = self.corners[side as usize].solver.limits();
+        limits.map_err(|fault| (side, fault))
+    }
+
+    /// The pose of one wheel at a travel, the rack in the middle.
+    pub(super) fn pose(&mut self, side: Side, travel: f64) -> Option<Pose<f64>> {
+        let corner = &mut self.corners[side as usize];
+        corner.at(travel, 0.0, |_, _, _, pose| Ok(*pose)).ok()
+    }
+
+    /// The roll angle of a plane under both wheels in these poses.
+    pub(super) fn plane_under(&self, poses: &[Pose<f64>; 2]) -> Option<f64> {
+        self.tilted(poses).ok()
     }
 
     /// The spin axis of a wheel in the design position, in the frame of its side.

@@ -32,7 +32,8 @@ const MOST_UNDECIDED: usize = 3;
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "assemblies")?;
+    let why = "each wheel is assembled by itself, and both are alike or nearly so";
+    super::axle::refuse(&study, path, "assemblies", why)?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
             return Err(Stop::wrong_input(format!(

@@ -22,19 +22,19 @@ use nalgebra::DVector;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Refuses a study of an axle in a command that only knows one wheel.
-pub(super) fn refuse(study: &Study, path: &Path, command: &str) -> Result<(), Stop> {
+/// Refuses a study of an axle in a command that knows one wheel; `why` says so in a sentence.
+pub(super) fn refuse(study: &Study, path: &Path, command: &str, why: &str) -> Result<(), Stop> {
     match study.axle {
         None => Ok(()),
         Some(_) => Err(Stop::wrong_input(format!(
-            "{}: axle: `hardpoint {command}` is not yet there for an axle; without [axle] the study is of \
+            "{}: axle: `hardpoint {command}` is not yet there for an axle: {why}; without [axle] the study is of \
              one wheel",
             path.display()
         ))),
     }
 }
 
-fn fault(path: &Path, axle: &Axle, (side, fault): (Side, DesignFault)) -> Stop {
+pub(super) fn fault(path: &Path, axle: &Axle, (side, fault): (Side, DesignFault)) -> Stop {
     let mechanism = &axle.suspension(side).mechanism;
     Stop::wrong_input(format!(
         "{}: {} wheel: {}",

@@ -33,7 +33,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             Study::from_text("macpherson.toml", strut.template, Path::new(""))?
         }
     };
-    super::axle::refuse(&study, path, "bench")?;
+    let why = "it measures the solver of one wheel";
+    super::axle::refuse(&study, path, "bench", why)?;
     let stop = |reason: Unmeasurable| match reason {
         Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
         other => Stop::wrong_input(format!("{}: {other}", path.display())),

@@ -5,20 +5,23 @@ use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
+use crate::axle::{AxleEnd, AxlePlan, AxleSolver, axle_curves};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
-use crate::model::{self, Axis, PointId};
+use crate::model::{self, Axis, PointId, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, FailureRange, Table, as_written, brief};
+use crate::report::{AxleSummary, Cell, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
-use crate::study::{Drive, Study};
+use crate::study::{AxleStudy, Drive, Study};
 use std::ops::ControlFlow;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
-    super::axle::refuse(&study, path, "limits")?;
+    if let Some(axle) = &study.axle {
+        return of_axle(arguments, &study, axle);
+    }
     let suspension = &study.suspension;
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
@@ -38,6 +41,68 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     }
     out.finish()?;
     Ok(match failures.is_empty() {
+        true => Exit::Done,
+        false => Exit::Incomplete,
+    })
+}
+
+/// The limits of an axle: which wheel ends what.
+fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let AxleStudy { axle, plan } = both;
+    let stop = |f| super::axle::fault(path, axle, f);
+    let mut solver = AxleSolver::<1>::new(axle, &[], false).map_err(stop)?;
+    let limits = solver.limits().map_err(stop)?;
+    let moving = AxlePlan {
+        sensitivities: Vec::new(),
+        ..plan.clone()
+    };
+    let curves = axle_curves(axle, &moving).map_err(stop)?;
+    let unit = study.suspension.length_unit.symbol();
+    let columns = ["quantity", "at", "from", "because", "to", "because there"];
+    let mut table = Table::new(columns);
+    for (side, range) in [Side::Left, Side::Right].into_iter().zip(&limits.travels) {
+        let quantity = format!("{}_travel_{unit}", side.name());
+        let own = Row {
+            quantity: &quantity,
+            at: "rack 0".to_owned(),
+            factor: 1.0,
+        };
+        table.push(own.of(study, &range.lower, &range.upper));
+    }
+    let because = |end: &AxleEnd| {
+        let why = match &end.end {
+            RangeEnd::Fold(limit) => because(limit, study),
+            _ => "the path could not be followed further".to_owned(),
+        };
+        format!("{} wheel: {why}", end.side.name())
+    };
+    let sign = study.suspension.frame.sign(Axis::Y);
+    let mut push = |quantity: &str, at: &str, factor: f64, ends: [&AxleEnd; 2]| {
+        let [mut from, mut to] = ends.map(|end| (end.value * factor, because(end)));
+        if factor < 0.0 {
+            (from, to) = (to, from);
+        }
+        table.push(row([quantity, at], from, to));
+    };
+    if let Some([lower, upper]) = &limits.rack {
+        push(&format!("rack_{unit}"), "travels 0", sign, [lower, upper]);
+    }
+    if let [Some(lower), Some(upper)] = &limits.roll {
+        let at = "heave 0, rack 0";
+        push("roll_deg", at, 1.0_f64.to_degrees(), [lower, upper]);
+    }
+    let mut out = Printer::new(arguments.format);
+    out.table("limits", table)?;
+    if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
+        out.say("\nHow far the axle rolls is not known: no wheel was followed to the end of its travel.\n")?;
+    }
+    let summary = AxleSummary::of(&study.name, axle, &moving, &curves, &curves);
+    for failure in summary.failures() {
+        out.failure(&format!("\n{failure}\n"))?;
+    }
+    out.finish()?;
+    Ok(match curves.stations.iter().all(|s| s.placed.is_ok()) {
         true => Exit::Done,
         false => Exit::Incomplete,
     })

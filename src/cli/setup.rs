@@ -12,7 +12,8 @@ use crate::study::{Drive, Study};
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "setup")?;
+    let why = "adjustments are found for one wheel at a time";
+    super::axle::refuse(&study, path, "setup", why)?;
     let Some(setup) = &study.setup else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [setup] section, which says what may be adjusted and what is wanted",

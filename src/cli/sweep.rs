@@ -11,7 +11,7 @@ use crate::report::{
     rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
-use crate::study::{FileFormat, Order, Outputs, Study};
+use crate::study::{FileFormat, Order, Study};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
 use std::io::{ErrorKind, Write};
 use std::ops::Range;
@@ -25,7 +25,6 @@ const WAIT: Duration = Duration::from_millis(200);
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "sweep")?;
     let Some(sweep) = &study.sweep else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [sweep] section, which says which designs are looked at",
@@ -50,7 +49,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let record = &plan.record;
     let pool = pool(arguments.threads, record.blocks())?;
     let output = open(arguments, &study, record)?;
-    let left_out = left_out(&study.outputs);
+    let left_out = left_out(&study);
     if !left_out.is_empty() {
         terminal::note(&format!(
             "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
@@ -167,7 +166,8 @@ fn draw(
     tally: &SweepStatistics,
     path: &Path,
 ) -> Result<(), Stop> {
-    if output.directory().is_none() || tally.designs == 0 {
+    // Of an axle the page shows no drawing.
+    if output.directory().is_none() || tally.designs == 0 || study.axle.is_some() {
         return Ok(());
     }
     let summary = SweepSummary::of(&plan.record, tally);
@@ -179,10 +179,17 @@ fn draw(
 }
 
 /// What of the outputs a study asks for has no place in the results of a sweep.
-fn left_out(outputs: &Outputs) -> Vec<&'static str> {
+fn left_out(study: &Study) -> Vec<&'static str> {
+    let outputs = &study.outputs;
+    let of_axle = study.axle.as_ref().map(|both| &both.plan);
+    let derived = of_axle.is_some_and(|plan| plan.derivatives);
+    let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
     let asked = [
-        ("order", outputs.order != Order::Position),
-        ("sensitivities", !outputs.sensitivities.is_empty()),
+        ("order", derived || outputs.order != Order::Position),
+        (
+            "sensitivities",
+            sensitive || !outputs.sensitivities.is_empty(),
+        ),
         ("certify", outputs.certify),
         ("loads", !outputs.loads.is_empty()),
     ];
@@ -390,7 +397,8 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
             "there is no design {number}; the sweep has {designs}, numbered from 0"
         )));
     }
-    let text = study.with_design(&plan.design(number));
+    let right = plan.right_design(number);
+    let text = study.with_designs(&plan.design(number), right.as_deref());
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)
 }

@@ -24,7 +24,8 @@ const FANS: [(&str, &str, usize); 4] = [
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "tolerance")?;
+    let why = "builds of two wheels scatter by themselves, and only those of one are drawn";
+    super::axle::refuse(&study, path, "tolerance", why)?;
     let Some(tolerance) = &study.tolerance else {
         return Err(Stop::wrong_input(format!(
             "{}: there is no [tolerance] section, which says how parts scatter",

@@ -49,6 +49,27 @@ impl Column {
         }
     }
 
+    /// The column of a value that no plan of one wheel has.
+    pub(crate) fn of_value(
+        output: String,
+        unit: String,
+        positive: &'static str,
+        factor: f64,
+    ) -> Column {
+        Column {
+            name: match unit.is_empty() {
+                true => output.clone(),
+                false => format!("{output}_{unit}"),
+            },
+            output,
+            unit,
+            positive: Some(positive),
+            order: 0,
+            of: None,
+            factor,
+        }
+    }
+
     /// What a value in radians and length units is multiplied by to be printed.
     pub fn factor(&self) -> f64 {
         self.factor

@@ -29,7 +29,7 @@ impl Record {
         designs: &[SolvedAxle<'_>],
     ) -> Result<Self, (Side, DesignFault)> {
         let length = axle.left.length_unit;
-        let moving = moving(&plan.course);
+        let moving = plan.course.moving();
         let column = |coordinate: &Coordinate| coordinate.column(length);
         let further: Vec<String> = moving[1..].iter().map(column).collect();
         let record = |(label, file, axle, curves): &SolvedAxle<'_>| {
@@ -63,38 +63,6 @@ impl Record {
             scene: Scene::of_axle(axle),
             influences: Vec::new(),
         })
-    }
-}
-
-/// The numbers that move, the one that curves are over first; at least one.
-fn moving(course: &Course) -> Vec<Coordinate> {
-    let mut course = course.clone();
-    let by_wheel = course.steering_wheel.is_some();
-    let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
-    available.retain(|c| course.along(*c).is_some());
-    available.retain(|c| match c {
-        Coordinate::Rack => !by_wheel && course.shows_rack,
-        Coordinate::SteeringWheel => by_wheel,
-        _ => true,
-    });
-    let mut moving = available.clone();
-    moving.retain(|c| course.along(*c).is_some_and(|values| values.len() > 1));
-    if moving.is_empty() {
-        moving.push(available[0]);
-    }
-    // Steering before the rest of what curves are not over.
-    let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
-    moving[1..].sort_by_key(|c| !steers(c));
-    moving
-}
-
-/// What a coordinate's value of the course is in the columns.
-fn written(axle: &Axle, coordinate: Coordinate, value: f64) -> f64 {
-    let one = coordinate.in_course(1.0, axle);
-    let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
-    match coordinate {
-        Coordinate::Roll => short(value.to_degrees()),
-        _ => short(value / one),
     }
 }
 
@@ -135,8 +103,8 @@ fn frames(
     let drawn = axle_frames(axle, &placements)?;
     let frames = frames.into_iter().zip(drawn);
     let frame = |((_, drive, second), drawn): ((Course, f64, f64), _)| Frame {
-        drive: written(axle, moving[0], drive),
-        rack: moving.get(1).map_or(0.0, |c| written(axle, *c, second)),
+        drive: moving[0].written(drive, axle),
+        rack: moving.get(1).map_or(0.0, |c| c.written(second, axle)),
         pose: Result::map_err(drawn, |failure: crate::axle::AxleFailure| {
             failure.to_string()
         }),

@@ -136,7 +136,7 @@ fn resolve(
     };
     let sweep = match &file.sweep {
         None => Some(None),
-        Some(_) if of_axle => None,
+        Some(_) if of_axle && axle.is_none() => None,
         Some(section) => {
             sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
         }

@@ -64,7 +64,7 @@ impl Block {
     }
 
     /// Makes ready for so many designs. Their values are still those of another block.
-    fn clear(&mut self, designs: usize) {
+    pub(super) fn clear(&mut self, designs: usize) {
         assert!(designs <= BLOCK);
         self.designs = designs;
         self.failures.clear();

@@ -6,6 +6,7 @@
 //! number of threads, in one run, in shards or resumed.
 
 mod aligned;
+mod axle;
 mod effects;
 mod evaluate;
 mod front;

@@ -1,5 +1,6 @@
 //! What a sweep computes of each design, and the workers that do it.
 
+use super::axle::{AxleEvaluator, AxleStations};
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
@@ -24,7 +25,10 @@ pub struct SweepPlan<'s> {
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    gains: Vec<Column>,
+    /// The derivative by the drive of each quantity that has one.
+    gains: Vec<Option<Column>>,
+    /// Of an axle, instead of the quantities.
+    axle: Option<AxleStations<'s>>,
     wishes: Vec<TargetSample>,
     samples: Samples,
     study: &'s Study,
@@ -76,30 +80,46 @@ impl<'s> SweepPlan<'s> {
         let stations = Stations::of(&study.motion, &suspension.frame, &further);
         let plan = with_gains(study);
         let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
-        let wishes = wanted.iter().map(|(target, wanted)| TargetSample {
-            quantity: quantities
-                .iter()
-                .position(|q| target.of.of_wheel().and_then(|of| of.quantity()) == Some(*q))
-                .expect("the plan has the targets' characteristics"),
-            tolerance: target.tolerance,
-            weight: target.weight,
-            wanted: wanted
-                .iter()
-                .map(|(drive, value)| {
-                    let station = stations.at(*drive).expect("a station for each drive value");
-                    (station, *value)
-                })
-                .collect(),
-        });
+        let wishes: Vec<_> = wanted
+            .iter()
+            .map(|(target, wanted)| TargetSample {
+                quantity: quantities
+                    .iter()
+                    .position(|q| target.of.of_wheel().and_then(|of| of.quantity()) == Some(*q))
+                    .expect("the plan has the targets' characteristics"),
+                tolerance: target.tolerance,
+                weight: target.weight,
+                wanted: wanted
+                    .iter()
+                    .map(|(drive, value)| {
+                        let station = stations.at(*drive).expect("a station for each drive value");
+                        (station, *value)
+                    })
+                    .collect(),
+            })
+            .collect();
         let columns = Column::all(&plan, suspension.length_unit);
-        let (values, gains) = columns.into_iter().partition(|c| c.order == 0);
+        let (values, gains): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
+        // What is made of velocities is a gain itself.
+        let gains = gains.into_iter().zip(&quantities);
+        let gains = gains.map(|(gain, quantity)| (quantity.rate_order() == 0).then_some(gain));
+        let (mut values, mut gains): (_, Vec<_>) = (values, gains.collect());
+        let mut stations = stations;
+        let axle = study.axle.as_ref();
+        let axle = axle.map(|both| AxleStations::of(&both.axle, &both.plan));
+        if let Some(axle) = &axle {
+            stations = axle.stations();
+            values = axle.columns();
+            gains = vec![None; values.len()];
+        }
         let mut plan = SweepPlan {
-            wishes: wishes.collect(),
+            wishes,
             record: describe(study, sweep, &samples, &stations),
             stations,
             quantities,
             values,
             gains,
+            axle,
             samples,
             study,
         };
@@ -121,8 +141,15 @@ impl<'s> SweepPlan<'s> {
         let suspension = &self.study.suspension;
         Ok(Worker {
             plan: self,
-            evaluator: Evaluator::new(suspension, &self.stations, &self.quantities)?,
-            block: Block::new(self.quantities.len(), self.stations.count()),
+            evaluator: match &self.axle {
+                Some(axle) => Solves::Axles(axle.evaluator()?),
+                None => {
+                    let (stations, quantities) = (&self.stations, &self.quantities);
+                    let evaluator = Evaluator::new(suspension, stations, quantities)?;
+                    Solves::Wheels(Box::new(evaluator))
+                }
+            },
+            block: Block::new(self.values.len(), self.stations.count()),
             designs: Vec::new(),
             rows: Rows::default(),
         })
@@ -136,6 +163,15 @@ impl<'s> SweepPlan<'s> {
         let mut moved = design.clone();
         self.samples.place(&values, frame, design, &mut moved);
         moved
+    }
+
+    /// The points of the right wheel of a design, in the kernel's frame of its side, where it has hardpoints of its
+    /// own.
+    pub fn right_design(&self, number: u64) -> Option<Vec<Vector3<f64>>> {
+        let mut right = Vec::new();
+        let axle = self.axle.as_ref()?;
+        axle.right_design(&self.design(number), &mut right)
+            .then_some(right)
     }
 
     /// The columns of results, in the order [`Worker`] fills them in.
@@ -154,7 +190,7 @@ impl<'s> SweepPlan<'s> {
             "" => format!("{output}_{word}"),
             unit => format!("{output}_{word}_{unit}"),
         };
-        for ((value, gain), quantity) in self.values.iter().zip(&self.gains).zip(&self.quantities) {
+        for (value, gain) in self.values.iter().zip(&self.gains) {
             let output = value.output.as_str();
             for (word, kind) in [
                 ("min", Kind::Min),
@@ -163,8 +199,7 @@ impl<'s> SweepPlan<'s> {
             ] {
                 add(named(output, word, &value.unit), output, kind, &value.unit);
             }
-            // What is made of velocities is a gain itself.
-            if quantity.rate_order() == 0 {
+            if let Some(gain) = gain {
                 let name = named(output, "gain", &gain.unit);
                 add(name, output, Kind::Gain, &gain.unit);
             }
@@ -216,7 +251,7 @@ impl<'s> SweepPlan<'s> {
             put(min);
             put(max);
             put(value_at(self.stations.design()) * factor);
-            if self.quantities[k].rate_order() == 0 {
+            if let Some(gain) = gain {
                 put(block.slope(design, k) * gain.factor());
             }
         }
@@ -263,10 +298,18 @@ impl<'s> SweepPlan<'s> {
     }
 }
 
+/// What solves designs.
+enum Solves<'p> {
+    /// Of one wheel.
+    Wheels(Box<Evaluator<'p>>),
+    /// Of both.
+    Axles(Box<dyn AxleEvaluator + 'p>),
+}
+
 /// Turns blocks of designs into rows. One for each thread.
 pub struct Worker<'p> {
     plan: &'p SweepPlan<'p>,
-    evaluator: Evaluator<'p>,
+    evaluator: Solves<'p>,
     block: Block,
     designs: Vec<Vector3<f64>>,
     rows: Rows,
@@ -311,7 +354,12 @@ impl Worker<'_> {
     /// Evaluates the designs and fills in their rows.
     fn evaluate(&mut self) {
         let (plan, rows) = (self.plan, &mut self.rows);
-        self.evaluator.evaluate(&self.designs, &mut self.block);
+        match &mut self.evaluator {
+            Solves::Wheels(wheels) => {
+                wheels.evaluate(&self.designs, &mut self.block);
+            }
+            Solves::Axles(axles) => axles.evaluate(&self.designs, &mut self.block),
+        }
         let width = plan.record.outputs.len();
         rows.outputs.resize(self.block.designs() * width, f64::NAN);
         for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {
@@ -395,9 +443,10 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         seed,
         designs: samples.designs(),
         blocks_of_part: BLOCKS_OF_PART,
-        drive: match motion.drive.is_angle() {
-            true => format!("{}_deg", motion.drive.key()),
-            false => format!("{}_{}", motion.drive.key(), unit.symbol()),
+        drive: match (&study.axle, motion.drive.is_angle()) {
+            (Some(both), _) => both.plan.course.moving()[0].column(unit),
+            (None, true) => format!("{}_deg", motion.drive.key()),
+            (None, false) => format!("{}_{}", motion.drive.key(), unit.symbol()),
         },
         stations: stations.count(),
         variables: variables.collect(),
@@ -436,6 +485,8 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
             Samples::Table(table) => format!("{:?}", table.digest),
         },
     );
+    let of_axle = study.axle.as_ref();
+    let meaning = of_axle.map_or(meaning.clone(), |both| format!("{meaning} {both:?}"));
     let digest = hmac_sha256::Hash::hash(meaning.as_bytes());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -59,6 +59,20 @@ impl Stations {
         }
     }
 
+    /// Stations that are a list, named by these values; the last one is not of the motion, and is this one: the design
+    /// position.
+    pub(super) fn listed(values: &[f64], design: usize) -> Self {
+        Stations {
+            drive: Drive::Travel,
+            station_order: StationOrder::through(values),
+            racks: vec![0.0],
+            of_motion: design,
+            racks_of_motion: 1,
+            home: 0,
+            design,
+        }
+    }
+
     /// Number of stations.
     pub fn count(&self) -> usize {
         self.values().len() * self.racks.len()

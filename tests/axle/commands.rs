@@ -97,13 +97,19 @@ fn sample_axles_are_solved_and_written() {
 fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    for command in ["sweep", "limits", "assemblies"] {
+    for (command, why) in [
+        ("assemblies", "each wheel is assembled by itself"),
+        ("tolerance", "builds of two wheels scatter by themselves"),
+        ("setup", "for one wheel at a time"),
+    ] {
         let (_, said) = run(&[command, path], 2);
-        assert!(
-            said.contains("not yet there for an axle"),
-            "{command}: {said}"
-        );
+        assert!(said.contains(why), "{command}: {said}");
     }
+    let (said, _) = run(&["limits", path], 0);
+    assert!(
+        said.contains("roll_deg") && said.contains("left wheel:"),
+        "{said}"
+    );
     for (set, words) in [
         ("motion.travel=1.0", "travel is of a study of one wheel"),
         ("motion.travel_left=1.0", "roll holds the mean travel"),
@@ -249,6 +255,46 @@ fn an_axle_is_tuned() {
     let again = out.join("optimised.toml");
     let (said, _) = run(&["check", again.to_str().unwrap()], 0);
     assert!(said.contains("18 of 18 stations solved"), "{said}");
+}
+
+/// A sweep of axles has the same bytes on one thread and on two, and a page.
+#[test]
+fn axles_are_swept() {
+    let text = fs::read_to_string(study("macpherson_axle_front.toml")).unwrap();
+    let head = text.split("[optimise]").next().unwrap();
+    let place = folder("swept");
+    fs::create_dir_all(&place).unwrap();
+    let file = place.join("study.toml");
+    let sweep = "[sweep]\nmethod = \"grid\"\nvariables = [{ hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-20.0, 20.0], steps = 150 }]\n";
+    fs::write(&file, format!("{head}{sweep}")).unwrap();
+    let few = [
+        "motion.roll=[-2.0, 2.0]",
+        "motion.heave=0.0",
+        "motion.steering_wheel_angle=[-180.0, 180.0]",
+        "outputs.characteristics=[\"roll_steer\", \"ackermann_error\", \"mean_steer\"]",
+    ];
+    let file = file.to_str().unwrap();
+    let swept = |more: &[&str]| {
+        let mut arguments = vec!["sweep", file];
+        arguments.extend(few.iter().flat_map(|set| ["--set", set]));
+        arguments.extend(more);
+        run(&arguments, 0)
+    };
+    let (one, _) = swept(&["--out", "-", "--threads", "1"]);
+    let (two, _) = swept(&["--out", "-", "--threads", "2"]);
+    assert_eq!(one, two);
+    assert_eq!(one.lines().count(), 151);
+    let out = place.join("out");
+    swept(&["--out", out.to_str().unwrap(), "--report"]);
+    assert_eq!(fs::read_to_string(out.join("designs.csv")).unwrap(), one);
+    assert!(out.join("report.html").is_file());
+    let (text, _) = swept(&["--design", "149"]);
+    assert!(text.contains("-110.0"), "{text}");
+    let (_, said) = run(&["check", file, "--set", "sweep.curves=true"], 2);
+    assert!(
+        said.contains("curves of every design are not there"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -2,8 +2,10 @@
 
 mod commands;
 mod gradients;
+mod limits;
 mod own;
 mod reference;
+mod sweep;
 mod symmetry;
 mod tuning;
 

@@ -1,0 +1,105 @@
+//! How far an axle goes: each wheel's travel, the rack that both are on, and roll.
+//!
+//! With the rack held and both wheel centres at travels heave +- s, roll goes on until the first wheel comes to
+//! the end of its travel. The roll angle there is that of the plane under both wheels.
+
+use super::solver::{AxleSolver, Placement};
+use crate::analyse::{Range, RangeEnd};
+use crate::mechanism::{DesignFault, Pose};
+use crate::model::Side;
+
+/// How far an axle goes from its design position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleLimits {
+    /// Travel of the left and of the right wheel, the rack in the middle.
+    pub travels: [Range; 2],
+    /// The least and the largest displacement of the rack towards the left wheel's outside, the travels 0; `None` where
+    /// nothing is on the rack.
+    pub rack: Option<[AxleEnd; 2]>,
+    /// The least and the largest roll angle (radians) at no heave, the rack in the middle; `None` where it is not known.
+    pub roll: [Option<AxleEnd>; 2],
+}
+
+/// The end of what an axle does: where the first wheel comes to an end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleEnd {
+    /// The value.
+    pub value: f64,
+    /// Which wheel.
+    pub side: Side,
+    /// That wheel's own end, in its own frame.
+    pub end: RangeEnd,
+}
+
+/// How near to its end a roll angle must be reached, so that the end is believed.
+const BEFORE_END: f64 = 0.999;
+
+impl<const N: usize> AxleSolver<'_, N> {
+    /// The ranges of both travels, of the rack and of roll.
+    ///
+    /// # Errors
+    /// If the design position of a wheel is singular.
+    pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
+        let left = self.limits_of(Side::Left)?;
+        let right = self.limits_of(Side::Right)?;
+        let rack = left.rack.as_ref().zip(right.rack.as_ref());
+        // The right wheel's own rack moves the other way.
+        let rack = rack.map(|(left, right)| {
+            let lower = nearer([(&left.lower, 1.0), (&right.upper, -1.0)]);
+            let upper = nearer([(&left.upper, 1.0), (&right.lower, -1.0)]);
+            [lower, upper]
+        });
+        let (left, right) = (left.travel, right.travel);
+        // Rolled to the left, the left wheel is in droop.
+        let mut roll = |ends: [&RangeEnd; 2]| {
+            let end = nearer([(ends[0], 1.0), (ends[1], -1.0)]);
+            let value = self.roll_at(&end)?;
+            Some(AxleEnd { value, ..end })
+        };
+        let upper = roll([&left.lower, &right.upper]);
+        let lower = roll([&left.upper, &right.lower]);
+        Ok(AxleLimits {
+            travels: [left, right],
+            rack,
+            roll: [lower, upper],
+        })
+    }
+
+    /// The roll angle where the first wheel, at half the difference of travels that is the end's value, comes to its end.
+    fn roll_at(&mut self, end: &AxleEnd) -> Option<f64> {
+        let RangeEnd::Fold(limit) = &end.end else {
+            return None;
+        };
+        let other = match end.side {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        };
+        let other = self.pose(other, -limit.value)?;
+        let poses: [Pose<f64>; 2] = match end.side {
+            Side::Left => [limit.pose, other],
+            Side::Right => [other, limit.pose],
+        };
+        let roll = self.plane_under(&poses).filter(|roll| roll.is_finite())?;
+        let before = Placement::Roll {
+            heave: 0.0,
+            roll: BEFORE_END * roll,
+            rack: 0.0,
+        };
+        self.place(&before).is_ok().then_some(roll)
+    }
+}
+
+/// Of an end of the left and one of the right wheel, each with the sign that makes its value the axle's, the one nearer
+/// to the design position.
+fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
+    let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
+    let (side, (end, value)) = match left.1.abs() <= right.1.abs() {
+        true => (Side::Left, left),
+        false => (Side::Right, right),
+    };
+    AxleEnd {
+        value,
+        side,
+        end: end.clone(),
+    }
+}

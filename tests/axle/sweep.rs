@@ -1,0 +1,100 @@
+//! Sweeps of axles.
+
+use hardpoint::axle::axle_curves;
+use hardpoint::study::Study;
+use hardpoint::sweep::SweepPlan;
+use std::path::Path;
+
+fn study(right: &str) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_axle_rear.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let head = text.split("[motion]").next().unwrap();
+    let head = head.replace("[axle]\nright = \"mirrored\"", right);
+    let text = format!(
+        r#"{head}
+[motion]
+roll = [-2.0, 0.0, 2.0]
+heave = [-10.0, 10.0]
+
+[outputs]
+characteristics = ["roll_steer", "toe", "force_roll_centre_height"]
+
+[sweep]
+method = "sobol"
+samples = 3
+variables = [
+  {{ hardpoint = "toe_link_inner", axis = "z", range = [-10.0, 10.0] }},
+  {{ hardpoint = "toe_link_outer", axis = "y", range = [-5.0, 5.0] }},
+]
+"#
+    );
+    Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A row of a sweep is what `solve` finds of the design's own study, on whose right wheel the hardpoints that are given
+/// have moved as the left ones have.
+#[test]
+fn rows_are_what_the_designs_own_curves_have() {
+    let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
+    for right in ["[axle]\nright = \"mirrored\"", own] {
+        let study = study(right);
+        let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+        let names: Vec<&str> = plan
+            .record
+            .outputs
+            .iter()
+            .map(|o| o.column.as_str())
+            .collect();
+        assert_eq!(
+            names[..3],
+            [
+                "left_roll_steer_min_deg_per_deg",
+                "left_roll_steer_max_deg_per_deg",
+                "left_roll_steer_design_deg_per_deg"
+            ]
+        );
+        let mut worker = plan.worker().unwrap();
+        let rows = worker.rows(0).clone();
+        for design in 0..3 {
+            let right = plan.right_design(design);
+            let text = study.with_designs(&plan.design(design), right.as_deref());
+            let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
+            let axle = alone.axle.unwrap();
+            let curves = axle_curves(&axle.axle, &axle.plan).unwrap();
+            let width = names.len();
+            let row = &rows.outputs[design as usize * width..][..width];
+            for (column, found) in row.chunks_exact(3).enumerate() {
+                let values = || curves.stations.iter().map(|s| s.value(column).unwrap());
+                let least = values().fold(f64::INFINITY, f64::min);
+                let largest = values().fold(f64::NEG_INFINITY, f64::max);
+                for (found, expected) in found.iter().zip([least, largest]) {
+                    let error = (found - expected).abs();
+                    assert!(
+                        error < 1e-10 * expected.abs().max(1.0),
+                        "{found} {expected}"
+                    );
+                }
+                assert!(found[2] > least && found[2] < largest);
+            }
+            assert!(rows.failing[design as usize].is_none());
+        }
+    }
+}
+
+/// A design that cannot be assembled, or does not get there, is a row with a status and empty cells.
+#[test]
+fn designs_that_fail_say_so() {
+    let mut study = study("[axle]\nright = \"mirrored\"");
+    if let Some(axle) = &mut study.axle {
+        let stations = axle.plan.course.along(hardpoint::axle::Coordinate::Heave);
+        *stations.unwrap() = vec![0.0, 900.0];
+    }
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    let rows = plan.worker().unwrap().rows(0).clone();
+    let failing = rows.failing[0].as_ref().unwrap();
+    assert_eq!(
+        (failing.status.as_str(), failing.stations),
+        ("unreachable", 3)
+    );
+    assert!(rows.outputs[0].is_nan() && rows.outputs[2].is_finite());
+}

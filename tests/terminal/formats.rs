@@ -209,7 +209,7 @@ fn a_comparison_is_complete_for_programs() {
     let called = Called::on("compare", "macpherson_solve", &more);
     let tables: Value = serde_json::from_str(&called.said()).unwrap();
     let figures = tables["figures"].as_array().unwrap();
-    assert!(figures.len() >= 4 && figures.len() % 2 == 0);
+    assert!(figures.len() >= 4 && figures.len().is_multiple_of(2));
     for pair in figures.chunks(2) {
         assert_eq!(pair[0]["output"], pair[1]["output"]);
         assert_eq!(

@@ -1,12 +1,13 @@
 //! A planted geometry comes back.
 
 use hardpoint::optimise::{
-    Assessment, Constrained, Control, Objective, TargetLayout, moved_design, tune,
+    Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,
+    tune,
 };
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
 
-fn front() -> Study {
+fn strut() -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
     Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -42,7 +43,7 @@ fn planted(study: &Study) -> Optimise {
 /// six coordinates the search comes back to it, to 1e-9 m, in tens of iterations.
 #[test]
 fn a_planted_design_is_recovered_from_every_start() {
-    let study = front();
+    let study = strut();
     let suspension = &study.suspension;
     let mut optimise = planted(&study);
     let variables = optimise.variables.clone();
@@ -136,7 +137,7 @@ fn points_moved_together_come_back() {
 /// coordinates make the best of it: no feasible move lowers the misfit.
 #[test]
 fn an_active_bound_is_where_it_stops() {
-    let study = front();
+    let study = strut();
     let mut optimise = study.optimise.clone().unwrap();
     optimise.good_enough = 0.0;
     let optimise = &optimise;
@@ -174,7 +175,7 @@ fn an_active_bound_is_where_it_stops() {
 /// Weights and tolerances mean what they say: scaling all of either changes nothing.
 #[test]
 fn only_the_proportion_of_weights_matters() {
-    let study = front();
+    let study = strut();
     let mut optimise = study.optimise.clone().unwrap();
     optimise.good_enough = 0.0;
     let scaled = hardpoint::study::Optimise {
@@ -252,54 +253,239 @@ fn derivatives_of_targets_and_constraints_are_exact() {
         );
         let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
         let n = optimise.variables.len();
-        let shape = Constrained::shape(&problem);
-        let mut at = |x: &nalgebra::DVector<f64>| {
-            let mut found = Assessment::new(shape, n);
-            problem.assess(x, &mut found).unwrap();
-            found
-        };
         let x = nalgebra::DVector::from_fn(n, |j, _| 2.0 * ((j * 7 + 3) as f64).sin());
-        let here = at(&x);
-        for j in 0..n {
-            let h = 0.05;
-            let moved = |steps: f64| {
-                let mut moved = x.clone();
-                moved[j] += steps * h;
-                moved
+        check_derivatives(file, &mut problem, &layout, &x);
+    }
+}
+
+/// The derivatives of residuals and rows at `x`, against differences of sixth order.
+fn check_derivatives(
+    name: &str,
+    problem: &mut Objective<'_, 2>,
+    layout: &TargetLayout,
+    x: &nalgebra::DVector<f64>,
+) {
+    let (n, shape) = (x.len(), Constrained::shape(problem));
+    let mut at = |x: &nalgebra::DVector<f64>| {
+        let mut found = Assessment::new(&shape, n);
+        problem
+            .assess(x, &mut found)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
+        found
+    };
+    let here = at(x);
+    for j in 0..n {
+        let h = 0.05;
+        let moved = |steps: f64| {
+            let mut moved = x.clone();
+            moved[j] += steps * h;
+            moved
+        };
+        let steps = [1.0, 2.0, 3.0].map(|k| (at(&moved(k)), at(&moved(-k))));
+        for (is_goal, count) in [(true, shape.goal), (false, shape.rows)] {
+            let part = |of: &Assessment, row: usize| match is_goal {
+                true => of.goal.residuals[row],
+                false => of.rows.residuals[row],
             };
-            let steps = [1.0, 2.0, 3.0].map(|k| (at(&moved(k)), at(&moved(-k))));
-            for (goal, rows, count) in [(true, false, shape.goal), (false, true, shape.rows)] {
-                let part = |of: &Assessment, row: usize| match (goal, rows) {
-                    (true, _) => of.goal.residuals[row],
-                    _ => of.rows.residuals[row],
-                };
-                for row in 0..count {
-                    let weights = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
-                    let differences = steps.iter().zip(weights);
-                    let slope: f64 = differences
-                        .map(|((up, down), w)| w * (part(up, row) - part(down, row)))
-                        .sum::<f64>()
-                        / h;
-                    let of = if goal { &here.goal } else { &here.rows };
-                    // At the edge of a band a derivative is that of one side.
-                    if goal && of.residuals[row] == 0.0 {
-                        continue;
-                    }
-                    let largest = of.jacobian.row(row).amax().max(1e-3);
-                    let between = rows && layout.labels()[row].station.is_none();
-                    // Of the differences, whose values are rounded.
-                    let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
-                    let bound = if between { 1e-7 } else { 2e-9 } + rounding / largest;
-                    let off = (slope - of.jacobian[(row, j)]).abs() / largest;
-                    assert!(
-                        off < bound,
-                        "{file}: variable {j}, {} {row}: {slope} {} ({off:e})",
-                        if goal { "residual" } else { "row" },
-                        of.jacobian[(row, j)]
-                    );
+            for row in 0..count {
+                let weights = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
+                let differences = steps.iter().zip(weights);
+                let slope: f64 = differences
+                    .map(|((up, down), w)| w * (part(up, row) - part(down, row)))
+                    .sum::<f64>()
+                    / h;
+                let of = if is_goal { &here.goal } else { &here.rows };
+                // At the edge of a band a derivative is that of one side.
+                if is_goal && of.residuals[row] == 0.0 {
+                    continue;
                 }
+                let largest = of.jacobian.row(row).amax().max(1e-3);
+                let between = !is_goal && layout.labels()[row].station.is_none();
+                // Of the differences, whose values are rounded.
+                let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
+                let bound = if between { 1e-7 } else { 2e-9 } + rounding / largest;
+                let off = (slope - of.jacobian[(row, j)]).abs() / largest;
+                assert!(
+                    off < bound,
+                    "{name}: variable {j}, {} {row}: {slope} {} ({off:e})",
+                    if is_goal { "residual" } else { "row" },
+                    of.jacobian[(row, j)]
+                );
             }
         }
+    }
+}
+
+/// A number in [-1, 1], repeatable.
+fn noise(seed: &mut u64) -> f64 {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    2.0 * ((*seed >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
+}
+
+/// Targets and constraints that every topology has, about a point of its carrier, at random designs within 6 mm of
+/// the study's in every coordinate of six of its points.
+#[test]
+fn derivatives_are_exact_at_random_designs_of_every_topology() {
+    for (file, carried, more) in [
+        (
+            "macpherson_front.toml",
+            "tie_rod_outer",
+            "{ members = [\"strut\", \"tie_rod\"], radii = [30.0, 8.0], clearance = 2.0 }",
+        ),
+        (
+            "double_wishbone_front.toml",
+            "upper_ball_joint",
+            "{ articulation = \"upper_ball_joint\", at_most = 20.0 }",
+        ),
+        (
+            "double_wishbone_rocker.toml",
+            "tie_rod_outer",
+            "{ members = [\"pushrod\", \"upper_arm_front\"], radii = [8.0, 10.0], clearance = 5.0 }, { characteristic = \"spring_length\", between = [165.0, 205.0] }",
+        ),
+        (
+            "five_link_rear.toml",
+            "toe_link_outer",
+            "{ members = [\"toe_link\", \"lower_rear_link\"], radii = [9.0, 11.0], clearance = 5.0 }, { length = \"upper_rear_link\", at_least = 90.0 }, { articulation = \"toe_link_outer\", at_most = 20.0 }",
+        ),
+        (
+            "semi_trailing_arm_rear.toml",
+            "wheel_centre",
+            "{ length = [\"arm_pivot_inner\", \"wheel_centre\"], between = [500.0, 800.0] }",
+        ),
+    ] {
+        let plain = edited(file, &[]);
+        let names: Vec<String> = plain
+            .suspension
+            .mechanism
+            .points
+            .iter()
+            .map(|p| p.name.clone())
+            .collect();
+        let axes = ["x", "y", "z"];
+        let step = (names.len() / 6).max(1);
+        let variables: Vec<String> = (0..6)
+            .map(|k| {
+                (
+                    names[(k * step) % names.len()].clone(),
+                    axes[(k + k / names.len()) % 3],
+                )
+            })
+            .map(|(name, axis)| {
+                format!("{{ hardpoint = \"{name}\", axis = \"{axis}\", range = [-9.0, 9.0] }}")
+            })
+            .collect();
+        let variables = format!("optimise.variables=[{}]", variables.join(", "));
+        let targets = format!(
+            "optimise.targets=[\
+            {{ characteristic = \"camber\", between = [-0.5, 0.5], tolerance = 0.05 }}, \
+            {{ characteristic = \"bump_steer\", at_most = -0.05, tolerance = 0.0005 }}, \
+            {{ characteristic = \"toe\", points = [[-40.0, 0.9], [40.0, -0.7]], tolerance = 0.05 }}, \
+            {{ point = \"{carried}\", axis = \"x\", at = 10.0, value = -400.0, tolerance = 0.5 }}, \
+            {{ characteristic = \"roll_centre_height\", at = 0.0, value = 900.0, tolerance = 2.0 }}]"
+        );
+        let constraints = format!(
+            "optimise.constraints=[\
+            {{ point = \"{carried}\", inside = {{ rim = 160.0, from = -200.0, to = 40.0 }}, clearance = 4.0 }}, \
+            {{ point = \"{carried}\", inside = {{ sphere = {{ centre = [10.0, 300.0, 200.0], radius = 600.0 }} }} }}, \
+            {{ point = \"{carried}\", inside = {{ half_space = {{ point = [0, 0, 0], normal = [0.1, 1.0, 0.2] }} }} }}, \
+            {more}]"
+        );
+        let travel = "motion.travel={ from = -30.0, to = 30.0, steps = 5 }";
+        let study = edited(file, &[travel, &variables, &targets, &constraints]);
+        let optimise = study.optimise.as_ref().unwrap();
+        let suspension = &study.suspension;
+        let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
+        let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);
+        let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let mut seed = 0x9E37_79B9_7F4A_7C15;
+        for _ in 0..3 {
+            let x =
+                nalgebra::DVector::from_fn(optimise.variables.len(), |_, _| 6.0 * noise(&mut seed));
+            check_derivatives(file, &mut problem, &layout, &x);
+        }
+    }
+}
+
+/// A front of two targets of a strut: as many points as are wanted, none better than another, each within its ranges, and
+/// each what an own tuning with the second target held there comes to.
+#[test]
+fn a_front_of_two_targets_is_traced() {
+    let study = edited(
+        "macpherson_front.toml",
+        &["optimise.front=[\"camber\", \"kingpin_inclination\"]"],
+    );
+    // Tolerances so tight that both cannot be had.
+    let optimise = study.optimise.as_ref().unwrap();
+    let (suspension, motion) = (&study.suspension, &study.motion);
+    let wanted = |target: &Target| match &target.wanted {
+        Wanted::Curve {
+            points,
+            interpolation,
+        } => Wanted::Curve {
+            points: points
+                .iter()
+                .map(|[x, y]| [*x, 1.05 * y + 2e-4 * x])
+                .collect(),
+            interpolation: *interpolation,
+        },
+        other => other.clone(),
+    };
+    let targets = optimise.targets.iter().map(|t| Target {
+        wanted: wanted(t),
+        ..t.clone()
+    });
+    let optimise = Optimise {
+        targets: targets.collect(),
+        variables: optimise.variables[..3].to_vec(),
+        ..optimise.clone()
+    };
+    let control = Control::default();
+    let tuning = tune(suspension, motion, &optimise, control).unwrap();
+    let found = front(suspension, motion, &optimise, &tuning, control).unwrap();
+    assert!(found.choices.len() >= 40, "{}", found.choices.len());
+    for pair in found.choices.windows(2) {
+        let ([a, b], [c, d]) = (&pair[0].amounts[..], &pair[1].amounts[..]) else {
+            panic!()
+        };
+        assert!(a < c && b > d, "{pair:?}");
+    }
+    for choice in &found.choices {
+        for (offset, variable) in choice.offsets.iter().zip(&optimise.variables) {
+            assert!((variable.range[0]..=variable.range[1]).contains(offset));
+        }
+    }
+    // What the table says of a point is what a tuning between such bounds finds there.
+    let middle = &found.choices[found.choices.len() / 2];
+    let layout = TargetLayout::of(&optimise, motion, &suspension.frame, &suspension.mechanism);
+    let mut problem = Objective::<1>::new(suspension, &optimise.variables, &layout).unwrap();
+    let x = nalgebra::DVector::from_column_slice(&middle.offsets);
+    let mut at = Assessment::new(&Constrained::shape(&problem), x.len());
+    problem.assess(&x, &mut at).unwrap();
+    for (deviation, amount) in layout
+        .deviations(&at.goal.residuals)
+        .iter()
+        .zip(&middle.amounts)
+    {
+        assert!((deviation.rms - amount).abs() < 1e-9 * amount.max(1.0));
+    }
+    // The weights are the slope between neighbours.
+    let near = found.choices.windows(3).map(|three| {
+        let [a, b, c] = three else { panic!() };
+        let rise = (c.amounts[1] - a.amounts[1]) / (c.amounts[0] - a.amounts[0]);
+        (rise, -b.weights[0] / b.weights[1])
+    });
+    let off = near.filter(|(rise, slope)| (rise - slope).abs() > 0.25 * rise.abs());
+    assert!(off.count() <= found.choices.len() / 5);
+
+    // A price list: the misfit falls as the move grows, and the first step is the design itself.
+    let list = price_list(suspension, motion, &optimise, &tuning, control).unwrap();
+    assert!(list.len() >= 10, "{}", list.len());
+    assert_eq!(list[0].amounts[1], 0.0);
+    for pair in list.windows(2) {
+        assert!(pair[1].amounts[1] > pair[0].amounts[1]);
+        assert!(pair[1].amounts[0] <= pair[0].amounts[0] * (1.0 + 1e-9));
     }
 }
 

@@ -126,11 +126,23 @@ impl Assembler {
             rounding,
             suspension,
         };
-        let closure = assembler.closure(&assembler.drawn);
-        assembler.home = assembler
-            .linearise(&closure, &assembler.drawn, &pose)
-            .ok_or(DesignFault::Singular)?;
+        assembler.linearise_home()?;
         Ok(assembler)
+    }
+
+    /// The same for another drawing of the same suspension, which must be one that can move.
+    pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
+        self.suspension.design.copy_from_slice(design);
+        self.drawn = Parts::of_drawing(&self.suspension.mechanism, design);
+        self.home.pose.origin = design[self.suspension.mechanism.origin.0];
+        self.linearise_home()
+    }
+
+    fn linearise_home(&mut self) -> Result<(), DesignFault> {
+        let closure = self.closure(&self.drawn);
+        let home = self.linearise(&closure, &self.drawn, &self.home.pose);
+        self.home = home.ok_or(DesignFault::Singular)?;
+        Ok(())
     }
 
     /// The suspension as drawn. Its spin axis always runs through a point of the carrier: where the study gives
@@ -212,6 +224,7 @@ impl Assembler {
                 .map(|(a, b)| Vector3::new(mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)))
                 .collect(),
             lengths: lengths.map(|(a, b)| mix(*a, *b)).collect(),
+            drawn: parts.drawn.clone(),
         }
     }
 
@@ -277,7 +290,7 @@ impl Assembler {
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         let centre = self.suspension.mechanism.wheel_centre.0;
-        let drawn = height.lit(self.drawn.points[centre].z);
+        let drawn = parts.drawn[centre].z;
         Driver::Travel(drawn - parts.points[centre].z + height)
     }
 
@@ -308,10 +321,9 @@ impl Assembler {
     /// Where the undisplaced carrier has a point: the counterpart of a point of the body where it was drawn.
     #[inline(always)]
     fn in_carrier<T: Real>(&self, parts: &Parts<T>, id: PointId) -> Vector3<T> {
-        let point = parts.points[id.0];
         match is_of_body(&self.suspension.mechanism, id) {
-            true => point.lit(self.drawn.points[id.0]),
-            false => point,
+            true => parts.drawn[id.0],
+            false => parts.points[id.0],
         }
     }
 
@@ -362,7 +374,7 @@ impl Assembler {
     #[inline(always)]
     pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
         let mechanism = &self.suspension.mechanism;
-        let drawn = |id: PointId| parts.points[id.0].lit(self.drawn.points[id.0]);
+        let drawn = |id: PointId| parts.drawn[id.0];
         let at = self.configuration(parts, pose);
         for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
             let id = PointId(i);

@@ -47,6 +47,13 @@ impl Member {
         }
     }
 
+    /// Writes the length that a drawing gives it.
+    fn cut<T: Real>(self, mechanism: &Mechanism, design: &[Vector3<T>], lengths: &mut [T]) {
+        if let Some((inner, outer)) = self.ends(mechanism) {
+            lengths[self.place(mechanism)] = (design[outer.0] - design[inner.0]).norm();
+        }
+    }
+
     /// Its place in [`Parts::lengths`].
     #[inline(always)]
     pub(crate) fn place(self, mechanism: &Mechanism) -> usize {
@@ -74,22 +81,14 @@ pub struct Parts<T> {
     pub points: Vec<Vector3<T>>,
     /// Lengths of members, by the place of the constraint; 0 for a constraint that is no rod.
     pub lengths: Vec<T>,
+    /// Where every point was drawn: the axes that carriers are made in.
+    pub drawn: Vec<Vector3<T>>,
 }
 
 impl Parts<f64> {
     /// The parts as drawn.
     pub fn drawn(suspension: &Suspension) -> Self {
-        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-        let mut lengths = vec![0.0; mechanism.constraints.len() + mechanism.rockers.len()];
-        for (_, member) in Member::all(mechanism) {
-            if let Some((inner, outer)) = member.ends(mechanism) {
-                lengths[member.place(mechanism)] = (design[outer.0] - design[inner.0]).norm();
-            }
-        }
-        Parts {
-            points: design.clone(),
-            lengths,
-        }
+        Parts::of_drawing(&suspension.mechanism, &suspension.design)
     }
 
     /// The same parts over another kind of number.
@@ -97,11 +96,31 @@ impl Parts<f64> {
         Parts {
             points: self.points.iter().map(|p| p.map(&mut f)).collect(),
             lengths: self.lengths.iter().map(|l| f(*l)).collect(),
+            drawn: self.drawn.iter().map(|p| p.map(&mut f)).collect(),
         }
     }
 }
 
 impl<T: Real> Parts<T> {
+    /// The parts that a drawing has, over any number.
+    pub fn of_drawing(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
+        let none = design[0].x.zero();
+        let mut lengths = vec![none; mechanism.constraints.len() + mechanism.rockers.len()];
+        for (number, constraint) in mechanism.constraints.iter().enumerate() {
+            if matches!(constraint, Constraint::Link { .. }) {
+                Member::Link(number).cut(mechanism, design, &mut lengths);
+            }
+        }
+        for number in 0..mechanism.rockers.len() {
+            Member::Rod(RockerId(number)).cut(mechanism, design, &mut lengths);
+        }
+        Parts {
+            points: design.to_vec(),
+            lengths,
+            drawn: design.to_vec(),
+        }
+    }
+
     /// Changes a dimension.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {

@@ -1,5 +1,6 @@
 //! `hardpoint solve`, `optimise` and `check` of an axle; what other commands say of one.
 
+use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::optimise::{say_openings, say_outcome, tune_with_progress};
 use super::output::{Output, pool};
@@ -14,7 +15,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::optimise::{Best, moved_design};
 use crate::report::{
-    AxleSummary, Record, SolvedAxle, TuningSummary, axle_curves_csv, axle_doubts,
+    AxleSummary, PriceRecord, Record, SolvedAxle, TuningSummary, axle_curves_csv, axle_doubts,
     axle_sensitivities_csv, doubts, history_csv, variable_doubts,
 };
 use crate::study::{About, AxleStudy, Optimise, Study};
@@ -196,6 +197,7 @@ pub(super) fn optimise(
     study: &Study,
     AxleStudy { axle, plan }: &AxleStudy,
     optimise: &Optimise,
+    prices: bool,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let pool = pool(arguments.threads, optimise.starts as u64)?;
@@ -207,8 +209,14 @@ pub(super) fn optimise(
     let tuning = pool
         .install(|| tune_with_progress(study, optimise))
         .map_err(|f| fault(path, axle, (Side::Left, f)))?;
-    let summary = TuningSummary::of(study, optimise, &tuning, None);
+    let choices = pool
+        .install(|| Choices::of(study, optimise, &tuning, prices))
+        .map_err(|f| fault(path, axle, (Side::Left, f)))?;
+    let kept = tuning.best.as_ref().map(|best| &best.offsets[..]);
+    let mut summary = TuningSummary::of(study, optimise, &tuning, None);
+    summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
     let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
+    files.extend(choices.write(&output, study, optimise)?);
     output.file("curves_before.csv", &axle_curves_csv(axle, &plan, &before))?;
     output.file("history.csv", &history_csv(&tuning.starts))?;
     output.json("summary.json", &summary)?;
@@ -220,7 +228,7 @@ pub(super) fn optimise(
         .map(|best| tuned_axle(axle, optimise, best));
     let after = tuned.as_ref().map(solved).transpose()?;
     let mut designs = vec![("before", "curves_before.csv", axle, &before)];
-    let mut complete = !summary.falls_short();
+    let mut complete = choices.say(&output, optimise, &summary)? & !summary.falls_short();
     let mut refused = None;
     if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
         designs.push(("after", "curves.csv", tuned, after));

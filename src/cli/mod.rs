@@ -4,6 +4,7 @@ mod assemblies;
 mod axle;
 mod bench;
 mod check;
+mod choices;
 mod compare;
 mod completions;
 mod exit;
@@ -60,7 +61,7 @@ enum Command {
     Merge(MergeArguments),
     /// Tune the hardpoints towards the targets
     #[command(alias = "optimize")]
-    Optimise(RunArguments),
+    Optimise(OptimiseArguments),
     /// Adjustments that give the static values wanted, and what a turn of each does
     Setup(RunArguments),
     /// What manufacturing scatter does: sigma, percentiles, yield, who contributes
@@ -125,6 +126,16 @@ struct RunArguments {
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+}
+
+/// What a tuning needs besides.
+#[derive(Args)]
+struct OptimiseArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    /// Print what moving further buys: the least misfit for some ten moves (made for --report, too)
+    #[arg(long)]
+    prices: bool,
 }
 
 /// What a sweep needs besides.

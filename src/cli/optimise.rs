@@ -1,6 +1,7 @@
 //! `hardpoint optimise`
 
-use super::RunArguments;
+use super::OptimiseArguments;
+use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
@@ -10,10 +11,11 @@ use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
 use crate::report::{
-    Record, TuningSummary, curves_csv, doubts, history_csv, remarks, sensitivities_csv,
-    variable_doubts,
+    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, curves_csv, doubts, history_csv,
+    remarks, sensitivities_csv, variable_doubts,
 };
 use crate::study::{Optimise, Study, StudyErrors};
+use crate::tolerance::{Problem, monte_carlo};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -82,7 +84,11 @@ pub(super) fn say_openings(
     Ok(())
 }
 
-pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
+    let OptimiseArguments {
+        run: arguments,
+        prices,
+    } = arguments;
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
@@ -92,7 +98,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         )));
     };
     if let Some(axle) = &study.axle {
-        return super::axle::optimise(arguments, &study, axle, optimise);
+        return super::axle::optimise(arguments, &study, axle, optimise, *prices);
     }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
@@ -110,7 +116,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     });
     let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
     let after = after.transpose().map_err(fault)?;
-    let summary = TuningSummary::of(&study, optimise, &tuning, after.as_ref());
+    let choices = pool
+        .install(|| Choices::of(&study, optimise, &tuning, *prices || arguments.report))
+        .map_err(fault)?;
+    let kept = tuning.best.as_ref().map(|best| &best.offsets[..]);
+    let mut summary = TuningSummary::of(&study, optimise, &tuning, after.as_ref());
+    summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
+    summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));
 
     let length = study.suspension.length_unit;
     let mut complete = true;
@@ -142,14 +154,23 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         }
         _ => output.without("sensitivities.csv")?,
     }
+    files.extend(choices.write(&output, &study, optimise)?);
     if output.directory().is_some() {
         let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
+        let front = choices.front.as_ref();
+        let front = front.map(|front| FrontRecord::of(&study, optimise, front));
+        let record = Record { front, ..record };
         output.record("report.json", &record)?;
         files.push("report.json");
     }
     files.extend(wanted.show(output.directory())?);
 
     say_outcome(&output, &study, &summary)?;
+    complete &= choices.say(&output, optimise, &summary)?;
+    if let Some(yields) = &summary.yields {
+        output.say(&format!("\n{}\n\n", yields.headline()))?;
+        output.table("yields", &yields.table())?;
+    }
     complete &= !summary.falls_short();
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
@@ -164,6 +185,27 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         true => Exit::Done,
         false => Exit::Incomplete,
     })
+}
+
+/// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.
+fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Suspension>) -> Option<YieldRecord> {
+    optimise.scatter.as_ref()?;
+    let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
+    let of = |suspension: &Suspension| {
+        let study = Study {
+            suspension: suspension.clone(),
+            ..study.clone()
+        };
+        let problem = Problem::of(&study, tolerance).ok()?;
+        let drawn = problem.drawn().ok()?;
+        monte_carlo(&problem, &drawn, |_| ()).ok()
+    };
+    Some(YieldRecord::of(
+        study,
+        tolerance,
+        of(&study.suspension),
+        of(tuned?),
+    ))
 }
 
 pub(super) fn tune_with_progress(

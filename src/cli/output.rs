@@ -26,10 +26,11 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// The files of a tuning.
-const TUNING_FILES: [&str; 6] = [
+const TUNING_FILES: [&str; 7] = [
     "curves.csv",
     "curves_before.csv",
     "optimised.toml",
+    "front.csv",
     "history.csv",
     "summary.json",
     "report.json",

@@ -1,10 +1,10 @@
 //! A minimum from one start, and the story of how it was found.
 
 use super::constrained::KEPT;
+use super::course::{evaluations, execute};
 use super::{
     ActiveBound, Bounds, Evaluation, Held, Infeasible, LeastSquares, LevenbergMarquardt, Options,
 };
-use argmin::core::Executor;
 use nalgebra::DVector;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
@@ -150,8 +150,7 @@ impl Fit {
 
     /// Number of evaluations made, failed ones included.
     pub fn evaluations(&self) -> u64 {
-        let evaluations = |iteration: &Iteration| u64::from(iteration.evaluations);
-        self.history.iter().map(evaluations).sum()
+        evaluations(&self.history)
     }
 }
 
@@ -177,15 +176,6 @@ pub(super) fn fit_start(
     control: Control<'_>,
 ) -> Result<Fit, Infeasible> {
     let solver = LevenbergMarquardt::new(bounds, options, control, index);
-    let result = Executor::new(problem, solver)
-        .configure(|state| state.param(bounds.nearest(start)))
-        // The process has one handler for Ctrl-C, and it is not argmin's.
-        .ctrlc(false)
-        .run();
-    match result {
-        Ok(result) => Ok(result.solver.into_fit(result.state)),
-        Err(error) => Err(error
-            .downcast()
-            .expect("the only error of the solver is that of its start")),
-    }
+    let (solver, state) = execute(problem, solver, bounds, start)?;
+    Ok(solver.into_fit(state))
 }

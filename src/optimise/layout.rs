@@ -2,6 +2,7 @@
 
 use super::axle::AxleLayout;
 use super::interpolation::Sample;
+use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
 use crate::model::{Axis, Drive, Frame, Mechanism};
 use crate::solve::StationOrder;
@@ -92,6 +93,8 @@ pub struct TargetLayout {
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
     pub(super) equalities: usize,
+    /// How often the rows are there: once for each build.
+    pub(super) builds: usize,
     /// Residual per deviation in tolerances, by target.
     shares: Vec<f64>,
     rate_order: usize,
@@ -345,6 +348,7 @@ impl TargetLayout {
             parts,
             labels,
             equalities,
+            builds: optimise.scatter.as_ref().map_or(1, |s| s.builds),
             shares,
         }
     }
@@ -354,9 +358,9 @@ impl TargetLayout {
         self.rate_order
     }
 
-    /// Number of residuals.
+    /// Number of residuals, build after build.
     pub fn residuals(&self) -> usize {
-        self.rows
+        self.rows * self.builds
     }
 
     /// How many rows of the constraints, the first, must vanish.
@@ -375,7 +379,7 @@ impl TargetLayout {
         for place in self.places() {
             of[place.row] = place.target;
         }
-        of
+        of.repeat(self.builds)
     }
 
     /// Every row of a target and where it is looked at.
@@ -408,6 +412,17 @@ impl TargetLayout {
         self.shares[target]
     }
 
+    /// The misfit of some of the targets.
+    pub(super) fn aim(&self, targets: &[usize]) -> Aim {
+        let of = self.targets_of_rows();
+        let rows: Vec<usize> = (0..of.len())
+            .filter(|row| targets.contains(&of[*row]))
+            .collect();
+        let squares = rows.iter().map(|row| self.shares[of[*row]].powi(2));
+        let unit = squares.sum::<f64>().sqrt();
+        Aim::misfit(rows, unit)
+    }
+
     /// The deviations of each target in tolerances, from the residuals.
     pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
         self.shares
@@ -416,12 +431,14 @@ impl TargetLayout {
             .map(|(target, share)| {
                 let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, (0.0, 0.0));
                 for place in self.places().filter(|p| p.target == target) {
-                    let deviation = residuals[place.row] / share;
-                    sum += deviation * deviation;
-                    count += 1;
-                    if deviation.abs() >= worst.abs() {
-                        worst = deviation;
-                        at = (place.at, place.rack);
+                    for build in 0..self.builds {
+                        let deviation = residuals[build * self.rows + place.row] / share;
+                        sum += deviation * deviation;
+                        count += 1;
+                        if deviation.abs() >= worst.abs() {
+                            worst = deviation;
+                            at = (place.at, place.rack);
+                        }
                     }
                 }
                 Deviation {
@@ -429,7 +446,7 @@ impl TargetLayout {
                     worst,
                     worst_at: at.0,
                     worst_rack: at.1,
-                    stations: count,
+                    stations: count / self.builds,
                 }
             })
             .collect()

@@ -38,15 +38,13 @@
 //! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
 //! is accepted in the end has descended.
 
+use super::course::{Course, State, of};
 use super::local_model::LocalModel;
 use super::{
-    ActiveBound, Bounds, Control, Evaluation, Fit, Infeasible, Iteration, LeastSquares, Options,
-    Termination,
+    Bounds, Control, Evaluation, Fit, Infeasible, Iteration, LeastSquares, Options, Termination,
 };
-use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
-use argmin::kv;
+use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
-use std::sync::atomic::Ordering;
 
 /// The fraction of its range a direction that the residuals do not see may move by in one step,
 /// because of the rounding of J.
@@ -62,15 +60,9 @@ const GOOD: f64 = 0.75;
 /// So many corrections a trial may have. They halve at least, and usually square, their lengths.
 const CORRECTIONS: u32 = 8;
 
-/// What argmin keeps of a run: the variables and the cost.
-pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
-
 /// The solver. One iteration makes one accepted step, after as many trials as that takes.
 pub struct LevenbergMarquardt<'a> {
-    bounds: &'a Bounds,
-    options: &'a Options,
-    control: Control<'a>,
-    start: usize,
+    course: Course<'a>,
     /// mu of (2).
     damping_factor: f64,
     /// At the variables of the state.
@@ -84,8 +76,6 @@ pub struct LevenbergMarquardt<'a> {
     excess: DVector<f64>,
     correction: LocalModel<'a>,
     corrected_x: DVector<f64>,
-    termination: Option<Termination>,
-    history: Vec<Iteration>,
 }
 
 impl<'a> LevenbergMarquardt<'a> {
@@ -98,10 +88,7 @@ impl<'a> LevenbergMarquardt<'a> {
     ) -> Self {
         let n = bounds.variables();
         LevenbergMarquardt {
-            bounds,
-            options,
-            control,
-            start,
+            course: Course::new(bounds, options, control, start),
             damping_factor: 0.0,
             current: Evaluation::new(0, n),
             model: LocalModel::new(bounds, 0),
@@ -111,20 +98,20 @@ impl<'a> LevenbergMarquardt<'a> {
             excess: DVector::zeros(0),
             correction: LocalModel::new(bounds, 0),
             corrected_x: DVector::zeros(n),
-            termination: None,
-            history: Vec::new(),
         }
     }
 
     /// What the run came to.
     pub(super) fn into_fit(self, state: State) -> Fit {
         let x = state.param.expect("the state was given its start");
+        let holds = self.course.bounds.holds(&x);
+        let (termination, history) = self.course.finished();
         Fit {
-            holds: self.bounds.holds(&x),
+            holds,
             x,
             evaluation: self.current,
-            termination: self.termination.expect("a run ends for a reason"),
-            history: self.history,
+            termination,
+            history,
             constraints: None,
         }
     }
@@ -137,10 +124,13 @@ impl<'a> LevenbergMarquardt<'a> {
         } = &self.current;
         self.model.build(x, jacobian, residuals);
         let size = residuals.norm();
-        if self.current.misfit() <= self.options.misfit_below {
-            self.termination = Some(Termination::MisfitReached);
-        } else if self.model.is_stationary(size, self.options.gradient_below) {
-            self.termination = Some(Termination::Stationary);
+        if self.current.misfit() <= self.course.options.misfit_below {
+            self.course.end(Termination::MisfitReached);
+        } else if self
+            .model
+            .is_stationary(size, self.course.options.gradient_below)
+        {
+            self.course.end(Termination::Stationary);
         }
     }
 
@@ -192,22 +182,6 @@ impl<'a> LevenbergMarquardt<'a> {
         }
         (CORRECTIONS, Ok(()))
     }
-
-    fn record(&mut self, iteration: Iteration) -> KV {
-        let log = kv!(
-            "misfit" => iteration.misfit;
-            "step" => iteration.step;
-            "damping" => iteration.damping;
-            "held" => iteration.held as u64;
-            "evaluations" => u64::from(iteration.evaluations);
-            "infeasible" => u64::from(iteration.infeasible);
-        );
-        if let Some(watch) = self.control.watch {
-            watch(self.start, &iteration);
-        }
-        self.history.push(iteration);
-        log
-    }
 }
 
 impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
@@ -222,11 +196,11 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
     ) -> Result<(State, Option<KV>), Error> {
         let problem = of(problem);
         let (m, n) = (problem.residuals(), problem.variables());
-        assert_eq!(n, self.bounds.variables(), "one range per variable");
+        assert_eq!(n, self.course.bounds.variables(), "one range per variable");
         self.current = Evaluation::new(m, n);
         self.trial = Evaluation::new(m, n);
-        self.model = LocalModel::new(self.bounds, m);
-        self.correction = LocalModel::new(self.bounds, m);
+        self.model = LocalModel::new(self.course.bounds, m);
+        self.correction = LocalModel::new(self.course.bounds, m);
         self.promised = DVector::zeros(m);
         self.excess = DVector::zeros(m);
 
@@ -237,16 +211,17 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let longest = self.model.longest_column();
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
-        let log = self.record(Iteration {
+        let iteration = Iteration {
             iteration: 0,
             cost,
             misfit: self.current.misfit(),
             step: 0.0,
             damping: 0.0,
-            held: count_held(&self.bounds.holds(x)),
+            held: 0,
             evaluations: 1,
             infeasible: 0,
-        });
+        };
+        let log = self.course.record(x, iteration);
         Ok((state.cost(cost), Some(log)))
     }
 
@@ -258,7 +233,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
         let cost = self.current.cost();
-        let negligible = self.options.reduction_below * cost;
+        let negligible = self.course.options.reduction_below * cost;
         let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
         let mut damping = drift.max(self.damping_factor * 2.0 * cost);
         let (mut evaluations, mut infeasible) = (0, 0);
@@ -268,8 +243,8 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
 
         self.model.solve(damping);
         loop {
-            if self.model.largest_component() <= self.options.step_below {
-                self.termination = Some(match obstacle {
+            if self.model.largest_component() <= self.course.options.step_below {
+                self.course.end(match obstacle {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
@@ -292,7 +267,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
             if at_end {
-                self.termination = Some(Termination::NoFurtherDescent);
+                self.course.end(Termination::NoFurtherDescent);
             }
             let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
             let mut accepted = acceptable(found) || (at_end && found > 0.0);
@@ -310,7 +285,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                     _ => 1.0,
                 };
                 self.damping_factor = change * damping / (2.0 * cost);
-                step = self.bounds.distance(&x, &self.trial_x);
+                step = self.course.bounds.distance(&x, &self.trial_x);
                 std::mem::swap(&mut x, &mut self.trial_x);
                 std::mem::swap(&mut self.current, &mut self.trial);
                 if !at_end {
@@ -325,53 +300,21 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         }
 
         let cost = self.current.cost();
-        let log = self.record(Iteration {
+        let iteration = Iteration {
             iteration: state.iter + 1,
             cost,
             misfit: self.current.misfit(),
             step,
             damping,
-            held: count_held(&self.bounds.holds(&x)),
+            held: 0,
             evaluations,
             infeasible,
-        });
+        };
+        let log = self.course.record(&x, iteration);
         Ok((state.param(x).cost(cost), Some(log)))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {
-        if self.termination.is_none() {
-            let interrupted = self.control.interrupt;
-            if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                self.termination = Some(Termination::Interrupted);
-            } else if state.iter >= self.options.max_iterations {
-                self.termination = Some(Termination::IterationLimit);
-            }
-        }
-        match &self.termination {
-            None => TerminationStatus::NotTerminated,
-            Some(reason) => TerminationStatus::Terminated(match reason {
-                Termination::Interrupted => TerminationReason::Interrupt,
-                Termination::IterationLimit => TerminationReason::MaxItersReached,
-                Termination::MisfitReached => TerminationReason::TargetCostReached,
-                Termination::NoFeasibleStep(_) => TerminationReason::SolverExit(reason.to_string()),
-                _ => TerminationReason::SolverConverged,
-            }),
-        }
+        self.course.status(state)
     }
-}
-
-/// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
-/// workspace, and the history counts.
-pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
-    problem
-        .problem
-        .as_mut()
-        .expect("argmin gives the problem back")
-}
-
-pub(super) fn count_held(holds: &[ActiveBound]) -> usize {
-    holds
-        .iter()
-        .filter(|&&hold| hold != ActiveBound::Free)
-        .count()
 }

@@ -16,6 +16,7 @@
 //! row taken there needs no derivative of the place, along which the value does not change.
 
 use super::axle::{AxleRows, Moved, axle_rows};
+use super::builds::Builds;
 use super::constrained::{Assessment, Constrained, Shape};
 use super::layout::{Extreme, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
@@ -26,7 +27,7 @@ use crate::mechanism::{DesignFault, Failure, Toggles};
 use crate::model::{Drive, Frame, PointId, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::{Solver, StationOrder};
-use crate::study::Variable;
+use crate::study::{Scatter, Variable};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
@@ -45,6 +46,10 @@ pub struct Objective<'a, const N: usize> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     ways: Vec<Way>,
+    /// Of a robust tuning, whose residuals are those of builds.
+    builds: Option<Builds<'a>>,
+    built: Vec<Vector3<f64>>,
+    follower: Option<(PointId, PointId)>,
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Reader<N>,
@@ -176,6 +181,9 @@ impl<'a, const N: usize> Objective<'a, N> {
             design,
             moved: design.clone(),
             ways: Vec::new(),
+            builds: None,
+            built: design.clone(),
+            follower: None,
             solver: Solver::new(&suspension.mechanism, design)?,
             toggles: Toggles::of(mechanism, rockers),
             reader: Reader::new(suspension, layout, &points),
@@ -185,17 +193,99 @@ impl<'a, const N: usize> Objective<'a, N> {
         })
     }
 
-    /// The one place where poses are solved and read: residuals into `into`, and the rows of the
-    /// constraints into `rows`, if there are any.
+    /// The same, robust: residuals are those of builds. `suspension` is as [`crate::build::Assembler`] has it; of the study's
+    /// own it may have a spindle more, which `follower` says with the point it follows.
+    pub(super) fn of_builds(
+        suspension: &'a Suspension,
+        variables: &'a [Variable],
+        layout: &'a TargetLayout,
+        scatter: &'a Scatter,
+        follower: Option<(PointId, PointId)>,
+    ) -> Result<Self, DesignFault> {
+        let mut objective = Objective::new(suspension, variables, layout)?;
+        // A move of the drawing moves anything in a build.
+        let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
+        objective.reader = Reader::new(suspension, layout, &all);
+        objective.builds = Some(Builds::new(suspension, scatter)?);
+        objective.follower = follower;
+        Ok(objective)
+    }
+
+    /// Moves the design, or the drawing of builds, to `x`.
+    fn move_to(&mut self, x: &DVector<f64>) {
+        let (frame, variables) = (&self.frame, self.variables);
+        moved_design(self.design, frame, variables, x, &mut self.moved);
+        ways(self.design, frame, variables, x, &mut self.ways);
+        if let Some((follower, leader)) = self.follower {
+            let from = self.design[follower.0] - self.design[leader.0];
+            self.moved[follower.0] = self.moved[leader.0] + from;
+            let follows = self.ways.iter().filter(|way| way.point == leader.0);
+            let point = follower.0;
+            let ways: Vec<Way> = follows.map(|way| Way { point, ..*way }).collect();
+            self.ways.extend(ways);
+        }
+    }
+
+    /// Residuals into `into`, and the rows of the constraints into `rows`, if there are any.
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
         into: &mut Evaluation,
         mut rows: Option<&mut Evaluation>,
     ) -> Result<(), Infeasible> {
-        let (frame, variables) = (&self.frame, self.variables);
-        moved_design(self.design, frame, variables, x, &mut self.moved);
-        ways(self.design, frame, variables, x, &mut self.ways);
+        self.move_to(x);
+        let Some(mut builds) = self.builds.take() else {
+            self.evaluate_moved(Some((&mut *into, 0)), rows)?;
+            let Some(axle) = &mut self.axle else {
+                return Ok(());
+            };
+            let moved = Moved {
+                variables: self.variables,
+                x,
+                design: &self.moved,
+                ways: &self.ways,
+            };
+            return axle.evaluate(&moved, into);
+        };
+        // Constraints are on the drawing.
+        let found = match &mut rows {
+            Some(rows) => self.evaluate_moved(None, Some(rows)),
+            None => Ok(()),
+        };
+        let found = found.and_then(|()| self.evaluate_builds(&mut builds, into));
+        self.builds = Some(builds);
+        found
+    }
+
+    /// The residuals of builds of the moved drawing.
+    fn evaluate_builds(
+        &mut self,
+        builds: &mut Builds<'a>,
+        into: &mut Evaluation,
+    ) -> Result<(), Infeasible> {
+        let variables = self.variables.len();
+        let alignment = builds.redraw(&self.moved)?;
+        for number in 0..builds.count() {
+            let (drawn, built) = (&self.ways, &mut self.built);
+            builds.build(number, alignment.as_ref(), drawn, variables, built)?;
+            // The build takes the place of the drawing, and the drawing is put back.
+            std::mem::swap(&mut self.moved, &mut self.built);
+            std::mem::swap(&mut self.ways, &mut builds.ways);
+            let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
+            std::mem::swap(&mut self.moved, &mut self.built);
+            std::mem::swap(&mut self.ways, &mut builds.ways);
+            found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;
+        }
+        Ok(())
+    }
+
+    /// The one place where poses of one wheel are solved and read: the residuals of the moved design into `into`, from a row
+    /// on, and the rows of the constraints into `rows`.
+    fn evaluate_moved(
+        &mut self,
+        mut into: Option<(&mut Evaluation, usize)>,
+        mut rows: Option<&mut Evaluation>,
+    ) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         self.solver.prepare(&self.moved).map_err(refused)?;
@@ -206,19 +296,10 @@ impl<'a, const N: usize> Objective<'a, N> {
         for leg in &self.layout.legs {
             let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
             begun.map_err(refused)?;
-            self.visit(leg, into, &mut rows)?;
+            self.visit(leg, &mut into, &mut rows)?;
             if let Some(rows) = &mut rows {
                 self.find_extremes(leg, rows)?;
             }
-        }
-        if let Some(axle) = &mut self.axle {
-            let moved = Moved {
-                variables,
-                x,
-                design: &self.moved,
-                ways: &self.ways,
-            };
-            axle.evaluate(&moved, into)?;
         }
         Ok(())
     }
@@ -227,7 +308,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     fn visit(
         &mut self,
         leg: &Leg,
-        into: &mut Evaluation,
+        into: &mut Option<(&mut Evaluation, usize)>,
         rows: &mut Option<&mut Evaluation>,
     ) -> Result<(), Infeasible> {
         let Objective {
@@ -271,18 +352,20 @@ impl<'a, const N: usize> Objective<'a, N> {
                 };
                 let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
                 let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
-                for wish in &leg.targets[station] {
-                    let measure = &layout.measures[wish.measure];
-                    let found = read(measure, &view, &linearised)[0];
-                    let nearest = found.clamp(wish.low, wish.high);
-                    into.residuals[wish.row] = (found - nearest) * wish.scale;
-                    if wish.low < wish.high && nearest == found {
-                        // Within its band.
-                        into.jacobian.row_mut(wish.row).fill(0.0);
-                        continue;
+                if let Some((into, first)) = into {
+                    for wish in &leg.targets[station] {
+                        let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                        let found = read(measure, &view, &linearised)[0];
+                        let nearest = found.clamp(wish.low, wish.high);
+                        into.residuals[row] = (found - nearest) * wish.scale;
+                        if wish.low < wish.high && nearest == found {
+                            // Within its band.
+                            into.jacobian.row_mut(row).fill(0.0);
+                            continue;
+                        }
+                        Reader::form_gradient(buffer, gradient, measure, &view, &linearised);
+                        write_row(into, row, ways, gradient, wish.scale);
                     }
-                    Reader::form_gradient(buffer, gradient, measure, &view, &linearised);
-                    write_row(into, wish.row, ways, gradient, wish.scale);
                 }
                 let Some(rows) = rows else {
                     return ControlFlow::Continue(());
@@ -484,7 +567,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
     }
 
     fn residuals(&self) -> usize {
-        self.layout.rows
+        self.layout.residuals()
     }
 
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
@@ -499,8 +582,8 @@ impl<const N: usize> Constrained for Objective<'_, N> {
 
     fn shape(&self) -> Shape {
         Shape {
-            goal: self.layout.rows,
-            level: 0,
+            goal: self.layout.residuals(),
+            levels: Vec::new(),
             rows: self.layout.labels.len(),
             equalities: self.layout.equalities,
         }

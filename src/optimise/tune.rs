@@ -5,15 +5,17 @@
 //! the designs with a misfit up to m then goes back towards the study's own as far as m and the constraints
 //! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
 
+use super::builds::follower;
 use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
 use super::fit::fit_start;
 use super::multistart::every_start;
-use super::nearest::NearDesign;
+use super::trade::{Aim, Distance, Trade};
 use super::{
     Bounds, ConstraintState, Control, Deviation, Evaluation, Fit, Held, Identifiability,
     Infeasible, LeastSquares, Multistart, Objective, Options, StandardErrors, TargetLayout,
     Termination, moved_design, multistart,
 };
+use crate::build::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
@@ -105,29 +107,37 @@ pub fn tune(
     }
 }
 
-struct Tuner<'a, const N: usize> {
-    suspension: &'a Suspension,
+pub(super) struct Tuner<'a, const N: usize> {
+    pub suspension: &'a Suspension,
+    /// As builds have it, where the tuning is robust.
+    assembled: Option<Suspension>,
     motion: &'a Motion,
-    optimise: &'a Optimise,
-    layout: &'a TargetLayout,
-    bounds: Bounds,
-    design: DVector<f64>,
-    control: Control<'a>,
+    pub optimise: &'a Optimise,
+    pub layout: &'a TargetLayout,
+    pub bounds: Bounds,
+    /// Where no variable has moved anything.
+    pub design: DVector<f64>,
+    pub control: Control<'a>,
 }
 
 impl<'a, const N: usize> Tuner<'a, N> {
-    fn new(
+    pub fn new(
         suspension: &'a Suspension,
         motion: &'a Motion,
         optimise: &'a Optimise,
         layout: &'a TargetLayout,
         control: Control<'a>,
     ) -> Result<Self, DesignFault> {
+        let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
+        let assembled = match &optimise.scatter {
+            Some(_) => Some(Assembler::new(suspension)?.suspension().clone()),
+            None => None,
+        };
         // Accepted here, the design is accepted from every start.
         Objective::<N>::new(suspension, &optimise.variables, layout)?;
-        let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         Ok(Tuner {
             suspension,
+            assembled,
             motion,
             optimise,
             layout,
@@ -137,9 +147,24 @@ impl<'a, const N: usize> Tuner<'a, N> {
         })
     }
 
-    fn problem(&self) -> Objective<'_, N> {
-        Objective::new(self.suspension, &self.optimise.variables, self.layout)
-            .expect("the same design was accepted before")
+    pub fn problem(&self) -> Objective<'_, N> {
+        self.problem_of(self.optimise, self.layout)
+    }
+
+    fn problem_of<'o>(
+        &'o self,
+        optimise: &'o Optimise,
+        layout: &'o TargetLayout,
+    ) -> Objective<'o, N> {
+        let variables = &optimise.variables;
+        let made = match (&optimise.scatter, &self.assembled) {
+            (Some(scatter), Some(assembled)) => {
+                let follower = follower(self.suspension, assembled);
+                Objective::of_builds(assembled, variables, layout, scatter, follower)
+            }
+            _ => Objective::new(self.suspension, variables, layout),
+        };
+        made.expect("the same design was accepted before")
     }
 
     fn fulfilment(&self, evaluation: &Evaluation) -> Fulfilment {
@@ -250,15 +275,15 @@ impl<'a, const N: usize> Tuner<'a, N> {
 
     /// Moves a fit as near to the design as a misfit and the constraints let it.
     fn draw_near(&self, index: usize, fit: &mut Fit, misfit: f64, options: &Options) {
-        let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
-        let near = NearDesign::new(self.problem(), &self.bounds, &self.design, &costs, misfit);
+        let (distance, movement) = (self.distance(), Aim::movement());
+        let all = self.all_targets();
+        let near = Trade::new(self.problem(), &distance, &movement, vec![(&all, misfit)]);
         let Ok(mut found) =
             constrained_fit(index, near, &self.bounds, &fit.x, options, self.control)
         else {
             return;
         };
-        let moved = self.movement(&found.x);
-        if !found.is_feasible() || moved > self.movement(&fit.x) {
+        if !found.is_feasible() || distance.of(&found.x) > distance.of(&fit.x) {
             return;
         }
         // What is as good as unmoved is unmoved.
@@ -269,7 +294,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             }
         }
         let mut problem = self.problem();
-        let mut at = super::Assessment::new(problem.shape(), x.len());
+        let mut at = super::Assessment::new(&problem.shape(), x.len());
         if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
             return;
         }
@@ -293,13 +318,15 @@ impl<'a, const N: usize> Tuner<'a, N> {
     }
 
     /// The move from the design in fractions of the ranges, weighed by the costs.
-    fn movement(&self, x: &DVector<f64>) -> f64 {
-        let variables = self.optimise.variables.iter().enumerate();
-        let squares = variables.map(|(j, v)| {
-            let share = (x[j] - self.design[j]) / self.bounds.width()[j];
-            v.cost * share * share
-        });
-        squares.sum::<f64>().sqrt()
+    pub fn distance(&self) -> Distance<'_> {
+        let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
+        Distance::new(&self.design, &self.bounds, &costs)
+    }
+
+    /// The misfit of all targets.
+    pub fn all_targets(&self) -> Aim {
+        let rows = self.layout.residuals();
+        Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
     /// Of the starts that keep the constraints and are good enough, the nearest; of others the best; of
@@ -320,9 +347,10 @@ impl<'a, const N: usize> Tuner<'a, N> {
             good if least <= good => good * (1.0 + 1e-6),
             _ => least * AS_GOOD * (1.0 + 1e-6),
         };
+        let distance = self.distance();
         let candidates: Vec<(usize, f64)> = fits()
             .filter(|(_, fit)| fit.is_feasible() && fit.misfit() <= good)
-            .map(|(index, fit)| (index, self.movement(&fit.x)))
+            .map(|(index, fit)| (index, distance.of(&fit.x)))
             .collect();
         let shortest = candidates.iter().map(|c| c.1).min_by(f64::total_cmp)?;
         let short = shortest * (1.0 + 1e-6);
@@ -503,14 +531,15 @@ impl<'a, const N: usize> Tuner<'a, N> {
                 .iter()
                 .map(|c| self.optimise.constraints[*c].clone())
                 .collect(),
+            // Constraints are on the drawing.
+            scatter: None,
             ..self.optimise.clone()
         };
         let frame = &self.suspension.frame;
         let layout = TargetLayout::of(&some, self.motion, frame, &self.suspension.mechanism);
         let few = starts.starts.iter().take(STARTS_BEFORE_REFUSAL);
         few.into_iter().any(|start| {
-            let problem = Objective::<N>::new(self.suspension, &some.variables, &layout)
-                .expect("the same design was accepted before");
+            let problem = self.problem_of(&some, &layout);
             let control = Control {
                 watch: None,
                 ..self.control

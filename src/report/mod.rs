@@ -6,6 +6,7 @@
 mod accuracy;
 mod axle;
 mod axle_record;
+mod choices;
 mod comparison;
 mod completeness;
 mod curve_table;
@@ -27,11 +28,13 @@ mod table;
 mod text;
 mod tolerance_summary;
 mod tuning_summary;
+mod yields;
 
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_motion, axle_sensitivities_csv};
 pub use axle_record::SolvedAxle;
+pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
@@ -59,6 +62,7 @@ pub use tolerance_summary::{
     BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord,
 };
 pub use tuning_summary::TuningSummary;
+pub use yields::YieldRecord;
 
 /// A number as results write it: the shortest decimal that reads back to the same bits, and no
 /// negative zero.

@@ -1,6 +1,7 @@
 //! `report.json`: what the report needs beyond the other files of a run.
 
 use super::accuracy::remarks;
+use super::choices::FrontRecord;
 use super::failures::FailureRange;
 use super::scene::Scene;
 use crate::curves::{Column, Curves, Frame, Influence};
@@ -45,6 +46,9 @@ pub struct Record {
     pub scene: Scene,
     /// Of the last design.
     pub influences: Vec<Influence>,
+    /// What could be chosen instead of the last design.
+    #[serde(default)]
+    pub front: Option<FrontRecord>,
 }
 
 /// A column of the curves.
@@ -149,6 +153,7 @@ impl Record {
             designs: designs.into_iter().map(record).collect(),
             scene: Scene::of(&study.suspension),
             influences,
+            front: None,
         }
     }
 }

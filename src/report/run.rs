@@ -108,6 +108,7 @@ impl Run {
         let others = [
             "sensitivities.csv",
             "history.csv",
+            "front.csv",
             "summary.json",
             "optimised.toml",
             "tolerance.csv",

@@ -2,7 +2,7 @@
 
 use super::table::{Cell, Column, Table};
 use super::{brief, shortest};
-use crate::model::Axis;
+use crate::model::{Axis, LengthUnit};
 use crate::study::Band;
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
@@ -151,7 +151,7 @@ impl ToleranceSummary {
                 let bands = tolerance.bands.iter().zip(&yields.bands);
                 bands
                     .map(|(band, of)| BandRecord {
-                        band: in_words(problem, band),
+                        band: in_words(band, problem.study.suspension.length_unit),
                         kept: of.monte_carlo,
                         kept_linear: of.linear,
                     })
@@ -404,7 +404,7 @@ fn csv_of(rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
 }
 
 /// A share with three digits, and never rounded up to all.
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     match share {
         s if s >= 1.0 => "100 %".to_owned(),
         s if s < 1.0 && s > 0.9999 => "99.99 %".to_owned(),
@@ -413,11 +413,10 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn in_words(problem: &Problem, band: &Band) -> String {
+/// A band as it was written.
+pub(super) fn in_words(band: &Band, length: LengthUnit) -> String {
     let unit = band.characteristic.info().unit;
-    let column = band
-        .characteristic
-        .column(problem.study.suspension.length_unit);
+    let column = band.characteristic.column(length);
     let [low, high] = band.between.map(|v| {
         let printed = v * unit.printed_factor();
         // A limit is shown as it was written, not with what degrees lose on the way to radians.

@@ -1,8 +1,10 @@
 //! What a tuning came to.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
+use super::choices::PriceRecord;
 use super::figure::{as_written, brief, with_decimals};
 use super::table::{Cell, Column, Table};
+use super::yields::YieldRecord;
 use crate::curves::Curves;
 use crate::model::Axis;
 use crate::optimise::{ActiveBound, ConstraintOutcome, Fulfilment, Tuning};
@@ -51,6 +53,15 @@ pub struct TuningSummary {
     /// Stations added to those of the motion, where targets needed them.
     #[serde(default)]
     added_stations: Vec<AddedStations>,
+    /// The least misfit by how far the design is moved, where that was asked for.
+    #[serde(default)]
+    pub prices: Vec<PriceRecord>,
+    /// Of a robust tuning: what builds keep to before and after.
+    #[serde(default)]
+    pub yields: Option<YieldRecord>,
+    /// Of a robust tuning: the builds whose mean squared misfit was lowered; all misfits then are theirs.
+    #[serde(default)]
+    scatter_builds: Option<usize>,
     /// Of the tuned design, along the motion.
     #[serde(default)]
     condition: Option<ConditionSummary>,
@@ -299,9 +310,17 @@ impl TuningSummary {
                 .map(|c| optimise.constraints[*c].name.clone())
                 .collect(),
             added_stations: added.collect(),
+            prices: Vec::new(),
+            yields: None,
+            scatter_builds: optimise.scatter.as_ref().map(|s| s.builds),
             condition: after.and_then(|curves| ConditionSummary::of(curves, study.motion.drive)),
             certificate: after.and_then(|curves| CertificateSummary::of(study, curves)),
         }
+    }
+
+    /// The least misfit by how far the design is moved; none where that was not asked for.
+    pub fn prices_table(&self) -> Option<Table> {
+        (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
     }
 
     /// Misfit before and after, in tolerances, for reading.
@@ -594,8 +613,11 @@ impl TuningSummary {
                     1 => "; a constraint is violated".to_owned(),
                     several => format!("; {several} constraints are violated"),
                 };
+                let of_builds = self.scatter_builds.map_or(String::new(), |builds| {
+                    format!(", root mean square of {builds} builds")
+                });
                 format!(
-                    "misfit {} -> {} tolerances{kept}",
+                    "misfit {} -> {} tolerances{of_builds}{kept}",
                     hundredths(before),
                     hundredths(after)
                 )

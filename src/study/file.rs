@@ -336,6 +336,10 @@ pub struct Optimise {
     pub good_enough: Option<Number>,
     /// Whether the targets are measurements.
     pub fit: Option<Spanned<bool>>,
+    /// How many builds of `[tolerance]` the misfit is the mean of.
+    pub scatter: Option<Whole>,
+    /// Names of the targets that are traded.
+    pub front: Option<Spanned<Vec<Text>>>,
     /// What may move.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// What is wanted.

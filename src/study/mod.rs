@@ -310,6 +310,32 @@ pub struct Optimise {
     pub fit: bool,
     /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
     pub axle: Option<crate::axle::Axle>,
+    /// What is traded on the front: two or three wishes, or none.
+    pub front: Vec<Wish>,
+    /// The builds whose mean squared misfit is lowered; none for that of the drawing.
+    pub scatter: Option<Scatter>,
+}
+
+/// Builds that scatter as `[tolerance]` says: a fixed sample of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// How many.
+    pub builds: usize,
+    /// Seed they are drawn from.
+    pub seed: u32,
+    /// What scatters.
+    pub contributors: Vec<Contributor>,
+    /// What toe and camber are set again by after assembly, where they are.
+    pub adjust: Option<Vec<Adjustment>>,
+}
+
+/// Targets that are one on a front: all of one name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    /// The name.
+    pub name: String,
+    /// Numbers of the targets.
+    pub targets: Vec<usize>,
 }
 
 impl Optimise {
@@ -464,6 +490,18 @@ pub struct Target {
 }
 
 impl Target {
+    /// What it is called: the characteristic, or the column without its unit.
+    pub fn name(&self, length: LengthUnit) -> String {
+        match self.of.as_characteristic() {
+            Some(characteristic) => characteristic.info().name.to_owned(),
+            None => {
+                let unit = format!("_{}", self.of.unit.suffix(length));
+                let name = self.of.column.strip_suffix(&unit);
+                name.unwrap_or(&self.of.column).to_owned()
+            }
+        }
+    }
+
     /// The drive values of a motion, and those added for this target.
     pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
         self.stations_among(&motion.values)

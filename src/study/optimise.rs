@@ -11,7 +11,9 @@ use super::resolve::Context;
 use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
-use super::{Move, Optimise, Turn, Variable};
+use super::{
+    Drive, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable, Wish,
+};
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
@@ -56,6 +58,7 @@ pub fn optimise(
     let constraints = constraints(section, context, problems);
     let targets = targets(section, context, problems);
     let (targets, curves): (Vec<_>, Vec<_>) = targets?.into_iter().unzip();
+    let front = front(section, &targets, context, problems);
     let curves = curves.into_iter().enumerate();
     let curves = curves
         .filter_map(|(place, curve)| Some((place, curve?)))
@@ -70,8 +73,102 @@ pub fn optimise(
         good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
         fit,
         axle: context.axle.map(|study| study.axle.clone()),
+        front: front?,
+        // The tolerances are read later.
+        scatter: None,
     };
     Some((optimise, curves))
+}
+
+/// The most builds of a robust tuning.
+const MOST_BUILDS: i64 = 4096;
+
+/// The builds that a tuning is robust against.
+pub fn scatter(
+    section: &file::Optimise,
+    tolerance: Option<&Tolerance>,
+    setup: Option<&Setup>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Option<Scatter>> {
+    let Some(written) = &section.scatter else {
+        return Some(None);
+    };
+    let builds = within(written, 2..=MOST_BUILDS, problems);
+    let mut wrong = |message: &str| {
+        problems.add(written.span(), message);
+    };
+    if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
+        wrong("a fit is of the one car that was measured: scatter does not go with fit = true");
+        return None;
+    }
+    if context.axle.is_some() {
+        wrong("scatter is not yet there for an axle");
+        return None;
+    }
+    if context.file.tolerance.is_none() {
+        wrong("scatter needs [tolerance], which says how builds scatter");
+        return None;
+    }
+    let tolerance = tolerance?;
+    let travels = |motion: &Motion| motion.drive == Drive::Travel;
+    let motions = context.motions.iter().map(|(_, motion)| motion);
+    if !motions.chain(context.motion).all(travels) {
+        wrong("scatter needs motions by travel: an angle is another pose in every build");
+        return None;
+    }
+    Some(Some(Scatter {
+        builds: usize::try_from(builds?).ok()?,
+        seed: tolerance.seed,
+        contributors: tolerance.scatter.clone(),
+        adjust: match (tolerance.aligned, setup) {
+            (true, Some(setup)) => Some(setup.adjust.clone()),
+            _ => None,
+        },
+    }))
+}
+
+/// What is traded on the front.
+fn front(
+    section: &file::Optimise,
+    targets: &[Target],
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Vec<Wish>> {
+    let Some(written) = &section.front else {
+        return Some(Vec::new());
+    };
+    let names = written.get_ref();
+    if !(2..=3).contains(&names.len()) {
+        let message = format!("expected two or three targets, found {}", names.len());
+        problems.add(written.span(), message);
+        return None;
+    }
+    if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
+        let message = "measurements are not traded: front does not go with fit = true";
+        problems.add(written.span(), message);
+        return None;
+    }
+    let length = context.suspension.length_unit;
+    let known: Vec<String> = targets.iter().map(|t| t.name(length)).collect();
+    let mut options: Vec<(&str, ())> = known.iter().map(|name| (name.as_str(), ())).collect();
+    options.sort_unstable();
+    options.dedup();
+    let mut wishes: Vec<Wish> = Vec::new();
+    for text in names {
+        let name = text.get_ref();
+        choose(text, "target", &options, problems)?;
+        if wishes.iter().any(|wish| wish.name == *name) {
+            problems.add(text.span(), format!("{name:?} is listed twice"));
+            return None;
+        }
+        let numbers = (0..known.len()).filter(|number| known[*number] == *name);
+        wishes.push(Wish {
+            name: name.clone(),
+            targets: numbers.collect(),
+        });
+    }
+    Some(wishes)
 }
 
 /// Below a tenth of a tolerance nobody sees a difference.

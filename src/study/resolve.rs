@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Motion, Study, axle, edit, file, motion, optimise, outputs, overrides, parse,
-    setup, solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Motion, Optimise, Study, axle, edit, file, motion, optimise, outputs,
+    overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -162,6 +162,21 @@ fn resolve(
             tolerance::tolerance(section, adjusted, &context, &mut problems).map(Some)
         }
     };
+    let scatter = match &file.optimise {
+        None => Some(None),
+        Some(section) => {
+            let adjusted = setup.as_ref().and_then(Option::as_ref);
+            let tolerance = tolerance.as_ref().and_then(Option::as_ref);
+            optimise::scatter(section, tolerance, adjusted, &context, &mut problems)
+        }
+    };
+    let optimise = optimise.zip(scatter).map(|((optimise, curves), scatter)| {
+        let robust = optimise.map(|optimise| Optimise {
+            scatter,
+            ..optimise
+        });
+        (robust, curves)
+    });
     let resolved = motion
         .zip(formulation)
         .zip(outputs)

@@ -13,7 +13,7 @@ use crate::characteristics::{Characteristic, Constants, Inputs, Slots};
 use crate::mechanism::{Configuration, Pose};
 use crate::model::Suspension;
 use crate::number::{Matrix3, Real, Vector3};
-use crate::study::{Setup, Study};
+use crate::study::Adjustment;
 use nalgebra::DMatrix;
 
 /// The most corrections of a build.
@@ -23,9 +23,10 @@ const ROUNDING: f64 = 1e-14;
 
 /// What is held by what.
 #[derive(Clone, Debug)]
-pub(super) struct Alignment {
+pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
-    wanted: Vec<(Characteristic, f64)>,
+    /// What keeps the values that the drawing has.
+    held: Vec<Characteristic>,
     /// M, a row for each adjustment.
     inverse: DMatrix<f64>,
     constants: Constants,
@@ -36,29 +37,24 @@ pub(super) struct Alignment {
 impl Alignment {
     /// Toe and camber of the drawing by the adjustments of the set-up; toe alone where there is one. Wishes of the set-up
     /// that are neither are not held.
-    pub(super) fn of(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<Self, NoSetUp> {
+    pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, NoSetUp> {
         let suspension = assembler.suspension();
-        let held: &[Characteristic] = match setup.adjust.len() {
+        let held: &[Characteristic] = match adjust.len() {
             1 => &[Characteristic::Toe],
             _ => &[Characteristic::Toe, Characteristic::Camber],
         };
         let slots = held
             .iter()
             .fold(Slots::default(), |slots, c| slots.with(c.info().reads));
-        let constants = Constants::of(&study.suspension);
+        let constants = Constants::of(suspension);
         let mut alignment = Alignment {
-            adjust: setup.adjust.iter().map(|a| a.change).collect(),
-            wanted: Vec::new(),
+            adjust: adjust.iter().map(|a| a.change).collect(),
+            held: held.to_vec(),
             inverse: DMatrix::zeros(0, 0),
             constants,
             slots,
             size: suspension.size(),
         };
-        let design = &suspension.design;
-        alignment.wanted = held
-            .iter()
-            .map(|c| (*c, alignment.value(suspension, design, *c)))
-            .collect();
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let mut by = DMatrix::zeros(held.len(), alignment.adjust.len());
         for (k, change) in alignment.adjust.iter().enumerate() {
@@ -108,14 +104,11 @@ impl Alignment {
         parts: &mut Parts<T>,
         design: &[Vector3<T>],
     ) -> Vec<T> {
-        let misses: Vec<T> = self
-            .wanted
-            .iter()
-            .map(|(c, wanted)| {
-                let value = self.value(suspension, design, *c);
-                value - value.lit(*wanted)
-            })
-            .collect();
+        let miss = |c: &Characteristic| {
+            let wanted = self.value(suspension, &parts.drawn, *c);
+            self.value(suspension, design, *c) - wanted
+        };
+        let misses: Vec<T> = self.held.iter().map(miss).collect();
         let mut corrections = Vec::with_capacity(self.adjust.len());
         for (k, (parameter, share)) in self.adjust.iter().enumerate() {
             let mut by = misses[0].zero();
@@ -129,7 +122,7 @@ impl Alignment {
     }
 
     /// Aligns a build and writes its design.
-    pub(super) fn assemble(
+    pub(crate) fn assemble(
         &self,
         assembler: &Assembler,
         parts: &mut Parts<f64>,
@@ -152,7 +145,7 @@ impl Alignment {
     }
 
     /// The built design along a direction of the drawing, aligned throughout, to as many orders as the number has.
-    pub(super) fn design<T: Real>(
+    pub(crate) fn design<T: Real>(
         &self,
         assembler: &Assembler,
         built: &Built,
@@ -178,7 +171,7 @@ impl Alignment {
         let mut aligned = direction.to_vec();
         for (k, (parameter, share)) in self.adjust.iter().enumerate() {
             let mut by = 0.0;
-            for (i, (c, _)) in self.wanted.iter().enumerate() {
+            for (i, c) in self.held.iter().enumerate() {
                 let miss = self.value(assembler.suspension(), &design, *c)[1];
                 by -= self.inverse[(k, i)] * miss;
             }

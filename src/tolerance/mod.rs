@@ -32,7 +32,7 @@ use crate::characteristics::{Characteristic, Quantity};
 use crate::mechanism::DesignFault;
 use crate::study::{Study, Tolerance};
 use crate::sweep::Stations;
-use alignment::Alignment;
+pub(crate) use alignment::Alignment;
 
 /// The percentiles that are reported.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
@@ -66,7 +66,7 @@ impl<'a> Problem<'a> {
         let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
         let stations = Stations::of(&study.motion, &study.suspension.frame, &further);
         let alignment = match (tolerance.aligned, &study.setup) {
-            (true, Some(setup)) => Some(Alignment::of(study, setup, &assembler)?),
+            (true, Some(setup)) => Some(Alignment::of(&setup.adjust, &assembler)?),
             _ => None,
         };
         Ok(Problem {

@@ -5,19 +5,21 @@
 //! ```text
 //! c_i(x)  = 0    for the first rows,
 //! c_i(x) <= 0    for the others,
-//! |b(x)| <= level
+//! |b_k(x)| <= level_k
 //! ```
 //!
-//! where a is the *goal*, c are the *rows* and b is what is held to a level: the residuals of a tuning
-//! that is to move as little as can be while it stays good enough, or those of one target on the way
-//! along a front. At x a step d (in half ranges of the variables) is the minimum of
+//! where a is the *goal*, c are the *rows* and each b is something held to a *level*: the residuals of a
+//! tuning that is to move as little as can be while it stays good enough, or those of some targets on the
+//! way along a front. At x a step d (in half ranges of the variables) is the minimum of
 //!
 //! ```text
 //! |A d + a|^2 / 2 + d . S d / 2    with  C d + c <= 0 (= 0),  |B d + b| <= level,  |d_j| <= radius   (1)
 //! ```
 //!
 //! A, B, C being the Jacobians ([`ConvexModel`](model)). What is squared stays squared: linearised, the
-//! level would have a multiplier that runs away wherever b vanishes. S is nothing in the first
+//! level would have a multiplier that runs away wherever b vanishes. The multiplier of a level is found by a
+//! secant over the same programs with the level's squares weighed in; of several levels, one within the
+//! other, as a level's excess falls with its own weight whatever the others do to keep theirs. S is nothing in the first
 //! iterations. Where a run takes more than those, residuals are large or constraints are curved, and
 //! Gauss and Newton's method converges slowly; from then on S is a symmetric rank-one estimate of the
 //! curvature that A^T A leaves out (J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear
@@ -50,9 +52,9 @@ pub trait Constrained {
     /// Numbers of residuals.
     fn shape(&self) -> Shape;
 
-    /// What the norm of the residuals held to a level must not exceed. Infinite where there are none.
-    fn level(&self) -> f64 {
-        f64::INFINITY
+    /// What the norms of the residuals held to levels must not exceed, one for each of [`Shape::levels`].
+    fn levels(&self) -> Vec<f64> {
+        Vec::new()
     }
 
     /// Writes everything at `x`, with its exact derivatives. It must depend on `x` alone.
@@ -60,12 +62,12 @@ pub trait Constrained {
 }
 
 /// Numbers of residuals and rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Shape {
     /// Residuals of the goal, at least one.
     pub goal: usize,
-    /// Residuals held to a level.
-    pub level: usize,
+    /// Residuals held to each level.
+    pub levels: Vec<usize>,
     /// Rows, all.
     pub rows: usize,
     /// How many of them, the first, must vanish.
@@ -77,35 +79,38 @@ pub struct Shape {
 pub struct Assessment {
     /// a and A.
     pub goal: Evaluation,
-    /// b and B.
-    pub level: Evaluation,
+    /// b and B, level by level.
+    pub levels: Vec<Evaluation>,
     /// c and C. A violation of 1 is one that anybody would see: a millimetre, a degree.
     pub rows: Evaluation,
 }
 
 impl Assessment {
     /// Room for a problem.
-    pub fn new(shape: Shape, variables: usize) -> Self {
+    pub fn new(shape: &Shape, variables: usize) -> Self {
+        let room = |residuals: usize| Evaluation::new(residuals, variables);
         Assessment {
-            goal: Evaluation::new(shape.goal, variables),
-            level: Evaluation::new(shape.level, variables),
-            rows: Evaluation::new(shape.rows, variables),
+            goal: room(shape.goal),
+            levels: shape.levels.iter().copied().map(room).collect(),
+            rows: room(shape.rows),
         }
     }
 
     /// Whether every number is one.
     pub fn check(&self) -> Result<(), Infeasible> {
         self.goal.check()?;
-        self.level.check()?;
+        self.levels.iter().try_for_each(Evaluation::check)?;
         self.rows.check()
     }
 
-    /// The largest violation of a row, and of the level as a mean over its residuals.
-    pub fn violation(&self, equalities: usize, level: f64) -> f64 {
+    /// The largest violation of a row, and of a level as a mean over its residuals.
+    pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         let rows = self.rows.residuals.iter().enumerate();
         let rows = rows.map(|(i, c)| if i < equalities { c.abs() } else { *c });
-        let count = self.level.residuals.len().max(1) as f64;
-        let above = (self.level.residuals.norm() - level) / count.sqrt();
-        rows.fold(above.max(0.0), f64::max)
+        let above = self.levels.iter().zip(levels).map(|(held, level)| {
+            let count = held.residuals.len().max(1) as f64;
+            (held.residuals.norm() - level) / count.sqrt()
+        });
+        rows.chain(above).fold(0.0, f64::max)
     }
 }

@@ -104,9 +104,10 @@ pub(super) struct ConvexModel<'a> {
     bounds: &'a Bounds,
     half: Vec<f64>,
     equalities: usize,
-    level: f64,
+    levels: Vec<f64>,
     goal: Squares,
-    held: Squares,
+    /// Level by level.
+    held: Vec<Squares>,
     /// Rows as they are, their gradients scaled.
     normals: Vec<f64>,
     offsets: Vec<f64>,
@@ -124,7 +125,11 @@ pub(super) struct ConvexModel<'a> {
     /// Multipliers of rows, and of bounds (negative at a lower one), of the last program.
     row_multipliers: Vec<f64>,
     bound_multipliers: Vec<f64>,
-    level_multiplier: f64,
+    level_multipliers: Vec<f64>,
+    /// What the squares of each level weigh in the program that is solved next.
+    weights: Vec<f64>,
+    /// The multipliers of the levels found last: where the next search begins.
+    last_weights: Vec<Option<f64>>,
     curvature: Curvature,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -133,15 +138,15 @@ pub(super) struct ConvexModel<'a> {
 
 impl<'a> ConvexModel<'a> {
     /// Room for a problem.
-    pub fn new(bounds: &'a Bounds, equalities: usize, rows: usize, level: f64) -> Self {
+    pub fn new(bounds: &'a Bounds, equalities: usize, rows: usize, levels: &[f64]) -> Self {
         let n = bounds.variables();
         ConvexModel {
             bounds,
             half: bounds.width().iter().map(|w| 0.5 * w).collect(),
             equalities,
-            level,
+            levels: levels.to_vec(),
             goal: Squares::new(n),
-            held: Squares::new(n),
+            held: vec![Squares::new(n); levels.len()],
             normals: vec![0.0; rows * n],
             offsets: vec![0.0; rows],
             kept: Vec::with_capacity(rows),
@@ -156,7 +161,9 @@ impl<'a> ConvexModel<'a> {
             step: vec![0.0; n],
             row_multipliers: vec![0.0; rows],
             bound_multipliers: vec![0.0; n],
-            level_multiplier: 0.0,
+            level_multipliers: vec![0.0; levels.len()],
+            weights: vec![0.0; levels.len()],
+            last_weights: vec![None; levels.len()],
             curvature: Curvature::new(n),
             matrix: Vec::new(),
             vector: Vec::new(),
@@ -168,10 +175,8 @@ impl<'a> ConvexModel<'a> {
     pub fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
         let n = x.len();
         self.goal.reduce(&at.goal, &self.half, &mut self.matrix);
-        if at.level.residuals.is_empty() {
-            self.level = f64::INFINITY;
-        } else {
-            self.held.reduce(&at.level, &self.half, &mut self.matrix);
+        for (held, level) in self.held.iter_mut().zip(&at.levels) {
+            held.reduce(level, &self.half, &mut self.matrix);
         }
         for (j, half) in self.half.iter().enumerate() {
             let column = at.rows.jacobian.column(j);
@@ -203,15 +208,15 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // The level is curved, too: what it exceeds its model by is taken off it.
-        let level = self.level;
-        if level.is_finite() {
-            let promised = self.held.norm_after(&self.step, &mut self.scratch);
-            let excess = trial.level.residuals.norm() - promised;
-            self.level = (level - excess).clamp(0.5 * level, 2.0 * level);
+        // Levels are curved, too: what one exceeds its model by is taken off it.
+        let levels = self.levels.clone();
+        for (k, level) in self.levels.iter_mut().enumerate() {
+            let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
+            let excess = trial.levels[k].residuals.norm() - promised;
+            *level = (*level - excess).clamp(0.5 * *level, 2.0 * *level);
         }
         let proposal = self.propose(curved);
-        self.level = level;
+        self.levels = levels;
         proposal
     }
 
@@ -238,13 +243,14 @@ impl<'a> ConvexModel<'a> {
 
     fn propose(&mut self, curved: bool) -> Proposal {
         let mut proposal = Proposal::Optimal;
-        if self.program(0.0, curved) != Outcome::Solved {
+        self.weights.fill(0.0);
+        if self.program(curved) != Outcome::Solved {
             let (remaining, culprits) = self.relax();
             proposal = Proposal::Relaxed {
                 remaining,
                 culprits,
             };
-            if self.program(0.0, curved) != Outcome::Solved {
+            if self.program(curved) != Outcome::Solved {
                 // What the relaxation found obeys the relaxed rows, though it is no minimum.
                 self.step
                     .copy_from_slice(&self.elastic.step()[..self.half.len()]);
@@ -252,28 +258,32 @@ impl<'a> ConvexModel<'a> {
                 return proposal;
             }
         }
-        if self.level.is_finite() {
-            self.meet_level(curved);
-        }
+        self.meet_levels(0, curved);
+        let found = self.level_multipliers.iter();
+        self.last_weights = found.map(|w| (*w > 0.0).then_some(*w)).collect();
         proposal
     }
 
-    /// Solves the program with the level's residuals weighed by `weight`.
-    fn program(&mut self, weight: f64, curved: bool) -> Outcome {
+    /// Solves the program with the levels' squares weighed in.
+    fn program(&mut self, curved: bool) -> Outcome {
         let n = self.half.len();
-        let stacked = if weight > 0.0 { 3 * n } else { 2 * n };
-        let root = weight.sqrt();
-        let pivot = self
-            .goal
-            .largest_pivot()
-            .max(root * self.held.largest_pivot());
+        let weighed = || {
+            self.weights
+                .iter()
+                .zip(&self.held)
+                .filter(|(w, _)| **w > 0.0)
+        };
+        let stacked = (2 + weighed().count()) * n;
+        let pivot = weighed().fold(self.goal.largest_pivot(), |most, (w, held)| {
+            most.max(w.sqrt() * held.largest_pivot())
+        });
         let damping = if pivot > 0.0 { DAMPING * pivot } else { 1.0 };
         self.matrix.clear();
         for j in 0..n {
             self.matrix
                 .extend_from_slice(&self.goal.triangle[j * n..][..n]);
-            if weight > 0.0 {
-                let held = &self.held.triangle[j * n..][..n];
+            for (weight, held) in weighed() {
+                let (root, held) = (weight.sqrt(), &held.triangle[j * n..][..n]);
                 self.matrix.extend(held.iter().map(|r| root * r));
             }
             self.matrix.resize((j + 1) * stacked, 0.0);
@@ -281,9 +291,9 @@ impl<'a> ConvexModel<'a> {
         }
         self.vector.clear();
         self.vector.extend_from_slice(&self.goal.offset);
-        if weight > 0.0 {
-            self.vector
-                .extend(self.held.offset.iter().map(|q| root * q));
+        for (weight, held) in weighed() {
+            let root = weight.sqrt();
+            self.vector.extend(held.offset.iter().map(|q| root * q));
         }
         self.vector.resize(stacked, 0.0);
         triangularise(&mut self.matrix, stacked, &mut self.vector);
@@ -310,7 +320,7 @@ impl<'a> ConvexModel<'a> {
                 *step = self.method.step()[j].clamp(lower[j], upper[j]);
             }
             self.clear_multipliers();
-            self.level_multiplier = weight;
+            self.level_multipliers.copy_from_slice(&self.weights);
             for (held, multiplier) in self.method.multipliers() {
                 match held {
                     Held::Row(row) => self.row_multipliers[self.kept[row]] = multiplier,
@@ -325,22 +335,29 @@ impl<'a> ConvexModel<'a> {
     fn clear_multipliers(&mut self) {
         self.row_multipliers.fill(0.0);
         self.bound_multipliers.fill(0.0);
-        self.level_multiplier = 0.0;
+        self.level_multipliers.fill(0.0);
     }
 
-    /// Searches the weight under which the level is just met. The residuals' norm falls as the weight
-    /// grows: the search is a secant over their logarithms, kept between weights on either side.
-    fn meet_level(&mut self, curved: bool) {
+    /// By how much the step exceeds a level, as a logarithm of the ratio.
+    fn excess(&mut self, k: usize) -> f64 {
         // A level of zero could only be neared for ever.
-        let goal = self.level.max(1e-12);
-        let excess = |model: &mut Self| {
-            let norm = model.held.norm_after(&model.step, &mut model.scratch);
-            (norm / goal).ln()
-        };
-        if excess(self) <= LEVEL_MET {
+        let goal = self.levels[k].max(1e-12);
+        let norm = self.held[k].norm_after(&self.step, &mut self.scratch);
+        (norm / goal).ln()
+    }
+
+    /// Searches the weights under which the levels from the k-th on are just met, or slack; the step is that of
+    /// the program without them. A norm falls as its weight grows: the search is a secant over their
+    /// logarithms, kept between weights on either side, the levels after this one met anew for each.
+    fn meet_levels(&mut self, k: usize, curved: bool) {
+        if k == self.levels.len() {
             return;
         }
-        let scale = self.goal.largest_pivot() / self.held.largest_pivot();
+        self.meet_levels(k + 1, curved);
+        if self.excess(k) <= LEVEL_MET {
+            return;
+        }
+        let scale = self.goal.largest_pivot() / self.held[k].largest_pivot();
         let scale = if scale.is_finite() && scale > 0.0 {
             scale * scale
         } else {
@@ -348,12 +365,15 @@ impl<'a> ConvexModel<'a> {
         };
         let mut low = None;
         let mut high: Option<(f64, f64)> = None;
-        let mut weight = self.curvature.last_weight.unwrap_or(scale);
+        let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
-            if self.program(weight, curved) != Outcome::Solved {
+            self.weights[k] = weight;
+            self.weights[k + 1..].fill(0.0);
+            if self.program(curved) != Outcome::Solved {
                 break;
             }
-            let at = (weight.ln(), excess(self));
+            self.meet_levels(k + 1, curved);
+            let at = (weight.ln(), self.excess(k));
             if at.1.abs() <= LEVEL_MET {
                 break;
             }
@@ -379,7 +399,6 @@ impl<'a> ConvexModel<'a> {
                 break;
             }
         }
-        self.curvature.last_weight = Some(self.level_multiplier).filter(|w| *w > 0.0);
     }
 
     /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
@@ -475,12 +494,12 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Multipliers of the rows, of the bounds (negative at a lower one) and of the level.
-    pub fn multipliers(&self) -> (&[f64], &[f64], f64) {
+    /// Multipliers of the rows, of the bounds (negative at a lower one) and of the levels.
+    pub fn multipliers(&self) -> (&[f64], &[f64], &[f64]) {
         (
             &self.row_multipliers,
             &self.bound_multipliers,
-            self.level_multiplier,
+            &self.level_multipliers,
         )
     }
 
@@ -491,15 +510,13 @@ impl<'a> ConvexModel<'a> {
         let (mut left, mut size) = (0.0_f64, 0.0_f64);
         for j in 0..n {
             let goal = self.goal.gradient(j);
-            let held = match self.level_multiplier {
-                0.0 => 0.0,
-                weight => weight * self.held.gradient(j),
-            };
-            let mut sum = goal + held + self.bound_multipliers[j];
-            let mut most = goal
-                .abs()
-                .max(held.abs())
-                .max(self.bound_multipliers[j].abs());
+            let mut sum = goal + self.bound_multipliers[j];
+            let mut most = goal.abs().max(self.bound_multipliers[j].abs());
+            for (weight, held) in self.level_multipliers.iter().zip(&self.held) {
+                let push = weight * held.gradient(j);
+                sum += push;
+                most = most.max(push.abs());
+            }
             for (row, multiplier) in self.row_multipliers.iter().enumerate() {
                 let push = multiplier * self.normals[row * n + j];
                 sum += push;
@@ -526,13 +543,11 @@ impl<'a> ConvexModel<'a> {
             };
             *y = part(&before.goal, &after.goal, after.goal.residuals.as_slice())
                 + part(&before.rows, &after.rows, &self.row_multipliers);
-            if self.level_multiplier > 0.0 {
-                let held = part(
-                    &before.level,
-                    &after.level,
-                    after.level.residuals.as_slice(),
-                );
-                *y += self.level_multiplier * held;
+            for (k, weight) in self.level_multipliers.iter().enumerate() {
+                if *weight > 0.0 {
+                    let (before, after) = (&before.levels[k], &after.levels[k]);
+                    *y += weight * part(before, after, after.residuals.as_slice());
+                }
             }
         }
         self.curvature.learn(&self.step, &y);
@@ -560,8 +575,6 @@ struct Curvature {
     matrix: Vec<f64>,
     /// Whether S is in use.
     in_use: bool,
-    /// The multiplier of the level found last: where the next search begins.
-    last_weight: Option<f64>,
 }
 
 impl Curvature {
@@ -570,7 +583,6 @@ impl Curvature {
             variables,
             matrix: vec![0.0; variables * variables],
             in_use: false,
-            last_weight: None,
         }
     }
 

@@ -1,15 +1,13 @@
 //! The loop: one accepted step for each iteration of argmin.
 
 use super::super::active_set::Held;
-use super::super::levenberg_marquardt::{State, of};
+use super::super::course::{Course, State, evaluations, execute, of};
 use super::super::{Bounds, Control, Evaluation, Infeasible, Iteration, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::{Assessment, Constrained};
-use argmin::core::{Error, Executor, KV, Problem, Solver, TerminationReason, TerminationStatus};
-use argmin::kv;
+use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
-use std::sync::atomic::Ordering;
 
 /// Rows violated by no more than this are kept: a millionth of what anybody would see.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
@@ -42,8 +40,8 @@ pub struct ConstrainedFit {
     pub multipliers: Vec<f64>,
     /// Likewise by bounds, per half range: negative at a lower one.
     pub bound_multipliers: Vec<f64>,
-    /// Likewise by half the square of the level.
-    pub level_multiplier: f64,
+    /// Likewise by half the square of each level.
+    pub level_multipliers: Vec<f64>,
     /// How far slopes and multipliers are from balance, relative to their sizes.
     pub imbalance: f64,
     /// Rows that exclude one another about x, where there are such.
@@ -57,11 +55,10 @@ pub struct ConstrainedFit {
 impl ConstrainedFit {
     /// Number of evaluations made, failed ones included.
     pub fn evaluations(&self) -> u64 {
-        let evaluations = |iteration: &Iteration| u64::from(iteration.evaluations);
-        self.history.iter().map(evaluations).sum()
+        evaluations(&self.history)
     }
 
-    /// Whether rows and level are kept.
+    /// Whether rows and levels are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
@@ -78,44 +75,28 @@ pub fn constrained_fit(
     control: Control<'_>,
 ) -> Result<ConstrainedFit, Infeasible> {
     let shape = problem.shape();
-    let level = problem.level();
+    let levels = problem.levels();
     let n = bounds.variables();
     let solver = SequentialConvex {
-        bounds,
-        options,
-        control,
-        start: index,
+        course: Course::new(bounds, options, control, index),
         equalities: shape.equalities,
-        level,
-        model: ConvexModel::new(bounds, shape.equalities, shape.rows, level),
-        current: Assessment::new(shape, n),
-        trial: Assessment::new(shape, n),
+        model: ConvexModel::new(bounds, shape.equalities, shape.rows, &levels),
+        levels,
+        current: Assessment::new(&shape, n),
+        trial: Assessment::new(&shape, n),
         trial_x: DVector::zeros(n),
         filter: Filter::new(0.0),
         radius: FIRST_RADIUS,
         culprits: Vec::new(),
-        termination: None,
-        history: Vec::new(),
     };
-    let result = Executor::new(problem, solver)
-        .configure(|state| state.param(bounds.nearest(start)))
-        .ctrlc(false)
-        .run();
-    match result {
-        Ok(result) => Ok(result.solver.into_fit(result.state)),
-        Err(error) => Err(error
-            .downcast()
-            .expect("the only error of the solver is that of its start")),
-    }
+    let (solver, state) = execute(problem, solver, bounds, start)?;
+    Ok(solver.into_fit(state))
 }
 
 struct SequentialConvex<'a> {
-    bounds: &'a Bounds,
-    options: &'a Options,
-    control: Control<'a>,
-    start: usize,
+    course: Course<'a>,
     equalities: usize,
-    level: f64,
+    levels: Vec<f64>,
     model: ConvexModel<'a>,
     current: Assessment,
     trial: Assessment,
@@ -123,8 +104,6 @@ struct SequentialConvex<'a> {
     filter: Filter,
     radius: f64,
     culprits: Vec<Held>,
-    termination: Option<Termination>,
-    history: Vec<Iteration>,
 }
 
 impl SequentialConvex<'_> {
@@ -133,32 +112,31 @@ impl SequentialConvex<'_> {
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
         let imbalance = self.model.imbalance();
-        let (rows, bounds, level) = self.model.multipliers();
+        let (rows, bounds, levels) = self.model.multipliers();
+        let (rows, bounds, levels) = (rows.to_vec(), bounds.to_vec(), levels.to_vec());
+        let (termination, history) = self.course.finished();
         ConstrainedFit {
-            violation: self.current.violation(self.equalities, self.level),
-            multipliers: rows.to_vec(),
-            bound_multipliers: bounds.to_vec(),
-            level_multiplier: level,
+            violation: self.current.violation(self.equalities, &self.levels),
+            multipliers: rows,
+            bound_multipliers: bounds,
+            level_multipliers: levels,
             imbalance,
             x,
             at: self.current,
             culprits: self.culprits,
-            termination: self.termination.expect("a run ends for a reason"),
-            history: self.history,
+            termination,
+            history,
         }
     }
 
     /// The residuals a run is told by: those held to a level, where there are any.
     fn reported(&self) -> &Evaluation {
-        match self.current.level.residuals.is_empty() {
-            true => &self.current.goal,
-            false => &self.current.level,
-        }
+        self.current.levels.first().unwrap_or(&self.current.goal)
     }
 
     /// Goal and violation of a point.
     fn pair(&self, of: &Assessment) -> [f64; 2] {
-        [of.goal.cost(), of.violation(self.equalities, self.level)]
+        [of.goal.cost(), of.violation(self.equalities, &self.levels)]
     }
 
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<(), Infeasible> {
@@ -170,23 +148,9 @@ impl SequentialConvex<'_> {
     fn rebuild_model(&mut self, x: &DVector<f64>) {
         self.model.build(x, &self.current);
         let [_, violation] = self.pair(&self.current);
-        if self.current.goal.misfit() <= self.options.misfit_below && violation <= KEPT {
-            self.termination = Some(Termination::MisfitReached);
+        if self.current.goal.misfit() <= self.course.options.misfit_below && violation <= KEPT {
+            self.course.end(Termination::MisfitReached);
         }
-    }
-
-    fn record(&mut self, iteration: Iteration) -> KV {
-        let log = kv!(
-            "misfit" => iteration.misfit;
-            "step" => iteration.step;
-            "radius" => self.radius;
-            "evaluations" => u64::from(iteration.evaluations);
-        );
-        if let Some(watch) = self.control.watch {
-            watch(self.start, &iteration);
-        }
-        self.history.push(iteration);
-        log
     }
 
     /// Whether the trial is better than where the run is; `predicted` is the model's reduction of the
@@ -216,14 +180,14 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         state: State,
     ) -> Result<(State, Option<KV>), Error> {
         let problem = of(problem);
-        assert_eq!(problem.variables(), self.bounds.variables());
+        assert_eq!(problem.variables(), self.course.bounds.variables());
         let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         self.rebuild_model(x);
         let [cost, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation);
-        let log = self.record(Iteration {
+        let iteration = Iteration {
             iteration: 0,
             cost: self.reported().cost(),
             misfit: self.reported().misfit(),
@@ -232,7 +196,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             held: 0,
             evaluations: 1,
             infeasible: 0,
-        });
+        };
+        let log = self.course.record(x, iteration);
         Ok((state.cost(cost), Some(log)))
     }
 
@@ -245,7 +210,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         let mut x = state.take_param().expect("the state was given its start");
         let from = self.pair(&self.current);
         let curved = state.iter >= CURVED_FROM;
-        let negligible = self.options.reduction_below * NEGLIGIBLE * from[0];
+        let negligible = self.course.options.reduction_below * NEGLIGIBLE * from[0];
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
         let mut step = 0.0;
@@ -261,16 +226,16 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
                 && from[1] > KEPT
             {
                 self.culprits.clone_from(culprits);
-                self.termination = Some(Termination::ConstraintsExcludeEachOther);
+                self.course.end(Termination::ConstraintsExcludeEachOther);
                 break;
             }
-            let is_still = length <= self.options.step_below.max(1e-12);
+            let is_still = length <= self.course.options.step_below.max(1e-12);
             let is_balanced = proposal == Proposal::Optimal
                 && from[1] <= KEPT
                 && length < self.radius
                 && predicted.abs() <= negligible;
             if is_still {
-                self.termination = Some(match obstacle {
+                self.course.end(match obstacle {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
@@ -286,7 +251,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             }
             let mut accepted = self.is_better(from, predicted);
             if is_balanced && obstacle.is_none() {
-                self.termination = Some(Termination::NoFurtherDescent);
+                self.course.end(Termination::NoFurtherDescent);
                 if !accepted {
                     break;
                 }
@@ -317,50 +282,29 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             } else if length >= 0.99 * self.radius && (ratio > GOOD || violation < 0.1 * from[1]) {
                 self.radius = (2.5 * self.radius).min(WHOLE);
             }
-            step = self.bounds.distance(&x, &self.trial_x);
+            step = self.course.bounds.distance(&x, &self.trial_x);
             self.model.learn(&self.current, &self.trial);
             std::mem::swap(&mut x, &mut self.trial_x);
             std::mem::swap(&mut self.current, &mut self.trial);
-            let ended = self.termination.take();
             self.rebuild_model(&x);
-            self.termination = self.termination.take().or(ended);
             break;
         }
         let cost = self.current.goal.cost();
-        let held = self.bounds.holds(&x);
-        let log = self.record(Iteration {
+        let iteration = Iteration {
             iteration: state.iter + 1,
             cost: self.reported().cost(),
             misfit: self.reported().misfit(),
             step,
             damping: 0.0,
-            held: super::super::levenberg_marquardt::count_held(&held),
+            held: 0,
             evaluations,
             infeasible,
-        });
+        };
+        let log = self.course.record(&x, iteration);
         Ok((state.param(x).cost(cost), Some(log)))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {
-        if self.termination.is_none() {
-            let interrupted = self.control.interrupt;
-            if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                self.termination = Some(Termination::Interrupted);
-            } else if state.iter >= self.options.max_iterations {
-                self.termination = Some(Termination::IterationLimit);
-            }
-        }
-        match &self.termination {
-            None => TerminationStatus::NotTerminated,
-            Some(reason) => TerminationStatus::Terminated(match reason {
-                Termination::Interrupted => TerminationReason::Interrupt,
-                Termination::IterationLimit => TerminationReason::MaxItersReached,
-                Termination::MisfitReached => TerminationReason::TargetCostReached,
-                Termination::NoFeasibleStep(_) | Termination::ConstraintsExcludeEachOther => {
-                    TerminationReason::SolverExit(reason.to_string())
-                }
-                _ => TerminationReason::SolverConverged,
-            }),
-        }
+        self.course.status(state)
     }
 }

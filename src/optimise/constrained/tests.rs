@@ -1,7 +1,7 @@
 //! Problems whose constrained minima are known.
 
 use super::super::test_problems::Noise;
-use super::super::{Bounds, Control, Infeasible, Options, Termination};
+use super::super::{Bounds, Control, Evaluation, Infeasible, Options, Termination};
 use super::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
 use nalgebra::{DMatrix, DVector};
 
@@ -21,13 +21,15 @@ impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
         self.variables
     }
     fn shape(&self) -> Shape {
-        self.shape
+        self.shape.clone()
     }
-    fn level(&self) -> f64 {
-        self.level
+    fn levels(&self) -> Vec<f64> {
+        self.shape.levels.iter().map(|_| self.level).collect()
     }
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        let parts = [&mut into.goal, &mut into.level, &mut into.rows];
+        let mut nothing = Evaluation::new(0, x.len());
+        let level = into.levels.first_mut().unwrap_or(&mut nothing);
+        let parts = [&mut into.goal, level, &mut into.rows];
         for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {
             for (i, (value, gradient)) in values.into_iter().enumerate() {
                 part.residuals[i] = value;
@@ -51,7 +53,10 @@ fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
         variables: start.len(),
         shape: Shape {
             goal: goal.len(),
-            level: held.len(),
+            levels: (!held.is_empty())
+                .then_some(held.len())
+                .into_iter()
+                .collect(),
             rows: rows.len(),
             equalities,
         },

@@ -7,7 +7,7 @@ use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
-use crate::report::{ToleranceSummary, TuningSummary};
+use crate::report::{PriceRecord, ToleranceSummary, TuningSummary, YieldRecord};
 use serde::Serialize;
 
 /// The page's own script.
@@ -18,6 +18,7 @@ const GLUE: &str = concat!(
     include_str!("mechanism.js"),
     include_str!("turn.js"),
     include_str!("tuning.js"),
+    include_str!("front.js"),
     include_str!("theme.js"),
     include_str!("start.js"),
     "})();\n"
@@ -35,6 +36,8 @@ struct Data<'a> {
     kept_start: Option<usize>,
     /// Targets that are missed by more than their tolerance: column, and by how much and where.
     missed: Vec<(&'a str, String)>,
+    /// What moving further buys.
+    prices: &'a [PriceRecord],
 }
 
 /// The page of a run.
@@ -52,9 +55,19 @@ pub fn page(run: &Run) -> String {
             Summary::Optimise(tuning) => missed(tuning),
             Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => Vec::new(),
         },
+        prices: match &run.summary {
+            Summary::Optimise(tuning) => &tuning.prices,
+            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => &[],
+        },
     };
     let (tuning, ranges) = match &run.summary {
-        Summary::Optimise(tuning) => (tuning_sections(tuning), String::new()),
+        Summary::Optimise(tuning) => {
+            let front = match &run.record.front {
+                Some(_) => include_str!("front.html"),
+                None => "",
+            };
+            (front.to_owned() + &tuning_sections(tuning), String::new())
+        }
         Summary::Solve(solve) => (String::new(), solve.table().html()),
         Summary::Axle(axle) => (String::new(), axle.table().html()),
         Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
@@ -120,6 +133,14 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let met = targets - missed;
         let met = format!("<span{class}>{met}</span> of {targets} <small>targets</small>");
         facts.push(("Within tolerance", met));
+        if let Some([before, after]) = tuning.yields.as_ref().map(YieldRecord::percentages) {
+            let text = format!(
+                "{} <span class=\"to\">→</span> <strong>{}</strong>",
+                html(&before),
+                html(&after)
+            );
+            facts.push(("Yield", text));
+        }
     }
     if let Summary::Tolerance(tolerance) = &run.summary {
         let builds = tolerance.builds;
@@ -181,6 +202,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
         ("turn", "Turn", has_turn(run)),
+        ("front", "Front", run.record.front.is_some()),
         ("hardpoints", "Hardpoints", tuned),
         ("convergence", "Convergence", tuned),
         (
@@ -237,6 +259,14 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
         constraints = constraints(tuning),
         unseen = unseen,
         starts = tuning.starts_table().html(),
+        prices = prices_section(tuning),
+        yields = tuning.yields.as_ref().map_or_else(String::new, |yields| {
+            format!(
+                "<p class=\"note\">{}</p>{}",
+                html(&yields.headline()),
+                yields.table().html()
+            )
+        }),
     )
 }
 
@@ -252,6 +282,13 @@ fn constraints(tuning: &TuningSummary) -> String {
         shown += &format!("<p>{}</p>", html(&remark));
     }
     shown
+}
+
+/// What moving further buys.
+fn prices_section(tuning: &TuningSummary) -> String {
+    tuning.prices_table().map_or_else(String::new, |table| {
+        format!(include_str!("prices.html"), table = table.html())
+    })
 }
 
 /// What scatter comes to: below the fans about the curves.

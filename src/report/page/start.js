@@ -6,7 +6,7 @@ const state = {
 };
 
 const drawCurves = () => Promise.all(curvePlots.map((plot) => plot(state)));
-const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawTurn(state), drawHistory(), influenced.length && drawInfluences()]);
+const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawTurn(state), drawHistory(), drawFront(), drawPrices(), influenced.length && drawInfluences()]);
 
 for (const name of [record.drive, ...record.abscissae]) option(byId('abscissa'), name, axisTitle(name));
 byId('abscissa').value = state.abscissa;
@@ -29,9 +29,10 @@ byId('influence-output').addEventListener('change', drawRanking);
 byId('measure').addEventListener('change', drawInfluences);
 byId('sensitivities').hidden = influenced.length === 0;
 
+setUpFront();
 setTheme(wishes.get('theme'));
 sayUpright();
 drawAll().then(() => {
-  root.dataset.plotsExpected = curvePlots.length + (stations ? 1 : 0) + (hasTurn ? 1 : 0) + (run.history ? 1 : 0) + (influenced.length ? 2 : 0);
+  root.dataset.plotsExpected = curvePlots.length + (stations ? 1 : 0) + (hasTurn ? 1 : 0) + (run.history ? 1 : 0) + (front?.points.length ? 1 : 0) + (run.prices.length ? 1 : 0) + (influenced.length ? 2 : 0);
   root.dataset.ready = 'true';
 });

@@ -1,0 +1,91 @@
+//! What could be chosen instead of the tuned design: front and price list, where they are asked for.
+
+use super::exit::Stop;
+use super::output::Output;
+use super::progress;
+use crate::mechanism::DesignFault;
+use crate::optimise::{Choice, Control, Front, Tuning, front, price_list};
+use crate::report::{TuningSummary, front_csv, front_remarks, front_table};
+use crate::study::{Optimise, Study};
+
+pub(super) struct Choices {
+    pub front: Option<Front>,
+    pub prices: Vec<Choice>,
+}
+
+impl Choices {
+    /// From where a tuning ended.
+    pub fn of(
+        study: &Study,
+        optimise: &Optimise,
+        tuning: &Tuning,
+        prices: bool,
+    ) -> Result<Self, DesignFault> {
+        let (suspension, motion) = (&study.suspension, &study.motion);
+        let control = Control {
+            interrupt: Some(progress::interrupt_flag()),
+            watch: None,
+        };
+        let has_best = tuning.best.is_some();
+        let front = (has_best && !optimise.front.is_empty())
+            .then(|| front(suspension, motion, optimise, tuning, control));
+        let prices = match has_best && prices && !optimise.fit {
+            true => price_list(suspension, motion, optimise, tuning, control)?,
+            false => Vec::new(),
+        };
+        Ok(Choices {
+            front: front.transpose()?,
+            prices,
+        })
+    }
+
+    /// Writes the files; returns their names.
+    pub fn write(
+        &self,
+        output: &Output,
+        study: &Study,
+        optimise: &Optimise,
+    ) -> Result<Option<&'static str>, Stop> {
+        match &self.front {
+            Some(front) => {
+                output.file("front.csv", &front_csv(study, optimise, front))?;
+                Ok(Some("front.csv"))
+            }
+            None => {
+                output.without("front.csv")?;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Says what there is; whether there is a front where one was asked for.
+    pub fn say(
+        &self,
+        output: &Output,
+        optimise: &Optimise,
+        summary: &TuningSummary,
+    ) -> Result<bool, Stop> {
+        if let Some(front) = &self.front {
+            let names = optimise.front.iter().map(|wish| wish.name.as_str());
+            output.say(&format!(
+                "\nfront of {}, misfits in tolerances: {} designs, none of them better in all\n\n",
+                names.collect::<Vec<_>>().join(" and "),
+                front.choices.len()
+            ))?;
+            output.table("front", &front_table(optimise, front))?;
+            for remark in front_remarks(optimise, front) {
+                output.say(&format!("\n{remark}\n"))?;
+            }
+        }
+        if let Some(table) = summary.prices_table() {
+            output.say(
+                "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
+            )?;
+            output.table("prices", &table)?;
+        }
+        Ok(self
+            .front
+            .as_ref()
+            .is_none_or(|front| !front.choices.is_empty()))
+    }
+}

@@ -1,0 +1,170 @@
+//! Designs as they are built: the scattered builds of a robust tuning, with their derivatives by the variables.
+//!
+//! At x the drawing is p(x), its parts are a(p), and build number s, whose scatter is the same at every x, is put
+//! together from a(p(x)) + z_s. What comes of it is a design b_s again (see [`crate::build`]), and
+//!
+//! ```text
+//! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx
+//! ```
+//!
+//! (the axes in which carriers are drawn move with the drawing): derivative numbers go the same way as plain
+//! ones, some variables at a time.
+
+use super::Infeasible;
+use super::moves::Way;
+use crate::build::{Assembler, Parts, Rest};
+use crate::mechanism::DesignFault;
+use crate::model::{PointId, Suspension};
+use crate::number::{Dual, Vector3};
+use crate::study::{Scatter, Source};
+use crate::sweep::sobol;
+use crate::tolerance::Alignment;
+
+/// Variables that are differentiated by at a time.
+const AT_ONCE: usize = 4;
+
+/// The builds of a robust tuning.
+pub(super) struct Builds<'a> {
+    assembler: Assembler,
+    scatter: &'a Scatter,
+    /// Build by build, source by source.
+    draws: Vec<Vec<f64>>,
+    moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
+    /// How the variables move the points of the latest build, by rising number of the point.
+    pub ways: Vec<Way>,
+}
+
+impl<'a> Builds<'a> {
+    /// The builds of a suspension that [`Assembler::suspension`] has given.
+    pub fn new(suspension: &Suspension, scatter: &'a Scatter) -> Result<Self, DesignFault> {
+        Ok(Builds {
+            assembler: Assembler::new(suspension)?,
+            scatter,
+            draws: (0..scatter.builds)
+                .map(|build| draw(scatter, build))
+                .collect(),
+            moved: Vec::new(),
+            ways: Vec::new(),
+        })
+    }
+
+    /// Number of builds.
+    pub fn count(&self) -> usize {
+        self.draws.len()
+    }
+
+    /// Makes these the builds of a drawing, and what aligns them.
+    pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<Option<Alignment>, Infeasible> {
+        let redrawn = self.assembler.redraw(design);
+        redrawn.map_err(|fault| {
+            let mechanism = &self.assembler.suspension().mechanism;
+            Infeasible::Refused(fault.describe(mechanism))
+        })?;
+        let aligned = self.scatter.adjust.as_ref();
+        let alignment = aligned.map(|adjust| Alignment::of(adjust, &self.assembler));
+        alignment.transpose().map_err(|_| {
+            Infeasible::Refused("what [setup] adjusts does not move toe and camber".to_owned())
+        })
+    }
+
+    /// Puts a build together, and writes its design and [`Builds::ways`]. `drawn` are the ways of the drawing.
+    pub fn build(
+        &mut self,
+        number: usize,
+        alignment: Option<&Alignment>,
+        drawn: &[Way],
+        variables: usize,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Infeasible> {
+        let Builds {
+            assembler,
+            scatter,
+            draws,
+            moved,
+            ways,
+        } = self;
+        let mechanism = &assembler.suspension().mechanism;
+        let refused = |reject: crate::build::Reject| {
+            Infeasible::Refused(format!("build {number} cannot be put together: {reject}"))
+        };
+        let mut parts = assembler.drawn().clone();
+        for (source, z) in sources(scatter).zip(&draws[number]) {
+            for (parameter, share) in &source.changes {
+                parts.change(mechanism, *parameter, share * z);
+            }
+        }
+        if let Some(alignment) = alignment {
+            alignment
+                .assemble(assembler, &mut parts, into)
+                .map_err(refused)?;
+        }
+        let built = assembler
+            .build(&parts, Rest::Height(0.0))
+            .map_err(refused)?;
+        into.copy_from_slice(&built.suspension.design);
+        ways.clear();
+        let mut first = 0;
+        while first < variables {
+            let own = first..first + AT_ONCE;
+            // The drawing with its derivatives by these variables, and the parts that it gives.
+            moved.clear();
+            moved.extend(parts.drawn.iter().map(|p| p.map(Dual::constant)));
+            for way in drawn.iter().filter(|way| own.contains(&way.column)) {
+                let point = &mut moved[way.point];
+                let k = way.column - first;
+                point.x.partials[k] += way.by.x;
+                point.y.partials[k] += way.by.y;
+                point.z.partials[k] += way.by.z;
+            }
+            let mut along = Parts::of_drawing(mechanism, moved);
+            // The build's own values: scatter and adjustments are the same at every x, to first order.
+            for (dual, value) in along.points.iter_mut().zip(&parts.points) {
+                (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);
+            }
+            for (dual, value) in along.lengths.iter_mut().zip(&parts.lengths) {
+                dual.value = *value;
+            }
+            let design = match alignment {
+                None => assembler.design_of(&built, &along, 1),
+                Some(alignment) => alignment.design(assembler, &built, &mut along, 1),
+            };
+            for (point, series) in design.iter().enumerate() {
+                for k in 0..AT_ONCE.min(variables - first) {
+                    let by = series.map(|c| c.partials[k]);
+                    if by.norm_squared() > 0.0 {
+                        let column = first + k;
+                        ways.push(Way { column, point, by });
+                    }
+                }
+            }
+            first += AT_ONCE;
+        }
+        ways.sort_by_key(|way| (way.point, way.column));
+        Ok(())
+    }
+}
+
+/// The scatter of a build: a low-discrepancy sequence, so that few builds stand for many.
+fn draw(scatter: &Scatter, build: usize) -> Vec<f64> {
+    let count = sources(scatter).count();
+    let number = |(k, source): (usize, &Source)| {
+        // The middle of one of 2^24 intervals, so that neither end is met.
+        let fraction = sobol(build as u64, k, count, scatter.seed) + 0.5_f64.powi(25);
+        source.law.quantile(fraction)
+    };
+    sources(scatter).enumerate().map(number).collect()
+}
+
+fn sources(scatter: &Scatter) -> impl Iterator<Item = &Source> {
+    scatter.contributors.iter().flat_map(|c| &c.sources)
+}
+
+/// The point that gives a carrier without one its spin axis, and the wheel centre that it follows: with the
+/// direction that the study gives, wherever the wheel centre is moved.
+pub(super) fn follower(study: &Suspension, assembled: &Suspension) -> Option<(PointId, PointId)> {
+    let added = assembled.design.len() > study.design.len();
+    added.then(|| (PointId(study.design.len()), study.mechanism.wheel_centre))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,193 @@
+//! What could be chosen instead of the design kept: the front of a study's wishes, and its price list.
+
+use super::constrained::Constrained;
+use super::front::{Found, Tracer};
+use super::trade::Aim;
+use super::tune::Tuner;
+use super::{Control, Options, TargetLayout, Tuning, moved_design};
+use crate::mechanism::DesignFault;
+use crate::model::Suspension;
+use crate::number::Vector3;
+use crate::study::{Motion, Optimise};
+use nalgebra::DVector;
+
+/// Targets outside of the front are held to their tolerances, or to this ratio of what the tuning of all made of
+/// them.
+const AS_GOOD: f64 = 1.01;
+/// Steps of a price list.
+const STEPS: usize = 10;
+
+/// A design that could be chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Offsets of the variables, in the study's axes.
+    pub offsets: Vec<f64>,
+    /// Its hardpoints, in the kernel's frame.
+    pub design: Vec<Vector3<f64>>,
+    /// How much there is of each aim: of a front the misfit of each wish; of a price list the misfit of all targets,
+    /// and the move: the root of the sum of its squares in ranges, each times the cost of its variable.
+    pub amounts: Vec<f64>,
+    /// What each aim weighs there; they add up to 1. To have one unit less of one costs its weight over that of
+    /// the other. Zeros where nothing is traded.
+    pub weights: Vec<f64>,
+}
+
+/// The front of a study's wishes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Front {
+    /// Designs of which none is better in all, by rising misfit of the first wish.
+    pub choices: Vec<Choice>,
+    /// Choices behind which the front is broken.
+    pub breaks: Vec<usize>,
+}
+
+/// The front of `[optimise] front`, from where a tuning ended. An error says why the design itself cannot be
+/// solved.
+pub fn front(
+    suspension: &Suspension,
+    motion: &Motion,
+    optimise: &Optimise,
+    tuning: &Tuning,
+    control: Control<'_>,
+) -> Result<Front, DesignFault> {
+    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
+    Ok(match layout.rate_order() {
+        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.front(tuning),
+        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.front(tuning),
+    })
+}
+
+/// The least misfit by how far the design is moved: some ten designs from the study's own on, up to the one of
+/// least misfit. An error says why the design itself cannot be solved.
+pub fn price_list(
+    suspension: &Suspension,
+    motion: &Motion,
+    optimise: &Optimise,
+    tuning: &Tuning,
+    control: Control<'_>,
+) -> Result<Vec<Choice>, DesignFault> {
+    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
+    Ok(match layout.rate_order() {
+        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.price_list(tuning),
+        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.price_list(tuning),
+    })
+}
+
+impl<const N: usize> Tuner<'_, N> {
+    fn options(&self) -> Options {
+        Options {
+            max_iterations: self.optimise.max_iterations,
+            ..Options::default()
+        }
+    }
+
+    fn choice(&self, found: Found) -> Choice {
+        let mut design = self.suspension.design.clone();
+        let (frame, variables) = (&self.suspension.frame, &self.optimise.variables);
+        moved_design(
+            &self.suspension.design,
+            frame,
+            variables,
+            &found.x,
+            &mut design,
+        );
+        Choice {
+            offsets: found.x.iter().map(|x| x + 0.0).collect(),
+            design,
+            amounts: found.amounts,
+            weights: found.weights,
+        }
+    }
+
+    fn front(&self, tuning: &Tuning) -> Front {
+        let (distance, options) = (self.distance(), self.options());
+        let wishes = &self.optimise.front;
+        let ends = tuning.starts.starts.iter();
+        let ends = ends.filter_map(|s| s.outcome.as_ref().ok().map(|fit| &fit.x));
+        let starts: Vec<&DVector<f64>> = ends.chain([&self.design]).collect();
+        let others: Vec<usize> = (0..self.optimise.targets.len())
+            .filter(|target| !wishes.iter().any(|wish| wish.targets.contains(target)))
+            .collect();
+        let tracer = |rest: Option<(Aim, f64)>| Tracer {
+            problem: || self.problem(),
+            bounds: &self.bounds,
+            distance: &distance,
+            aims: wishes
+                .iter()
+                .map(|wish| self.layout.aim(&wish.targets))
+                .collect(),
+            rest,
+            options: &options,
+            control: self.control,
+        };
+        let rest = (!others.is_empty()).then(|| {
+            let aim = self.layout.aim(&others);
+            let all = Tracer {
+                aims: vec![aim.clone()],
+                ..tracer(None)
+            };
+            let best = tuning.starts.best_fit().and_then(|fit| all.amounts(&fit.x));
+            (aim, best.map_or(1.0, |best| (AS_GOOD * best[0]).max(1.0)))
+        });
+        let traced = tracer(rest).front(&starts, self.optimise.good_enough);
+        Front {
+            choices: traced
+                .points
+                .into_iter()
+                .map(|found| self.choice(found))
+                .collect(),
+            breaks: traced.breaks,
+        }
+    }
+
+    fn price_list(&self, tuning: &Tuning) -> Vec<Choice> {
+        let (distance, options) = (self.distance(), self.options());
+        let Some(best) = tuning.starts.best_fit() else {
+            return Vec::new();
+        };
+        let tracer = Tracer {
+            problem: || self.problem(),
+            bounds: &self.bounds,
+            distance: &distance,
+            aims: vec![self.all_targets(), Aim::movement()],
+            rest: None,
+            options: &options,
+            control: self.control,
+        };
+        let found = tracer.list(&self.design, &best.x, STEPS);
+        let unmoved = tracer
+            .amounts(&self.design)
+            .filter(|_| self.keeps_constraints());
+        let unmoved = unmoved.map(|amounts| Found {
+            x: self.design.clone(),
+            weights: vec![0.0; amounts.len()],
+            amounts,
+        });
+        // The design kept stands among them.
+        let kept = tracer.amounts(&best.x).filter(|_| best.is_feasible());
+        let kept = kept.map(|amounts| Found {
+            x: best.x.clone(),
+            weights: vec![0.0; amounts.len()],
+            amounts,
+        });
+        let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
+        if let Some(kept) = kept {
+            let place = all.partition_point(|other| other.amounts[1] < kept.amounts[1]);
+            let near = |other: &Found| (other.amounts[1] - kept.amounts[1]).abs() < 1e-6;
+            match all.iter().position(near) {
+                Some(same) => all[same].x = kept.x,
+                None => all.insert(place, kept),
+            }
+        }
+        all.into_iter().map(|found| self.choice(found)).collect()
+    }
+
+    /// Whether the study's own design keeps the constraints.
+    fn keeps_constraints(&self) -> bool {
+        let mut problem = self.problem();
+        let shape = problem.shape();
+        let mut at = super::Assessment::new(&shape, self.design.len());
+        let assessed = problem.assess(&self.design, &mut at);
+        assessed.is_ok() && at.violation(shape.equalities, &[]) <= super::constrained::KEPT
+    }
+}

@@ -1,0 +1,132 @@
+//! What every method here has in common: argmin runs it, its iterations are recorded and watched, and it ends
+//! for a reason. The only place that knows how argmin is called.
+
+use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
+use argmin::core::{
+    Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
+};
+use argmin::kv;
+use nalgebra::DVector;
+use std::sync::atomic::Ordering;
+
+/// What argmin keeps of a run: the variables and the cost.
+pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
+
+/// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
+/// there.
+pub(super) fn execute<P, S: Solver<P, State>>(
+    problem: P,
+    solver: S,
+    bounds: &Bounds,
+    start: &DVector<f64>,
+) -> Result<(S, State), Infeasible> {
+    let result = Executor::new(problem, solver)
+        .configure(|state| state.param(bounds.nearest(start)))
+        // The process has one handler for Ctrl-C, and it is not argmin's.
+        .ctrlc(false)
+        .run();
+    match result {
+        Ok(result) => Ok((result.solver, result.state)),
+        Err(error) => Err(error
+            .downcast()
+            .expect("the only error of a solver is that of its start")),
+    }
+}
+
+/// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
+/// workspace, and the history counts.
+pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
+    problem
+        .problem
+        .as_mut()
+        .expect("argmin gives the problem back")
+}
+
+/// Where a run began, how it went and why it ended.
+pub(super) struct Course<'a> {
+    pub bounds: &'a Bounds,
+    pub options: &'a Options,
+    control: Control<'a>,
+    start: usize,
+    termination: Option<Termination>,
+    history: Vec<Iteration>,
+}
+
+impl<'a> Course<'a> {
+    /// Of the start number `start`, that has not begun.
+    pub fn new(
+        bounds: &'a Bounds,
+        options: &'a Options,
+        control: Control<'a>,
+        start: usize,
+    ) -> Self {
+        Course {
+            bounds,
+            options,
+            control,
+            start,
+            termination: None,
+            history: Vec::new(),
+        }
+    }
+
+    /// Ends the run after the iteration under way.
+    pub fn end(&mut self, reason: Termination) {
+        self.termination = Some(reason);
+    }
+
+    /// Why the run ended, and its iterations.
+    pub fn finished(self) -> (Termination, Vec<Iteration>) {
+        let reason = self.termination.expect("a run ends for a reason");
+        (reason, self.history)
+    }
+
+    /// Records an iteration that ended at `x`.
+    pub fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) -> KV {
+        let holds = self.bounds.holds(x);
+        let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
+        iteration.held = held.count();
+        let log = kv!(
+            "misfit" => iteration.misfit;
+            "step" => iteration.step;
+            "damping" => iteration.damping;
+            "held" => iteration.held as u64;
+            "evaluations" => u64::from(iteration.evaluations);
+            "infeasible" => u64::from(iteration.infeasible);
+        );
+        if let Some(watch) = self.control.watch {
+            watch(self.start, &iteration);
+        }
+        self.history.push(iteration);
+        log
+    }
+
+    /// Whether the run goes on: argmin asks after every iteration.
+    pub fn status(&mut self, state: &State) -> TerminationStatus {
+        if self.termination.is_none() {
+            let interrupted = self.control.interrupt;
+            if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                self.termination = Some(Termination::Interrupted);
+            } else if state.iter >= self.options.max_iterations {
+                self.termination = Some(Termination::IterationLimit);
+            }
+        }
+        match &self.termination {
+            None => TerminationStatus::NotTerminated,
+            Some(reason) => TerminationStatus::Terminated(match reason {
+                Termination::Interrupted => TerminationReason::Interrupt,
+                Termination::IterationLimit => TerminationReason::MaxItersReached,
+                Termination::MisfitReached => TerminationReason::TargetCostReached,
+                Termination::NoFeasibleStep(_) | Termination::ConstraintsExcludeEachOther => {
+                    TerminationReason::SolverExit(reason.to_string())
+                }
+                _ => TerminationReason::SolverConverged,
+            }),
+        }
+    }
+}
+
+/// Number of evaluations of a run, failed ones included.
+pub(super) fn evaluations(history: &[Iteration]) -> u64 {
+    history.iter().map(|i| u64::from(i.evaluations)).sum()
+}

@@ -1,0 +1,461 @@
+//! What can be had of several wishes at once: the front of two or three, and the price list of the move.
+//!
+//! A design is on the *front* of some aims f_1, f_2, ... if nothing within the ranges and constraints is better in
+//! one and no worse in the others. It is traced by minima with bounds on the others (Y. Haimes, L. Lasdon,
+//! D. Wismer, On a bicriterion formulation of the problems of integrated system identification and system
+//! optimization, IEEE Trans. Systems, Man, Cybernetics 1, 1971),
+//!
+//! ```text
+//! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
+//! ```
+//!
+//! which reaches concave stretches as well, where no weighted sum has a minimum. Of two aims, the two ends come
+//! first: the least of one, and of all designs that have it the least of the other. Then the widest gap is halved:
+//! in the direction in which it is wider one aim is held to the middle and the other lowered, from the points on
+//! either side. If that finds nothing better than the point that has it already, no design is there, and the
+//! gap is a smaller one: so a front that is broken is known to be. Of three aims the bounds are a grid, each aim
+//! lowered in turn, and of what is found the points farthest apart are kept.
+//!
+//! With the multipliers L_h of (1), half the squares of the norms r_h = u_h f_h being what it is about,
+//!
+//! ```text
+//! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
+//! ```
+//!
+//! The m, made to add up to 1, are what each aim weighs there: to have a tolerance less of one costs m_1/m_2 of the
+//! other.
+
+use super::constrained::{Assessment, Constrained, constrained_fit};
+use super::trade::{Aim, Distance, Trade};
+use super::{Bounds, Control, Options};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// So many points of a front of two aims.
+const POINTS: usize = 50;
+/// The most programs of a front, by point: each gap that turns out empty takes some.
+const EFFORT: usize = 3;
+/// Levels of each aim that is held, of a front of three.
+const LEVELS: usize = 6;
+/// An aim is as low as can be up to this ratio.
+const AS_LOW: f64 = 1.01;
+/// A level is never lower than this.
+const LEAST_LEVEL: f64 = 1e-6;
+/// Better by less than this share of the front's extent is no better.
+const NO_BETTER: f64 = 1e-4;
+
+/// A design that is best for some levels.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Found {
+    pub x: DVector<f64>,
+    /// Amount of each aim.
+    pub amounts: Vec<f64>,
+    /// What each aim weighs: (2). Zeros where nothing is traded.
+    pub weights: Vec<f64>,
+}
+
+/// A front.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Traced {
+    /// By rising amount of the first aim.
+    pub points: Vec<Found>,
+    /// Points of a front of two aims behind which it is broken.
+    pub breaks: Vec<usize>,
+}
+
+/// Lowers aims of a problem while others are held.
+pub(super) struct Tracer<'a, F> {
+    pub problem: F,
+    pub bounds: &'a Bounds,
+    pub distance: &'a Distance<'a>,
+    pub aims: Vec<Aim>,
+    /// What is held throughout.
+    pub rest: Option<(Aim, f64)>,
+    pub options: &'a Options,
+    pub control: Control<'a>,
+}
+
+impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
+    /// The least of an aim while others are held, from several starts; `None` where none of them comes to keep
+    /// what must hold.
+    pub fn lower(
+        &self,
+        aim: usize,
+        held: &[(usize, f64)],
+        starts: &[&DVector<f64>],
+    ) -> Option<Found> {
+        let run = |start: &&DVector<f64>| self.lower_from(aim, held, start);
+        let found: Vec<Option<Found>> = starts.par_iter().map(run).collect();
+        let found = found.into_iter().flatten();
+        found.min_by(|a, b| a.amounts[aim].total_cmp(&b.amounts[aim]))
+    }
+
+    fn lower_from(&self, aim: usize, held: &[(usize, f64)], start: &DVector<f64>) -> Option<Found> {
+        let mut levels: Vec<(&Aim, f64)> = held
+            .iter()
+            .map(|(h, level)| (&self.aims[*h], *level))
+            .collect();
+        levels.extend(self.rest.as_ref().map(|(rest, level)| (rest, *level)));
+        let trade = Trade::new((self.problem)(), self.distance, &self.aims[aim], levels);
+        let control = Control {
+            watch: None,
+            ..self.control
+        };
+        let fit = constrained_fit(0, trade, self.bounds, start, self.options, control).ok()?;
+        if !fit.is_feasible() {
+            return None;
+        }
+        let amount = |aim: usize, norm: f64| norm / self.aims[aim].unit;
+        let mut amounts = vec![f64::NAN; self.aims.len()];
+        amounts[aim] = amount(aim, fit.at.goal.residuals.norm());
+        let mut weights = vec![0.0; self.aims.len()];
+        let weight = |aim: usize, amount: f64| self.aims[aim].unit.powi(2) * amount;
+        weights[aim] = weight(aim, amounts[aim]);
+        for (k, (h, _)) in held.iter().enumerate() {
+            amounts[*h] = amount(*h, fit.at.levels[k].residuals.norm());
+            weights[*h] = fit.level_multipliers[k] * weight(*h, amounts[*h]);
+        }
+        if amounts.iter().any(|a| a.is_nan()) {
+            amounts = self.amounts(&fit.x)?;
+        }
+        let sum: f64 = weights.iter().sum();
+        for weight in &mut weights {
+            *weight = if sum > 0.0 { *weight / sum } else { 0.0 };
+        }
+        Some(Found {
+            x: fit.x,
+            amounts,
+            weights,
+        })
+    }
+
+    /// The amounts of all aims at `x`.
+    pub fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
+        let mut problem = (self.problem)();
+        let mut at = Assessment::new(&problem.shape(), x.len());
+        problem.assess(x, &mut at).ok()?;
+        let amount = |aim: &Aim| match aim.rows() {
+            None => self.distance.of(x),
+            Some(rows) => {
+                let squares = rows.iter().map(|row| at.goal.residuals[*row].powi(2));
+                squares.sum::<f64>().sqrt() / aim.unit
+            }
+        };
+        Some(self.aims.iter().map(amount).collect())
+    }
+
+    fn is_interrupted(&self) -> bool {
+        let flag = self.control.interrupt;
+        flag.is_some_and(|flag| flag.load(std::sync::atomic::Ordering::Relaxed))
+    }
+
+    /// The front, from some designs; below `good` no aim is better than another.
+    pub fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
+        let all: Vec<usize> = (0..self.aims.len()).collect();
+        let ends: Vec<Found> = orders(&all)
+            .into_iter()
+            .filter_map(|order| self.end(&order, starts, good))
+            .collect();
+        if self.aims.len() == 2 {
+            self.front_of_two(ends)
+        } else {
+            let points = self.front_of_many(ends);
+            Traced {
+                points,
+                breaks: Vec::new(),
+            }
+        }
+    }
+
+    /// An end of the front: aims lowered one after the other, each held from then on.
+    fn end(&self, order: &[usize], starts: &[&DVector<f64>], good: f64) -> Option<Found> {
+        let mut held: Vec<(usize, f64)> = Vec::new();
+        let mut found: Option<Found> = None;
+        for aim in order {
+            let from: Vec<&DVector<f64>> = match &found {
+                None => starts.to_vec(),
+                Some(found) => vec![&found.x],
+            };
+            let next = self.lower(*aim, &held, &from)?;
+            held.push((
+                *aim,
+                (AS_LOW * next.amounts[*aim]).max(good).max(LEAST_LEVEL),
+            ));
+            found = Some(next);
+        }
+        found
+    }
+
+    fn front_of_two(&self, ends: Vec<Found>) -> Traced {
+        let [first, last] = &ends[..] else {
+            return Traced {
+                points: ends,
+                breaks: Vec::new(),
+            };
+        };
+        let extent = [
+            last.amounts[0] - first.amounts[0],
+            first.amounts[1] - last.amounts[1],
+        ];
+        if extent[0] <= NO_BETTER * last.amounts[0] || extent[1] <= NO_BETTER * first.amounts[1] {
+            // One of them is as good as can be in both.
+            let mut points = ends.clone();
+            points.sort_by(|a, b| worst(&a.amounts).total_cmp(&worst(&b.amounts)));
+            points.truncate(1);
+            return Traced {
+                points,
+                breaks: Vec::new(),
+            };
+        }
+        let mut points = ends;
+        let mut gaps = vec![Gap::between(&points, 0, 1)];
+        let mut empty: Vec<Gap> = Vec::new();
+        let narrow = 0.25 / POINTS as f64;
+        for _ in 0..EFFORT * POINTS {
+            let wide = |gap: &Gap| gap.width(extent);
+            let widest = (0..gaps.len()).max_by(|a, b| wide(&gaps[*a]).total_cmp(&wide(&gaps[*b])));
+            let Some(widest) = widest else { break };
+            if points.len() >= POINTS || wide(&gaps[widest]) < narrow || self.is_interrupted() {
+                break;
+            }
+            let mut gap = gaps.swap_remove(widest);
+            let held = gap.wider(extent);
+            let lowered = 1 - held;
+            let level = gap.middle(held);
+            let from = [&points[gap.ends[0]].x, &points[gap.ends[1]].x];
+            // The point that has the level already.
+            let has = &points[gap.ends[held]].amounts;
+            let found = self
+                .lower(lowered, &[(held, level)], &from)
+                .filter(|found| {
+                    found.amounts[lowered] < has[lowered] - NO_BETTER * extent[lowered]
+                });
+            let Some(found) = found else {
+                gap.low[held] = level;
+                let place = if gap.width(extent) < narrow {
+                    &mut empty
+                } else {
+                    &mut gaps
+                };
+                place.push(gap);
+                continue;
+            };
+            let slack = found.amounts[held] < level;
+            let new = points.len();
+            points.push(found);
+            let mut parts = [
+                Gap::between(&points, gap.ends[0], new),
+                Gap::between(&points, new, gap.ends[1]),
+            ];
+            if slack {
+                // Nothing lies between what was found and the level.
+                parts[1 - held].low[held] = level;
+            }
+            gaps.extend(parts);
+        }
+        let wide = |points: &[Found], gap: &Gap| {
+            let whole = Gap::between(points, gap.ends[0], gap.ends[1]);
+            whole.width(extent) > 2.0 / POINTS as f64
+        };
+        let broken: Vec<usize> = empty
+            .iter()
+            .filter(|gap| wide(&points, gap))
+            .map(|gap| gap.ends[0])
+            .collect();
+        let mut kept: Vec<usize> = best_of(&points);
+        kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));
+        let breaks = kept.iter().enumerate().filter(|(_, k)| broken.contains(k));
+        Traced {
+            breaks: breaks.map(|(place, _)| place).collect(),
+            points: kept.iter().map(|k| points[*k].clone()).collect(),
+        }
+    }
+
+    /// A grid of levels, each aim lowered in turn; the points farthest apart are kept.
+    fn front_of_many(&self, ends: Vec<Found>) -> Vec<Found> {
+        let count = self.aims.len();
+        if ends.len() < 2 {
+            return ends;
+        }
+        let range = |aim: usize| {
+            let amounts = || ends.iter().map(move |end| end.amounts[aim]);
+            let (low, high) = (
+                amounts().fold(f64::INFINITY, f64::min),
+                amounts().fold(0.0, f64::max),
+            );
+            [low, high]
+        };
+        let ranges: Vec<[f64; 2]> = (0..count).map(range).collect();
+        // Each row of the grid goes on from its neighbour; rows are independent of one another.
+        let rows: Vec<(usize, usize)> = (0..count)
+            .flat_map(|lowered| (1..LEVELS).map(move |row| (lowered, row)))
+            .collect();
+        let level = |aim: usize, step: usize| {
+            let [low, high] = ranges[aim];
+            low + (high - low) * step as f64 / LEVELS as f64
+        };
+        let row = |(lowered, row): &(usize, usize)| {
+            let others: Vec<usize> = (0..count).filter(|aim| aim != lowered).collect();
+            let mut found: Vec<Found> = Vec::new();
+            for step in (1..LEVELS).rev() {
+                if self.is_interrupted() {
+                    break;
+                }
+                let held = [
+                    (others[0], level(others[0], *row)),
+                    (others[1], level(others[1], step)),
+                ];
+                let before = found.last().map(|before| &before.x);
+                let starts: Vec<&DVector<f64>> = match before {
+                    Some(before) => vec![before],
+                    None => ends.iter().map(|end| &end.x).collect(),
+                };
+                found.extend(self.lower(*lowered, &held, &starts));
+            }
+            found
+        };
+        let mut points: Vec<Found> = rows.par_iter().map(row).flatten().collect();
+        points.extend(ends.iter().cloned());
+        let best: Vec<Found> = best_of(&points)
+            .into_iter()
+            .map(|k| points[k].clone())
+            .collect();
+        let mut kept = farthest_apart(best, &ranges);
+        kept.sort_by(|a, b| {
+            let order = a
+                .amounts
+                .iter()
+                .zip(&b.amounts)
+                .map(|(a, b)| a.total_cmp(b));
+            order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+        });
+        kept
+    }
+
+    /// The least amount of the first aim for rising amounts of the second, up to the one that the first is
+    /// least with: `steps` of them, from the design on.
+    pub fn list(&self, from: &DVector<f64>, start: &DVector<f64>, steps: usize) -> Vec<Found> {
+        let Some(last) = self.lower(0, &[], &[start]) else {
+            return Vec::new();
+        };
+        let most = last.amounts[1];
+        let mut found: Vec<Found> = Vec::new();
+        for step in 1..steps {
+            if self.is_interrupted() {
+                break;
+            }
+            let level = most * step as f64 / steps as f64;
+            let before = found.last().map_or(from, |f| &f.x);
+            // On the way towards the end, as far as the level goes.
+            let ahead = from + (&last.x - from) * (step as f64 / steps as f64);
+            found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
+        }
+        found.push(last);
+        found
+    }
+}
+
+fn worst(amounts: &[f64]) -> f64 {
+    amounts.iter().copied().fold(0.0, f64::max)
+}
+
+/// Between two points of a front of two aims: where points still may be.
+#[derive(Clone, Debug)]
+struct Gap {
+    /// The points with the less of the first and of the second aim.
+    ends: [usize; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Gap {
+    fn between(points: &[Found], first: usize, second: usize) -> Self {
+        let (a, b) = (&points[first].amounts, &points[second].amounts);
+        Gap {
+            ends: [first, second],
+            low: [a[0], b[1]],
+            high: [b[0], a[1]],
+        }
+    }
+
+    /// Its two sides as shares of the extent of the front.
+    fn sides(&self, extent: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| (self.high[k] - self.low[k]) / extent[k])
+    }
+
+    /// The aim in which it is wider.
+    fn wider(&self, extent: [f64; 2]) -> usize {
+        let [first, second] = self.sides(extent);
+        usize::from(second > first)
+    }
+
+    /// How wide it is; nothing where one of its ends is better than the other.
+    fn width(&self, extent: [f64; 2]) -> f64 {
+        let [first, second] = self.sides(extent);
+        match first.min(second) > 0.0 {
+            true => first.max(second),
+            false => 0.0,
+        }
+    }
+
+    fn middle(&self, aim: usize) -> f64 {
+        0.5 * (self.low[aim] + self.high[aim])
+    }
+}
+
+/// The points that no other is better than: in one aim, and no worse in the others. Of equal ones the first.
+fn best_of(points: &[Found]) -> Vec<usize> {
+    let no_worse = |a: &Found, b: &Found| a.amounts.iter().zip(&b.amounts).all(|(a, b)| a <= b);
+    let is_best = |k: &usize| {
+        !points.iter().enumerate().any(|(other, point)| {
+            let same = point.amounts == points[*k].amounts;
+            no_worse(point, &points[*k]) && (!same || other < *k)
+        })
+    };
+    (0..points.len()).filter(is_best).collect()
+}
+
+/// At most [`POINTS`] of the points, each as far as can be from those chosen before it.
+fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
+    let between = |a: &Found, b: &Found| {
+        let parts = a.amounts.iter().zip(&b.amounts).zip(ranges);
+        let squares =
+            parts.map(|((a, b), [low, high])| ((a - b) / (high - low).max(1e-300)).powi(2));
+        squares.sum::<f64>()
+    };
+    let mut rest = points;
+    let mut kept: Vec<Found> = Vec::new();
+    while kept.len() < POINTS && !rest.is_empty() {
+        let apart = |k: &usize| {
+            let distances = kept.iter().map(|other| between(&rest[*k], other));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let next = (0..rest.len()).max_by(|a, b| apart(a).total_cmp(&apart(b)).then(b.cmp(a)));
+        let Some(next) = next else { break };
+        // Points nearer to one another than a reader can tell are one.
+        if apart(&next) < 1e-6 {
+            break;
+        }
+        kept.push(rest.swap_remove(next));
+    }
+    kept
+}
+
+/// Every order of the aims.
+fn orders(aims: &[usize]) -> Vec<Vec<usize>> {
+    if aims.is_empty() {
+        return vec![Vec::new()];
+    }
+    let mut all = Vec::new();
+    for (place, aim) in aims.iter().enumerate() {
+        let rest: Vec<usize> = [&aims[..place], &aims[place + 1..]].concat();
+        for mut order in orders(&rest) {
+            order.insert(0, *aim);
+            all.push(order);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,248 @@
+//! Fronts that are known.
+
+use super::super::trade::{Aim, Distance};
+use super::super::{Assessment, Bounds, Constrained, Control, Infeasible, Options, Shape};
+use super::{Found, Traced, Tracer};
+use nalgebra::DVector;
+
+/// A value with its gradient, by aim.
+type Values = Vec<(f64, Vec<f64>)>;
+
+/// Each aim has so many residuals of its own.
+struct Stated {
+    variables: usize,
+    residuals: usize,
+    at: fn(&[f64]) -> Values,
+}
+
+impl Constrained for Stated {
+    fn variables(&self) -> usize {
+        self.variables
+    }
+    fn shape(&self) -> Shape {
+        Shape {
+            goal: self.residuals,
+            ..Shape::default()
+        }
+    }
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        for (row, (value, gradient)) in (self.at)(x.as_slice()).into_iter().enumerate() {
+            into.goal.residuals[row] = value;
+            for (column, entry) in gradient.into_iter().enumerate() {
+                into.goal.jacobian[(row, column)] = entry;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The front of so many aims, each of so many residuals.
+fn traced(
+    ranges: &[[f64; 2]],
+    [aims, each]: [usize; 2],
+    starts: &[&[f64]],
+    at: fn(&[f64]) -> Values,
+) -> Traced {
+    let bounds = Bounds::new(ranges).unwrap();
+    let design = DVector::zeros(ranges.len());
+    let distance = Distance::new(&design, &bounds, &vec![1.0; ranges.len()]);
+    let options = Options::default();
+    let tracer = Tracer {
+        problem: || Stated {
+            variables: ranges.len(),
+            residuals: aims * each,
+            at,
+        },
+        bounds: &bounds,
+        distance: &distance,
+        aims: (0..aims)
+            .map(|aim| Aim::misfit((aim * each..(aim + 1) * each).collect(), 1.0))
+            .collect(),
+        rest: None,
+        options: &options,
+        control: Control::default(),
+    };
+    let starts: Vec<DVector<f64>> = starts
+        .iter()
+        .map(|start| DVector::from_column_slice(start))
+        .collect();
+    tracer.front(&starts.iter().collect::<Vec<_>>(), 0.0)
+}
+
+/// The widest step between neighbours, as a share of the front's extent.
+fn widest_step(points: &[Found]) -> f64 {
+    let (first, last) = (&points[0].amounts, &points[points.len() - 1].amounts);
+    let extent = [last[0] - first[0], first[1] - last[1]];
+    let steps = points.windows(2).map(|pair| {
+        let (a, b) = (&pair[0].amounts, &pair[1].amounts);
+        ((b[0] - a[0]) / extent[0]).max((a[1] - b[1]) / extent[1])
+    });
+    steps.fold(0.0, f64::max)
+}
+
+/// The way from a point, whose norm is the distance.
+fn way_from(x: &[f64], from: [f64; 2]) -> Values {
+    vec![
+        (x[0] - from[0], vec![1.0, 0.0]),
+        (x[1] - from[1], vec![0.0, 1.0]),
+    ]
+}
+
+/// Exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995): with d the distance of the two peaks,
+/// 1 - f_2 = exp(-(d - sqrt(-ln(1 - f_1)))^2). No weighted sum has a minimum but at the ends.
+#[test]
+fn a_concave_front_is_traced_evenly() {
+    let traced = traced(
+        &[[-4.0, 4.0]; 3],
+        [2, 1],
+        &[&[0.1, -0.2, 0.3], &[-0.4, -0.4, -0.4]],
+        |x| {
+            let aim = |sign: f64| {
+                let off: Vec<f64> = x.iter().map(|x| x - sign / 3.0_f64.sqrt()).collect();
+                let bell = (-off.iter().map(|d| d * d).sum::<f64>()).exp();
+                (1.0 - bell, off.iter().map(|d| 2.0 * d * bell).collect())
+            };
+            vec![aim(1.0), aim(-1.0)]
+        },
+    );
+    assert_eq!(traced.points.len(), 50);
+    assert!(traced.breaks.is_empty(), "{:?}", traced.breaks);
+    assert!(
+        widest_step(&traced.points) < 0.045,
+        "{}",
+        widest_step(&traced.points)
+    );
+    for point in &traced.points[1..49] {
+        let [first, second] = point.amounts[..] else {
+            panic!()
+        };
+        let way = 2.0 - (-(1.0 - first).ln()).sqrt();
+        let wanted = 1.0 - (-way * way).exp();
+        assert!((second - wanted).abs() < 1e-6, "{first}: {second} {wanted}");
+        // The weights are the normal of the front.
+        let step = 1e-5;
+        let on = |f: f64| 1.0 - (-(2.0 - (-(1.0 - f).ln()).sqrt()).powi(2)).exp();
+        let slope = (on(first + step) - on(first - step)) / (2.0 * step);
+        let found = -point.weights[0] / point.weights[1];
+        assert!(
+            (found - slope).abs() < 1e-3 * slope.abs(),
+            "{found} {slope}"
+        );
+    }
+}
+
+/// f_2 = 2 - sqrt(f_1) - f_1 sin(10 pi f_1), as in ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000): five pieces,
+/// known from a fine grid.
+#[test]
+fn a_broken_front_is_found_piece_by_piece() {
+    let curve = |x: f64| 2.0 - x.sqrt() - x * (10.0 * std::f64::consts::PI * x).sin();
+    let traced = traced(
+        &[[0.0, 1.0], [-1.0, 1.0]],
+        [2, 1],
+        &[&[0.02, 0.3], &[0.83, -0.4]],
+        |x| {
+            let turn = 10.0 * std::f64::consts::PI;
+            let (u, v) = (x[0].max(1e-9), x[1]);
+            let slope = -0.5 / u.sqrt() - (turn * u).sin() - u * turn * (turn * u).cos();
+            let second = 2.0 - u.sqrt() - u * (turn * u).sin() + v * v;
+            vec![(u, vec![1.0, 0.0]), (second, vec![slope, 2.0 * v])]
+        },
+    );
+    // The least so far, along a fine grid.
+    let grid = 200_000;
+    let mut least = f64::INFINITY;
+    let mut best: Vec<[f64; 2]> = Vec::new();
+    for k in 0..=grid {
+        let x = k as f64 / grid as f64;
+        if curve(x) < least {
+            least = curve(x);
+            best.push([x, least]);
+        }
+    }
+    for point in &traced.points {
+        let [first, second] = point.amounts[..] else {
+            panic!()
+        };
+        let before = best.partition_point(|p| p[0] <= first) - 1;
+        assert!(
+            second < best[before][1] + 1e-3,
+            "{first}: {second} {:?}",
+            best[before]
+        );
+    }
+    for [x, y] in &best {
+        let near = traced
+            .points
+            .iter()
+            .map(|p| (p.amounts[0] - x).abs().max((p.amounts[1] - y).abs()));
+        let near = near.fold(f64::INFINITY, f64::min);
+        assert!(near < 0.08, "nothing near {x} {y}: {near}");
+    }
+    assert_eq!(traced.breaks.len(), 4, "{:?}", traced.breaks);
+}
+
+/// Distances from two points of a plane: the front is the way between them, and both aims weigh the same.
+#[test]
+fn a_straight_front_has_its_slope_everywhere() {
+    let traced = traced(&[[-5.0, 5.0]; 2], [2, 2], &[&[0.4, 1.1]], |x| {
+        [way_from(x, [-1.0, 0.0]), way_from(x, [2.0, 1.0])].concat()
+    });
+    let apart = 10.0_f64.sqrt();
+    assert_eq!(traced.points.len(), 50);
+    for point in &traced.points[1..49] {
+        let sum: f64 = point.amounts.iter().sum();
+        assert!((sum - apart).abs() < 1e-6, "{:?}", point.amounts);
+        assert!((point.weights[0] - 0.5).abs() < 1e-3, "{:?}", point.weights);
+    }
+    assert!(widest_step(&traced.points) < 0.045);
+}
+
+/// Where one design is best in all, the front is that design.
+#[test]
+fn without_a_trade_there_is_one_point() {
+    let traced = traced(&[[-5.0, 5.0]; 2], [2, 1], &[&[0.4, 1.1]], |x| {
+        vec![(x[0] - 1.0, vec![1.0, 0.0]), (x[1] - 2.0, vec![0.0, 1.0])]
+    });
+    assert_eq!(traced.points.len(), 1);
+    assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
+}
+
+/// Distances from three points: the front is the triangle, and every part of it is near some point.
+#[test]
+fn a_front_of_three_covers_the_triangle() {
+    let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];
+    let traced = traced(&[[-5.0, 5.0]; 2], [3, 2], &[&[0.4, 1.1]], |x| {
+        let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];
+        corners.map(|corner| way_from(x, corner)).concat()
+    });
+    assert!(traced.points.len() >= 30, "{}", traced.points.len());
+    let barycentric = |x: &DVector<f64>| {
+        let area = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+            (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+        };
+        let [a, b, c] = corners;
+        let (p, whole) = ([x[0], x[1]], area(a, b, c));
+        [
+            area(p, b, c) / whole,
+            area(a, p, c) / whole,
+            area(a, b, p) / whole,
+        ]
+    };
+    for point in &traced.points {
+        let least = barycentric(&point.x).into_iter().fold(1.0, f64::min);
+        assert!(least > -1e-3, "{:?} {least}", point.x);
+    }
+    for i in 0..=8 {
+        for j in 0..=8 - i {
+            let (a, b) = (f64::from(i) / 8.0, f64::from(j) / 8.0);
+            let c = 1.0 - a - b;
+            let at = [0, 1].map(|k| a * corners[0][k] + b * corners[1][k] + c * corners[2][k]);
+            let near = traced
+                .points
+                .iter()
+                .map(|p| (p.x[0] - at[0]).hypot(p.x[1] - at[1]));
+            let near = near.fold(f64::INFINITY, f64::min);
+            assert!(near < 0.75, "nothing near {at:?}: {near}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! One wish lowered while others are held: towards the design, along a front, down a price list.
+
+use super::constrained::{Assessment, Constrained, Shape};
+use super::{Bounds, Evaluation, Infeasible};
+use nalgebra::DVector;
+
+/// Something that is lowered or held to a level.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Aim {
+    /// Which residuals of the problem; none for the move from the design.
+    rows: Option<Vec<usize>>,
+    /// The norm of its residuals over its amount.
+    pub unit: f64,
+}
+
+impl Aim {
+    /// The misfit of some residuals: `unit` times it is their norm.
+    pub fn misfit(rows: Vec<usize>, unit: f64) -> Self {
+        let rows = Some(rows);
+        Aim { rows, unit }
+    }
+
+    /// The move from the design: the root of the sum of its squares, each in its range and times its cost.
+    pub fn movement() -> Self {
+        Aim {
+            rows: None,
+            unit: 1.0,
+        }
+    }
+
+    /// Which residuals of the problem it is about; none for the move from the design.
+    pub fn rows(&self) -> Option<&[usize]> {
+        self.rows.as_deref()
+    }
+
+    fn residuals(&self, variables: usize) -> usize {
+        self.rows.as_ref().map_or(variables, Vec::len)
+    }
+}
+
+/// How far variables are from the design.
+#[derive(Clone, Debug)]
+pub(super) struct Distance<'a> {
+    design: &'a DVector<f64>,
+    /// One over the range, times the root of the cost, by variable.
+    weights: DVector<f64>,
+}
+
+impl<'a> Distance<'a> {
+    pub fn new(design: &'a DVector<f64>, bounds: &Bounds, costs: &[f64]) -> Self {
+        let weights = bounds.width().iter().zip(costs);
+        let weights: Vec<f64> = weights.map(|(width, cost)| cost.sqrt() / width).collect();
+        Distance {
+            design,
+            weights: weights.into(),
+        }
+    }
+
+    /// The distance of `x`.
+    pub fn of(&self, x: &DVector<f64>) -> f64 {
+        (x - self.design).component_mul(&self.weights).norm()
+    }
+
+    fn write(&self, x: &DVector<f64>, into: &mut Evaluation) {
+        into.jacobian.fill(0.0);
+        for (j, weight) in self.weights.iter().enumerate() {
+            into.residuals[j] = weight * (x[j] - self.design[j]);
+            into.jacobian[(j, j)] = *weight;
+        }
+    }
+}
+
+/// A problem of which one aim is lowered while others are held, under its own constraints.
+pub(super) struct Trade<'a, P> {
+    problem: P,
+    distance: &'a Distance<'a>,
+    lowered: &'a Aim,
+    held: Vec<(&'a Aim, f64)>,
+    assessment: Assessment,
+}
+
+impl<'a, P: Constrained> Trade<'a, P> {
+    /// Lowers an aim; of those held the amounts.
+    pub fn new(
+        problem: P,
+        distance: &'a Distance<'a>,
+        lowered: &'a Aim,
+        held: Vec<(&'a Aim, f64)>,
+    ) -> Self {
+        Trade {
+            assessment: Assessment::new(&problem.shape(), problem.variables()),
+            problem,
+            distance,
+            lowered,
+            held,
+        }
+    }
+
+    fn write(&self, aim: &Aim, x: &DVector<f64>, into: &mut Evaluation) {
+        let Some(rows) = &aim.rows else {
+            return self.distance.write(x, into);
+        };
+        let from = &self.assessment.goal;
+        for (to, row) in rows.iter().enumerate() {
+            into.residuals[to] = from.residuals[*row];
+        }
+        let columns = into.jacobian.column_iter_mut();
+        for (mut column, from) in columns.zip(from.jacobian.column_iter()) {
+            for (to, row) in rows.iter().enumerate() {
+                column[to] = from[*row];
+            }
+        }
+    }
+}
+
+impl<P: Constrained> Constrained for Trade<'_, P> {
+    fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    fn shape(&self) -> Shape {
+        let n = self.problem.variables();
+        Shape {
+            goal: self.lowered.residuals(n),
+            levels: self.held.iter().map(|(aim, _)| aim.residuals(n)).collect(),
+            ..self.problem.shape()
+        }
+    }
+
+    fn levels(&self) -> Vec<f64> {
+        let levels = self.held.iter().map(|(aim, amount)| aim.unit * amount);
+        levels.collect()
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        self.problem.assess(x, &mut self.assessment)?;
+        self.write(self.lowered, x, &mut into.goal);
+        for ((aim, _), level) in self.held.iter().zip(&mut into.levels) {
+            self.write(aim, x, level);
+        }
+        std::mem::swap(&mut into.rows, &mut self.assessment.rows);
+        Ok(())
+    }
+}

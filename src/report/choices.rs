@@ -1,0 +1,295 @@
+//! What could be chosen instead of the design kept, as files and tables: the front and the price list.
+
+use super::figure::brief;
+use super::files::csv_of;
+use super::shortest;
+use super::table::{Cell, Table};
+use crate::model::Axis;
+use crate::optimise::{Choice, Front};
+use crate::study::{Optimise, Study, Variable};
+use serde::{Deserialize, Serialize};
+
+/// So many points of a front are printed.
+const PRINTED: usize = 9;
+
+/// A variable as a column: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
+fn column(variable: &Variable, unit: &str) -> String {
+    let axis = |axis: Option<Axis>| axis.map_or("", Axis::name);
+    match &variable.turn {
+        Some(turn) => format!("{}_turn_{}_deg", variable.name, turn.axis.name()),
+        None => {
+            let first = variable.moves.first().map(|m| m.axis);
+            format!("{}_d{}_{unit}", variable.name, axis(first))
+        }
+    }
+}
+
+/// `front.csv`: a row for each point of the front: the misfit of each wish in tolerances, what each weighs, the
+/// offsets of the variables, and whether the front is broken behind it.
+pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
+    let unit = study.suspension.length_unit.symbol();
+    csv_of(|writer| {
+        let mut header = vec!["point".to_owned()];
+        let names = || optimise.front.iter().map(|wish| &wish.name);
+        header.extend(names().map(|name| format!("misfit_{name}")));
+        header.extend(names().map(|name| format!("weight_{name}")));
+        header.extend(optimise.variables.iter().map(|v| column(v, unit)));
+        header.push("broken_behind".to_owned());
+        writer.write_record(&header)?;
+        for (number, choice) in front.choices.iter().enumerate() {
+            let mut record = vec![(number + 1).to_string()];
+            record.extend(choice.amounts.iter().map(|v| shortest(*v)));
+            let traded = choice.weights.iter().any(|w| *w > 0.0);
+            let weight = |w: &f64| if traded { shortest(*w) } else { String::new() };
+            record.extend(choice.weights.iter().map(weight));
+            record.extend(choice.offsets.iter().map(|v| shortest(*v)));
+            let broken = front.breaks.contains(&number);
+            record.push(if broken { "yes" } else { "no" }.to_owned());
+            writer.write_record(&record)?;
+        }
+        Ok(())
+    })
+}
+
+/// A front for reading: some of its points, the first and the last among them.
+pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
+    let names: Vec<&str> = optimise
+        .front
+        .iter()
+        .map(|wish| wish.name.as_str())
+        .collect();
+    let mut header = vec!["point".to_owned()];
+    header.extend(names.iter().map(|name| (*name).to_owned()));
+    let trade = (names.len() == 2).then(|| format!("{} per {}", names[1], names[0]));
+    header.extend(trade.clone());
+    let mut table = Table::with_columns(header);
+    for number in some_of(front.choices.len()) {
+        let choice = &front.choices[number];
+        let mut row = vec![Cell::from(number + 1)];
+        row.extend(choice.amounts.iter().map(|v| Cell::shown(*v, brief3(*v))));
+        if trade.is_some() {
+            let [first, second] = choice.weights[..] else {
+                continue;
+            };
+            let rate = (first > 0.0 && second > 0.0).then(|| -first / second);
+            row.push(rate.map(|rate| Cell::shown(rate, brief3(rate))).into());
+        }
+        table.push_row(row);
+    }
+    table
+}
+
+/// What is said of a front.
+pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
+    let names: Vec<&str> = optimise
+        .front
+        .iter()
+        .map(|wish| wish.name.as_str())
+        .collect();
+    let mut remarks = Vec::new();
+    match front.choices.len() {
+        0 => remarks.push(format!(
+            "no front of {}: no design keeps the constraints and the other targets",
+            names.join(", ")
+        )),
+        1 => remarks.push(format!(
+            "nothing to trade between {}: one design is as good as can be in all of them",
+            names.join(" and ")
+        )),
+        _ => {}
+    }
+    for place in &front.breaks {
+        let amounts = |choice: &Choice| {
+            let amounts = choice.amounts.iter().zip(&names);
+            let amounts: Vec<String> = amounts
+                .map(|(v, name)| format!("{name} {}", brief3(*v)))
+                .collect();
+            amounts.join(", ")
+        };
+        remarks.push(format!(
+            "the front is broken between points {} ({}) and {} ({}): nothing was found between them",
+            place + 1,
+            amounts(&front.choices[*place]),
+            place + 2,
+            amounts(&front.choices[place + 1]),
+        ));
+    }
+    remarks
+}
+
+/// Three digits.
+fn brief3(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
+    let text = format!("{value:.*}", decimals as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// At most so many numbers below a count, evenly chosen, the first and the last among them.
+fn some_of(count: usize) -> Vec<usize> {
+    match count {
+        few if few <= PRINTED => (0..few).collect(),
+        many => (0..PRINTED)
+            .map(|k| k * (many - 1) / (PRINTED - 1))
+            .collect(),
+    }
+}
+
+/// A front as the page has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontRecord {
+    /// The wishes.
+    pub wishes: Vec<String>,
+    /// The variables, as columns name them.
+    pub variables: Vec<String>,
+    /// The points.
+    pub points: Vec<FrontPoint>,
+    /// Points behind which it is broken.
+    pub breaks: Vec<usize>,
+    /// The study of the first point, line by line.
+    pub study: Vec<String>,
+}
+
+/// A point of a front.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontPoint {
+    /// Of each wish, in tolerances.
+    pub misfits: Vec<f64>,
+    /// Of each wish.
+    pub weights: Vec<f64>,
+    /// Of each variable.
+    pub offsets: Vec<f64>,
+    /// What differs from the study of the first point: number of the line, from 0, and the line.
+    pub lines: Vec<(usize, String)>,
+}
+
+impl FrontRecord {
+    /// Of a front.
+    pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
+        let unit = study.suspension.length_unit.symbol();
+        let text = |choice: &Choice| -> Vec<String> {
+            let text = study.with_design(&choice.design);
+            text.lines().map(str::to_owned).collect()
+        };
+        let first = front.choices.first().map(text).unwrap_or_default();
+        let point = |choice: &Choice| {
+            let lines = text(choice).into_iter().enumerate();
+            FrontPoint {
+                misfits: choice.amounts.clone(),
+                weights: choice.weights.clone(),
+                offsets: choice.offsets.clone(),
+                lines: lines
+                    .filter(|(k, line)| first.get(*k) != Some(line))
+                    .collect(),
+            }
+        };
+        FrontRecord {
+            wishes: optimise
+                .front
+                .iter()
+                .map(|wish| wish.name.clone())
+                .collect(),
+            variables: optimise.variables.iter().map(|v| column(v, unit)).collect(),
+            points: front.choices.iter().map(point).collect(),
+            breaks: front.breaks.clone(),
+            study: first,
+        }
+    }
+}
+
+/// A step of the price list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PriceRecord {
+    /// The move, in ranges: the root of the sum of the squares.
+    pub moved: f64,
+    /// The least misfit that it buys, in tolerances.
+    pub misfit: f64,
+    /// By how much the misfit falls for a tenth of a range more; none at the ends.
+    pub gain: Option<f64>,
+    /// The variable that moves most, as a share of its range.
+    pub most: Option<String>,
+    /// Its offset.
+    pub most_by: Option<f64>,
+    /// Offsets by variable.
+    pub offsets: Vec<f64>,
+    /// Whether this is the design that is kept.
+    pub kept: bool,
+}
+
+impl PriceRecord {
+    /// The steps of a price list; `kept` are the offsets of the design that is.
+    pub fn all(optimise: &Optimise, list: &[Choice], kept: Option<&[f64]>) -> Vec<Self> {
+        let record = |choice: &Choice| {
+            let [misfit, moved] = choice.amounts[..] else {
+                return None;
+            };
+            let [price, weight] = choice.weights[..] else {
+                return None;
+            };
+            let shares = optimise.variables.iter().zip(&choice.offsets);
+            let shares = shares.map(|(v, by)| ((by / (v.range[1] - v.range[0])).abs(), v, *by));
+            let most = shares
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|most| most.0 > 1e-9);
+            let axis = |v: &Variable| match (&v.turn, v.moves.first()) {
+                (Some(turn), _) => format!("turn about {}", turn.axis.name()),
+                (None, first) => first.map_or("", |m| m.axis.name()).to_owned(),
+            };
+            Some(PriceRecord {
+                moved,
+                misfit,
+                gain: (price > 0.0 && weight > 0.0).then(|| 0.1 * weight / price),
+                most: most.map(|(_, v, _)| format!("{}.{}", v.name, axis(v))),
+                most_by: most.map(|(_, _, by)| by),
+                offsets: choice.offsets.clone(),
+                kept: kept.is_some_and(|kept| kept == choice.offsets),
+            })
+        };
+        list.iter().filter_map(record).collect()
+    }
+
+    /// A price list for reading.
+    pub fn table(list: &[PriceRecord]) -> Table {
+        let mut table = Table::new(["moved", "misfit", "gain", "most moved", "by", "kept"]);
+        for step in list {
+            table.push([
+                Cell::shown(step.moved, brief3(step.moved)),
+                Cell::shown(step.misfit, brief3(step.misfit)),
+                step.gain.map(|gain| Cell::shown(gain, brief3(gain))).into(),
+                step.most.clone().map(Cell::from).into(),
+                step.most_by.map(|by| Cell::shown(by, brief(by))).into(),
+                step.kept.then_some("kept").into(),
+            ]);
+        }
+        table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits_are_enough() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.123_456, "0.123"),
+            (12.345, "12.3"),
+            (-1234.5, "-1234"),
+            (0.1, "0.1"),
+        ] {
+            assert_eq!(brief3(value), text);
+        }
+    }
+
+    #[test]
+    fn some_are_the_first_the_last_and_evenly_between() {
+        assert_eq!(some_of(3), [0, 1, 2]);
+        assert_eq!(some_of(50), [0, 6, 12, 18, 24, 30, 36, 42, 49]);
+    }
+}

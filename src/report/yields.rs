@@ -1,0 +1,79 @@
+//! What builds keep to before and after a robust tuning.
+
+use super::table::{Cell, Table};
+use super::tolerance_summary::{in_words, percent};
+use crate::study::{Study, Tolerance};
+use crate::tolerance::MonteCarlo;
+use serde::{Deserialize, Serialize};
+
+/// Shares of builds before and after.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct YieldRecord {
+    /// Number of builds.
+    pub builds: u64,
+    /// The share that keeps to every band: of the design given and of the tuned one; none where it cannot be built.
+    pub all: [Option<f64>; 2],
+    /// Band by band.
+    pub bands: Vec<BandShares>,
+}
+
+/// A band, and the shares of builds that keep to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandShares {
+    /// What it is, in words.
+    pub band: String,
+    /// Before and after.
+    pub shares: [Option<f64>; 2],
+}
+
+impl YieldRecord {
+    /// Of the builds of the design given, and of the tuned one.
+    pub fn of(
+        study: &Study,
+        tolerance: &Tolerance,
+        before: Option<MonteCarlo>,
+        after: Option<MonteCarlo>,
+    ) -> Self {
+        let both = [before, after];
+        let share = |of: &dyn Fn(&MonteCarlo) -> u64| {
+            let share = |found: &MonteCarlo| of(found) as f64 / found.builds as f64;
+            [0, 1].map(|k: usize| both[k].as_ref().map(share))
+        };
+        let length = study.suspension.length_unit;
+        let bands = tolerance.bands.iter().enumerate();
+        let bands = bands.map(|(number, band)| BandShares {
+            band: in_words(band, length),
+            shares: share(&|found| found.in_bands[number]),
+        });
+        YieldRecord {
+            builds: tolerance.builds,
+            bands: bands.collect(),
+            all: share(&|found| found.in_all_bands),
+        }
+    }
+
+    /// The shares of builds that keep to every band, for reading.
+    pub fn percentages(&self) -> [String; 2] {
+        let share = |share: Option<f64>| share.map_or("unknown".to_owned(), percent);
+        self.all.map(share)
+    }
+
+    /// The outcome in a sentence.
+    pub fn headline(&self) -> String {
+        let [before, after] = self.percentages();
+        format!("yield {before} -> {after} of {} builds", self.builds)
+    }
+
+    /// Band by band.
+    pub fn table(&self) -> Table {
+        let mut table = Table::new(["band", "before", "after"]);
+        for band in &self.bands {
+            let cell = |share: Option<f64>| {
+                Cell::from(share.map(|share| Cell::shown(share, percent(share))))
+            };
+            let [before, after] = band.shares;
+            table.push([Cell::from(band.band.as_str()), cell(before), cell(after)]);
+        }
+        table
+    }
+}

@@ -102,6 +102,7 @@ impl<'a> Builds<'a> {
             .build(&parts, Rest::Height(0.0))
             .map_err(refused)?;
         into.copy_from_slice(&built.suspension.design);
+        let alignment = alignment.and_then(|alignment| alignment.about(assembler, &built));
         ways.clear();
         let mut first = 0;
         while first < variables {
@@ -124,7 +125,7 @@ impl<'a> Builds<'a> {
             for (dual, value) in along.lengths.iter_mut().zip(&parts.lengths) {
                 dual.value = *value;
             }
-            let design = match alignment {
+            let design = match &alignment {
                 None => assembler.design_of(&built, &along, 1),
                 Some(alignment) => alignment.design(assembler, &built, &mut along, 1),
             };

@@ -56,16 +56,8 @@ impl Alignment {
             size: suspension.size(),
         };
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
-        let mut by = DMatrix::zeros(held.len(), alignment.adjust.len());
-        for (k, change) in alignment.adjust.iter().enumerate() {
-            let design = assembler.design_series(&built, &[*change]);
-            for (i, c) in held.iter().enumerate() {
-                by[(i, k)] = alignment.value(suspension, &design, *c)[1];
-            }
-        }
-        let least = 1e-9 * by.amax();
-        let inverse = by.clone().pseudo_inverse(least);
-        alignment.inverse = inverse.map_err(|_| NoSetUp::Unsettled)?;
+        let by = alignment.by(assembler, &built);
+        alignment.inverse = inverse(&by).ok_or(NoSetUp::Unsettled)?;
         // A wish that no adjustment moves cannot be held.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
@@ -73,6 +65,26 @@ impl Alignment {
             true => Ok(alignment),
             false => Err(NoSetUp::Unsettled),
         }
+    }
+
+    /// dw/da of a build: a row for each characteristic held, a column for each adjustment.
+    fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
+        let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
+        for (k, change) in self.adjust.iter().enumerate() {
+            let design = assembler.design_series(built, &[*change]);
+            for (i, c) in self.held.iter().enumerate() {
+                by[(i, k)] = self.value(assembler.suspension(), &design, *c)[1];
+            }
+        }
+        by
+    }
+
+    /// The same with M of a build, so that derivatives about it are exact after one correction for each order.
+    pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
+        Some(Alignment {
+            inverse: inverse(&self.by(assembler, built))?,
+            ..self.clone()
+        })
     }
 
     /// A characteristic of a built design at rest.
@@ -179,4 +191,9 @@ impl Alignment {
         }
         aligned
     }
+}
+
+/// The pseudo-inverse.
+fn inverse(by: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    by.clone().pseudo_inverse(1e-9 * by.amax()).ok()
 }

@@ -274,6 +274,7 @@ fn check_derivatives(
         found
     };
     let here = at(x);
+    let targets = layout.targets_of_rows();
     for j in 0..n {
         let h = 0.05;
         let moved = |steps: f64| {
@@ -299,7 +300,15 @@ fn check_derivatives(
                 if is_goal && of.residuals[row] == 0.0 {
                     continue;
                 }
-                let largest = of.jacobian.row(row).amax().max(1e-3);
+                // The largest of its kind: of its target, or of its constraint.
+                let kind = |row: usize| match is_goal {
+                    true => targets[row],
+                    false => layout.labels()[row].constraint,
+                };
+                let same = (0..count).filter(|other| kind(*other) == kind(row));
+                let largest = same
+                    .map(|row| of.jacobian.row(row).amax())
+                    .fold(1e-3, f64::max);
                 let between = !is_goal && layout.labels()[row].station.is_none();
                 // Of the differences, whose values are rounded.
                 let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
@@ -616,4 +625,392 @@ fn the_nearest_good_design_is_kept() {
     assert_eq!(nearest.offsets[4], 0.0);
     let study_itself = run("optimise.good_enough=1e9");
     assert_eq!(movement(&study_itself.offsets), 0.0);
+}
+
+/// Steps of a random number generator, normally distributed (G. E. P. Box, M. E. Muller, 1958).
+fn normal(seed: &mut u64) -> f64 {
+    let (u, v) = (0.5 * (noise(seed) + 1.0), 0.5 * (noise(seed) + 1.0));
+    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+}
+
+/// A well-determined fit of measured curves of a strut: with noise planted on both, each coordinate's interval
+/// holds the truth in 93 to 97 of 100 fits, the truth being up to three standard errors and more from where
+/// the search begins.
+fn coverage(fits: usize) -> Vec<f64> {
+    let variables = "optimise.variables=[\
+        { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-30.0, 30.0] }, \
+        { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-30.0, 30.0] }, \
+        { hardpoint = \"strut_top\", axis = \"y\", range = [-40.0, 40.0] }]";
+    let targets = "optimise.targets=[\
+        { characteristic = \"camber\", points = [[-80.0, 0.0], [80.0, 0.0]], tolerance = 0.02 }, \
+        { characteristic = \"toe\", points = [[-80.0, 0.0], [80.0, 0.0]], tolerance = 0.01 }]";
+    let travel = "motion.travel={ from = -80.0, to = 80.0, steps = 21 }";
+    let study = edited(
+        "macpherson_front.toml",
+        &["optimise.fit=true", travel, variables, targets],
+    );
+    let truth = planted(&study);
+    let mut seed = 0x2545_F491_4F6C_DD1D;
+    let mut held = vec![0; 3];
+    for _ in 0..fits {
+        let mut optimise = truth.clone();
+        optimise.fit = true;
+        for target in &mut optimise.targets {
+            let Wanted::Curve { points, .. } = &target.wanted else {
+                panic!("planted as curves");
+            };
+            let noisy = points
+                .iter()
+                .map(|[x, y]| [*x, y + 0.4 * target.tolerance * normal(&mut seed)]);
+            target.wanted = Wanted::Points(noisy.collect());
+        }
+        // The design the search begins from is off by several standard errors.
+        let mut start = study.suspension.clone();
+        let away = nalgebra::DVector::from_fn(3, |_, _| 6.0 * noise(&mut seed));
+        let (frame, design) = (&study.suspension.frame, &study.suspension.design);
+        moved_design(design, frame, &optimise.variables, &away, &mut start.design);
+        let tuning = tune(&start, &study.motion, &optimise, Control::default()).unwrap();
+        let best = tuning.best.unwrap();
+        let errors = best.errors.expect("a fit that ended at a minimum");
+        for (j, held) in held.iter_mut().enumerate() {
+            let error = errors.errors[j].expect("well determined");
+            *held += usize::from((best.offsets[j] + away[j]).abs() <= error.interval);
+        }
+    }
+    held.into_iter()
+        .map(|held| held as f64 / fits as f64)
+        .collect()
+}
+
+#[test]
+fn intervals_of_fits_hold_the_truth() {
+    // Of 60 fits at 95 % between 51 and 60 hold it, but for one run in 300.
+    for share in coverage(60) {
+        assert!(share >= 0.85, "{share}");
+    }
+}
+
+#[test]
+#[ignore = "a thousand fits"]
+fn intervals_of_a_thousand_fits_hold_the_truth() {
+    let shares = coverage(1000);
+    println!("{shares:?}");
+    for share in shares {
+        assert!((0.93..=0.97).contains(&share), "{share}");
+    }
+}
+
+/// A study of a strut or wishbone with two curves over 41 stations and constraints held through them, planted about a
+/// random design: every one has a design that keeps it.
+fn constrained_study(number: u64) -> Study {
+    let mut seed = 0x9E37_79B9_7F4A_7C15 ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95);
+    let mut off = |by: f64| by * noise(&mut seed);
+    let is_strut = number.is_multiple_of(2);
+    let file = if is_strut {
+        "macpherson_front.toml"
+    } else {
+        "double_wishbone_front.toml"
+    };
+    let plain = edited(file, &[]);
+    let points = &plain.suspension.mechanism.points;
+    let names: Vec<&str> = points
+        .iter()
+        .map(|p| p.name.as_str())
+        .filter(|n| !n.starts_with("wheel") && !n.starts_with("spindle"))
+        .collect();
+    let variables: Vec<String> = (0..8)
+        .map(|k| {
+            let name = names[(k * 3 + number as usize) % names.len()];
+            let axis = ["y", "z", "x"][(k + k / names.len()) % 3];
+            format!("{{ hardpoint = \"{name}\", axis = \"{axis}\", range = [-15.0, 15.0] }}")
+        })
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let curve = |at: [f64; 3]| format!("[[-60.0, {}], [0.0, {}], [60.0, {}]]", at[0], at[1], at[2]);
+    let camber = curve([1.0 + off(0.4), -0.5 + off(0.2), -1.2 + off(0.4)]);
+    let inclination = curve([9.5 + off(0.5), 12.0 + off(0.5), 13.0 + off(0.5)]);
+    let (tie, most) = (off(4.0), 12.0 + off(3.0));
+    let length = plain_length(&plain, "tie_rod_inner", "tie_rod_outer") + tie;
+    let variables = format!("optimise.variables=[{}]", variables.join(", "));
+    let targets = format!(
+        "optimise.targets=[{{ characteristic = \"camber\", points = {camber}, tolerance = 0.05 }}, \
+         {{ characteristic = \"kingpin_inclination\", points = {inclination}, tolerance = 0.1 }}]"
+    );
+    let toe = 0.25 + off(0.1);
+    let constraints = format!(
+        "optimise.constraints=[\
+         {{ length = \"tie_rod\", between = [{}, {}] }}, \
+         {{ point = \"tie_rod_outer\", inside = {{ rim = 170.0, from = -150.0, to = 40.0 }}, clearance = {most} }}, \
+         {{ characteristic = \"toe\", between = [{}, {}] }}]",
+        length - 3.0,
+        length + 3.0,
+        -toe,
+        toe
+    );
+    let travel = "motion.travel={ from = -60.0, to = 60.0, steps = 41 }";
+    let good = "optimise.good_enough=0.0";
+    edited(
+        file,
+        &[
+            "optimise.starts=1",
+            good,
+            travel,
+            &variables,
+            &targets,
+            &constraints,
+        ],
+    )
+}
+
+fn plain_length(study: &Study, a: &str, b: &str) -> f64 {
+    let point = |name: &str| {
+        let id = study.suspension.mechanism.point(name).unwrap();
+        study.suspension.design[id.0]
+    };
+    (point(a) - point(b)).norm()
+}
+
+/// A problem under constraints as an independent solver takes it, in fractions of the ranges: sum of squares, rows,
+/// and the gradients of both.
+struct Penalised<'p> {
+    problem: Objective<'p, 2>,
+    ranges: Vec<[f64; 2]>,
+    at: Assessment,
+}
+
+impl<'p> Penalised<'p> {
+    fn new(study: &'p Study, layout: &'p TargetLayout) -> Self {
+        let optimise = study.optimise.as_ref().unwrap();
+        let problem = Objective::<2>::new(&study.suspension, &optimise.variables, layout).unwrap();
+        let shape = Constrained::shape(&problem);
+        assert_eq!(shape.equalities, 0);
+        Penalised {
+            at: Assessment::new(&shape, optimise.variables.len()),
+            ranges: optimise.variables.iter().map(|v| v.range).collect(),
+            problem,
+        }
+    }
+
+    fn clamped(&self, x: &nalgebra::DVector<f64>) -> nalgebra::DVector<f64> {
+        nalgebra::DVector::from_fn(x.len(), |j, _| {
+            x[j].clamp(self.ranges[j][0], self.ranges[j][1])
+        })
+    }
+
+    /// Half the squares plus the augmented Lagrangian's terms of the rows, and its gradient.
+    fn value(
+        &mut self,
+        x: &nalgebra::DVector<f64>,
+        multipliers: &[f64],
+        penalty: f64,
+    ) -> Option<(f64, nalgebra::DVector<f64>)> {
+        self.problem.assess(x, &mut self.at).ok()?;
+        let Assessment { goal, rows, .. } = &self.at;
+        let mut value = goal.cost();
+        let mut gradient = goal.jacobian.tr_mul(&goal.residuals);
+        for (row, multiplier) in multipliers.iter().enumerate() {
+            let push = (multiplier + penalty * rows.residuals[row]).max(0.0);
+            value += (push * push - multiplier * multiplier) / (2.0 * penalty);
+            gradient += rows.jacobian.row(row).transpose() * push;
+        }
+        Some((value, gradient))
+    }
+
+    /// Minimises by the method of multipliers (D. P. Bertsekas, 1982) with projected BFGS steps: slow, and of another
+    /// kind than what it checks.
+    fn minimise(&mut self, start: &nalgebra::DVector<f64>) -> (nalgebra::DVector<f64>, f64, f64) {
+        let n = start.len();
+        let count = Constrained::shape(&self.problem).rows;
+        let mut multipliers = vec![0.0; count];
+        let mut penalty = 10.0;
+        let mut x = self.clamped(start);
+        for _ in 0..30 {
+            let mut inverse = nalgebra::DMatrix::<f64>::identity(n, n);
+            let (mut value, mut gradient) = self.value(&x, &multipliers, penalty).unwrap();
+            for _ in 0..400 {
+                let free = |j: usize, slope: f64| {
+                    let [low, high] = self.ranges[j];
+                    !((x[j] <= low && slope > 0.0) || (x[j] >= high && slope < 0.0))
+                };
+                let mask =
+                    nalgebra::DVector::from_fn(n, |j, _| f64::from(u8::from(free(j, gradient[j]))));
+                let projected = gradient.component_mul(&mask);
+                if projected.amax() < 1e-9 * value.max(1.0) {
+                    break;
+                }
+                let mut direction = -(&inverse * &projected).component_mul(&mask);
+                if direction.dot(&projected) > -1e-14 * direction.norm() * projected.norm() {
+                    inverse = nalgebra::DMatrix::identity(n, n);
+                    direction = -projected.clone();
+                }
+                let mut length = 1.0;
+                let mut found = None;
+                for _ in 0..40 {
+                    let trial = self.clamped(&(&x + &direction * length));
+                    if let Some((at, slope)) = self.value(&trial, &multipliers, penalty)
+                        && at <= value + 1e-4 * projected.dot(&(&trial - &x))
+                    {
+                        found = Some((trial, at, slope));
+                        break;
+                    }
+                    length *= 0.5;
+                }
+                let Some((next, at, slope)) = found else {
+                    break;
+                };
+                let (step, change) = (&next - &x, &slope - &gradient);
+                let along = step.dot(&change);
+                if along > 1e-12 * step.norm() * change.norm() {
+                    let image = &inverse * &change;
+                    let factor = (1.0 + change.dot(&image) / along) / along;
+                    inverse += &step * step.transpose() * factor
+                        - (&image * step.transpose() + &step * image.transpose()) / along;
+                }
+                let stalled = value - at <= 1e-15 * value;
+                (x, value, gradient) = (next, at, slope);
+                if stalled {
+                    break;
+                }
+            }
+            self.problem.assess(&x, &mut self.at).unwrap();
+            let worst = self
+                .at
+                .rows
+                .residuals
+                .iter()
+                .fold(0.0_f64, |w, c| w.max(*c));
+            for (multiplier, c) in multipliers.iter_mut().zip(self.at.rows.residuals.iter()) {
+                *multiplier = (*multiplier + penalty * c).max(0.0);
+            }
+            if worst < 1e-9 {
+                break;
+            }
+            penalty = (penalty * 2.0).min(1e6);
+        }
+        self.problem.assess(&x, &mut self.at).unwrap();
+        let worst = self
+            .at
+            .rows
+            .residuals
+            .iter()
+            .fold(0.0_f64, |w, c| w.max(*c));
+        (x, self.at.goal.misfit(), worst)
+    }
+}
+
+/// Constrained minima against the method of multipliers from the same starts: not worse by a millionth, and where the
+/// other ends lower, in another place, a start there keeps what it found. Returns how many were that.
+fn against_multipliers(numbers: std::ops::Range<u64>) -> usize {
+    let mut elsewhere = 0;
+    for number in numbers {
+        let study = constrained_study(number);
+        let optimise = study.optimise.as_ref().unwrap();
+        let (suspension, motion) = (&study.suspension, &study.motion);
+        let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
+        let mut other = Penalised::new(&study, &layout);
+        let start = nalgebra::DVector::zeros(optimise.variables.len());
+        let (x, misfit, violation) = other.minimise(&start);
+        let tuning = tune(suspension, motion, optimise, Control::default()).unwrap();
+        let found = tuning.starts.best_fit().unwrap();
+        if !found.is_feasible() || violation > 1e-5 {
+            // Of what cannot be kept the other knows no more.
+            assert!(
+                !found.is_feasible() || found.misfit() <= misfit * (1.0 + 1e-6) + 1e-6,
+                "{number}"
+            );
+            assert!(
+                found.is_feasible() || violation > 1e-5,
+                "{number}: {violation}"
+            );
+            continue;
+        }
+        if found.misfit() <= misfit * (1.0 + 1e-6) + 1e-6 {
+            continue;
+        }
+        // Begun where the other ended, nothing is lost.
+        elsewhere += 1;
+        let mut there = study.suspension.clone();
+        moved_design(
+            &suspension.design,
+            &suspension.frame,
+            &optimise.variables,
+            &x,
+            &mut there.design,
+        );
+        let mut from_there = optimise.clone();
+        for (variable, x) in from_there.variables.iter_mut().zip(&x) {
+            variable.range = [variable.range[0] - x, variable.range[1] - x];
+        }
+        let again = tune(&there, motion, &from_there, Control::default()).unwrap();
+        let again = again.starts.best_fit().unwrap();
+        assert!(
+            again.misfit() <= misfit * (1.0 + 1e-6) + 1e-6,
+            "{number}: {} {misfit}",
+            again.misfit()
+        );
+    }
+    elsewhere
+}
+
+#[test]
+fn constrained_minima_are_those_of_an_independent_method() {
+    assert!(against_multipliers(0..2) <= 1);
+}
+
+#[test]
+#[ignore = "forty problems by a slow method"]
+fn forty_constrained_minima_are_those_of_an_independent_method() {
+    let elsewhere = against_multipliers(0..40);
+    println!("{elsewhere} of 40 ended elsewhere");
+    assert!(elsewhere <= 4, "{elsewhere}");
+}
+
+/// Random designs of struts and wishbones: where constraints can be kept, multipliers balance to a millionth.
+/// Returns how many ended, how many of them balanced, and the evaluations of each.
+fn balanced(numbers: std::ops::Range<u64>) -> (usize, usize, usize, Vec<u64>) {
+    use hardpoint::optimise::{Bounds, Options, constrained_fit};
+    let (mut kept, mut well, mut refused, mut evaluations) = (0, 0, 0, Vec::new());
+    for number in numbers {
+        let study = constrained_study(number);
+        let optimise = study.optimise.as_ref().unwrap();
+        let (suspension, motion) = (&study.suspension, &study.motion);
+        let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
+        let problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
+        let bounds = Bounds::new(&ranges).unwrap();
+        let start = nalgebra::DVector::zeros(ranges.len());
+        let options = Options::default();
+        let fit =
+            constrained_fit(0, problem, &bounds, &start, &options, Control::default()).unwrap();
+        evaluations.push(fit.evaluations());
+        if !fit.is_feasible() {
+            refused += 1;
+            continue;
+        }
+        kept += 1;
+        well += usize::from(fit.imbalance < 1e-6);
+    }
+    evaluations.sort_unstable();
+    (kept, well, refused, evaluations)
+}
+
+#[test]
+fn multipliers_balance() {
+    let (kept, well, refused, _) = balanced(0..12);
+    assert!(
+        kept + refused == 12 && kept >= 6 && well + 1 >= kept,
+        "{kept} {well}"
+    );
+}
+
+#[test]
+#[ignore = "six hundred tunings"]
+fn multipliers_of_six_hundred_designs_balance() {
+    let (kept, well, refused, evaluations) = balanced(0..600);
+    println!(
+        "kept {kept}, balanced {well}, cannot be kept {refused}, evaluations median {} 95 % {} most {}",
+        evaluations[300], evaluations[570], evaluations[599]
+    );
+    assert!(well * 100 >= kept * 99, "{well} of {kept}");
 }

@@ -6,7 +6,7 @@ use super::failures::FailureRange;
 use super::scene::Scene;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, Site, Study, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
@@ -40,6 +40,9 @@ pub struct Record {
     pub outputs: Vec<OutputRecord>,
     /// What was wanted.
     pub targets: Vec<TargetRecord>,
+    /// Bands that were wanted.
+    #[serde(default)]
+    pub bands: Vec<BandCurve>,
     /// The designs, the tuned one last.
     pub designs: Vec<DesignRecord>,
     /// The drawing.
@@ -76,6 +79,16 @@ pub struct TargetRecord {
     /// Of an axle: the column that it is over in place of the drive value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
+}
+
+/// A band that was wanted, at the stations where it is looked at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BandCurve {
+    /// The column it is about.
+    pub column: String,
+    /// Drive value, the least and the most that is wanted there; none where there is no limit. In the units of the CSV
+    /// files.
+    pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
 }
 
 /// One design of the run.
@@ -150,6 +163,7 @@ impl Record {
             further: Vec::new(),
             outputs,
             targets: targets(study),
+            bands: bands(study),
             designs: designs.into_iter().map(record).collect(),
             scene: Scene::of(&study.suspension),
             influences,
@@ -179,6 +193,39 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
                 tolerance: target.tolerance * factor.abs(),
                 points,
                 over: None,
+            }
+        })
+        .collect()
+}
+
+/// The bands that can be drawn beside the curves: of columns in the study's own motion.
+fn bands(study: &Study) -> Vec<BandCurve> {
+    let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let bands = targets.filter(|target| {
+        matches!(target.wanted, Wanted::Band { .. }) && target.site == Site::default()
+    });
+    bands
+        .map(|target| {
+            let factor = target.of.factor();
+            let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
+            let stations = target.stations_in(&study.motion);
+            let samples = target.wanted.samples(&stations).into_iter();
+            let mut limits: Vec<_> = samples
+                .map(|s| {
+                    let [low, high] = [s.low, s.high].map(printed);
+                    // Where the study's axis points the other way, so do the limits.
+                    let (low, high) = if factor < 0.0 {
+                        (high, low)
+                    } else {
+                        (low, high)
+                    };
+                    (study.motion.drive.printed(s.drive), low, high)
+                })
+                .collect();
+            limits.sort_by(|a, b| a.0.total_cmp(&b.0));
+            BandCurve {
+                column: target.of.column.clone(),
+                limits,
             }
         })
         .collect()

@@ -120,6 +120,33 @@ const targetTraces = (c, output, { abscissa }) => {
   });
 };
 
+// Bands: limits are lines, and what lies between two of them is shaded.
+const bandTraces = (c, output, { abscissa }) => {
+  const table = run.curves[run.curves.length - 1];
+  const place = (drive) => {
+    if (abscissa === record.drive) return drive;
+    const row = column(table, record.drive).indexOf(drive);
+    return row < 0 ? null : column(table, abscissa)[row];
+  };
+  return (record.bands ?? []).filter((band) => band.column === output.column).flatMap(({ limits }) => {
+    const at = limits.map(([drive, low, high]) => [place(drive), low, high]).filter(([y]) => y !== null);
+    const shared = { type: 'scatter', legendgroup: 'band', name: 'wanted', hoverinfo: 'skip' };
+    const edge = (k) => {
+      const points = at.filter((limit) => limit[k] !== null);
+      if (!points.length) return [];
+      const looks = points.length === 1 ? { mode: 'markers', marker: { color: c.target, size: 9, symbol: 'line-ns-open', line: { width: 2, color: c.target } } } : { mode: 'lines', line: { color: c.target, width: 1.6 } };
+      return [{ ...shared, ...looks, x: points.map((limit) => limit[k]), y: points.map(([y]) => y), showlegend: false }];
+    };
+    const both = at.filter(([, low, high]) => low !== null && high !== null);
+    const fill = both.length > 1 ? [{
+      ...shared, mode: 'lines', fill: 'toself', fillcolor: faint(c.target, 0.18), line: { width: 0 },
+      x: [...both.map(([, low]) => low), ...both.map(([, , high]) => high).reverse()],
+      y: [...both.map(([y]) => y), ...both.map(([y]) => y).reverse()],
+    }] : [];
+    return [...fill, ...edge(1), ...edge(2)].map((trace, k) => ({ ...trace, showlegend: k === 0 }));
+  });
+};
+
 // Where the tuned design misses a target by more than its tolerance, with the rack straight ahead.
 const missTraces = (c, output, { abscissa }) => {
   if (!run.missed?.length) return [];
@@ -141,6 +168,7 @@ const missTraces = (c, output, { abscissa }) => {
 const drawCurve = (element, output, state) => {
   const c = colours();
   const traces = [
+    ...bandTraces(c, output, state),
     ...targetTraces(c, output, state),
     ...shownDesigns(state).flatMap((design) => designTraces(c, output, state, design)),
     ...missTraces(c, output, state),

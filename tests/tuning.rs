@@ -1010,3 +1010,90 @@ fn multipliers_of_six_hundred_designs_balance() {
     );
     assert!(well * 100 >= kept * 99, "{well} of {kept}");
 }
+
+fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
+    assert_cmd::Command::cargo_bin("hardpoint")
+        .unwrap()
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(arguments)
+        .assert()
+}
+
+/// A front is a file, a table and a part of the page; a price list is printed, and stands in the summary.
+#[test]
+fn fronts_and_price_lists_are_written_and_shown() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let variables = "optimise.variables=[\
+        { hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }]";
+    let front = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
+    let travel = "motion.travel={ from = -80.0, to = 80.0, steps = 5 }";
+    let study = "studies/macpherson_front.toml";
+    let said = hardpoint(&[
+        "optimise",
+        study,
+        "--set",
+        variables,
+        "--set",
+        front,
+        "--set",
+        travel,
+        "--prices",
+        "--report",
+        "--out",
+        out.to_str().unwrap(),
+    ])
+    .success();
+    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(
+        said.contains("front of camber and kingpin_inclination"),
+        "{said}"
+    );
+    assert!(said.contains("what moving further buys"), "{said}");
+    let text = std::fs::read_to_string(out.join("front.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "point,misfit_camber,misfit_kingpin_inclination,weight_camber,weight_kingpin_inclination,\
+         strut_top_dy_mm,lower_arm_front_dz_mm,broken_behind"
+    );
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| {
+            line.split(',')
+                .take(3)
+                .map(|cell| cell.parse().unwrap())
+                .collect()
+        })
+        .collect();
+    assert!(rows.len() > 20, "{}", rows.len());
+    assert!(
+        rows.windows(2)
+            .all(|w| w[0][1] < w[1][1] && w[0][2] > w[1][2])
+    );
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("id=\"front-plot\"") && page.contains("id=\"prices-plot\""));
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
+    assert!(summary["prices"].as_array().unwrap().len() >= 10);
+}
+
+/// What front and scatter need is said, with the line.
+#[test]
+fn mistakes_in_front_and_scatter_are_refused() {
+    for (edit, wanted) in [
+        ("optimise.front=[\"camber\"]", "two or three targets"),
+        (
+            "optimise.front=[\"camber\", \"cambre\"]",
+            "did you mean \"camber\"",
+        ),
+        ("optimise.front=[\"camber\", \"camber\"]", "listed twice"),
+        ("optimise.scatter=64", "needs [tolerance]"),
+        ("optimise.scatter=1", "from 2 to"),
+    ] {
+        let refused =
+            hardpoint(&["optimise", "studies/macpherson_front.toml", "--set", edit]).code(2);
+        let said = String::from_utf8(refused.get_output().stderr.clone()).unwrap();
+        assert!(said.contains(wanted), "{edit}: {said}");
+    }
+}

@@ -157,7 +157,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             .filter_map(|order| self.end(&order, starts, good))
             .collect();
         if self.aims.len() == 2 {
-            self.front_of_two(ends)
+            self.front_of_two(ends, good)
         } else {
             let points = self.front_of_many(ends);
             Traced {
@@ -186,7 +186,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found
     }
 
-    fn front_of_two(&self, ends: Vec<Found>) -> Traced {
+    /// Halves the widest gap again and again.
+    fn front_of_two(&self, ends: Vec<Found>, good: f64) -> Traced {
         let [first, last] = &ends[..] else {
             return Traced {
                 points: ends,
@@ -197,13 +198,16 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             last.amounts[0] - first.amounts[0],
             first.amounts[1] - last.amounts[1],
         ];
-        if extent[0] <= NO_BETTER * last.amounts[0] || extent[1] <= NO_BETTER * first.amounts[1] {
-            // One of them is as good as can be in both.
-            let mut points = ends.clone();
-            points.sort_by(|a, b| worst(&a.amounts).total_cmp(&worst(&b.amounts)));
-            points.truncate(1);
+        // Where one aim is as good all along the front, the end that is best in the other is the whole of it.
+        let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
+        let alone = match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
+            (true, _) => Some(last),
+            (false, true) => Some(first),
+            (false, false) => None,
+        };
+        if let Some(end) = alone {
             return Traced {
-                points,
+                points: vec![end.clone()],
                 breaks: Vec::new(),
             };
         }
@@ -353,10 +357,6 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found.push(last);
         found
     }
-}
-
-fn worst(amounts: &[f64]) -> f64 {
-    amounts.iter().copied().fold(0.0, f64::max)
 }
 
 /// Between two points of a front of two aims: where points still may be.

@@ -16,6 +16,7 @@ mod files;
 mod finished;
 mod page;
 mod picture;
+mod places;
 mod plausibility;
 mod record;
 mod run;
@@ -44,6 +45,7 @@ pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::FinishedRun;
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
+pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{doubts, variable_doubts};
 pub(crate) use record::readable_unit;
 pub use record::{

@@ -3,6 +3,7 @@
 use super::accuracy::remarks;
 use super::choices::FrontRecord;
 use super::failures::FailureRange;
+use super::places::Places;
 use super::scene::Scene;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
@@ -43,6 +44,9 @@ pub struct Record {
     /// Bands that were wanted.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
+    /// What constraints keep to, as the drawing shows it.
+    #[serde(default)]
+    pub places: Places,
     /// The designs, the tuned one last.
     pub designs: Vec<DesignRecord>,
     /// The drawing.
@@ -164,6 +168,7 @@ impl Record {
             outputs,
             targets: targets(study),
             bands: bands(study),
+            places: Places::of(study),
             designs: designs.into_iter().map(record).collect(),
             scene: Scene::of(&study.suspension),
             influences,

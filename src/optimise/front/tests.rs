@@ -148,6 +148,10 @@ fn a_broken_front_is_found_piece_by_piece() {
             vec![(u, vec![1.0, 0.0]), (second, vec![slope, 2.0 * v])]
         },
     );
+    for p in &traced.points {
+        println!("{:?} {:?}", p.amounts, p.weights);
+    }
+    println!("{:?}", traced.breaks);
     // The least so far, along a fine grid.
     let grid = 200_000;
     let mut least = f64::INFINITY;

@@ -101,6 +101,71 @@ const middle = (placement, { lines: [line] }, number) => {
   return a.map((v, k) => v + along * (b[k] - v));
 };
 
+// Constraints: shapes that stay, the inside of rims about the spin axis, and the gaps between members.
+const places = record?.places ?? { shapes: [], rims: [], clearances: [] };
+const rimLines = (p, { radius: r, ends }) => {
+  const n = p.spin_axis.map((v) => v * Math.sign(p.spin_axis[1] * outboard || 1));
+  const turned = rim({ ...p, spin_axis: n });
+  const centre = p.points[scene.wheel_centre];
+  const at = (end) => turned.map((q) => q.map((v, k) => centre[k] + ((v - centre[k]) * r) / radius + n[k] * end));
+  const [first, second] = ends.map(at);
+  const posts = [0, ROUND / 4, ROUND / 2, (3 * ROUND) / 4].flatMap((i) => [first[i], second[i], null]);
+  return [...first, null, ...second, null, ...posts];
+};
+// The nearest points of two members: the least of a quadratic in the unit square.
+const nearest = (p, [[a, b], [c, d]]) => {
+  const [p1, q1, p2, q2] = [a, b, c, d].map((i) => p.points[i]);
+  const minus = (u, v) => u.map((x, k) => x - v[k]);
+  const dot = (u, v) => u.reduce((sum, x, k) => sum + x * v[k], 0);
+  const [u, v, w] = [minus(q1, p1), minus(q2, p2), minus(p1, p2)];
+  const [uu, uv, vv, uw, vw] = [dot(u, u), dot(u, v), dot(v, v), dot(u, w), dot(v, w)];
+  const clamp = (t) => Math.min(1, Math.max(0, t));
+  const under = uu * vv - uv * uv;
+  let s = under > 1e-12 * uu * vv ? clamp((uv * vw - vv * uw) / under) : 0.5;
+  const t = clamp((uv * s + vw) / vv);
+  s = clamp((uv * t - uw) / uu);
+  const [x, y] = [p1.map((e, k) => e + s * u[k]), p2.map((e, k) => e + t * v[k])];
+  return { x, y, gap: Math.hypot(...minus(x, y)) };
+};
+// Where in the motion of a design the gap of two members is smallest, by the frames there are.
+const smallest = (design, { members }) => {
+  const solved = record.designs[design].frames.filter((frame) => frame.pose.Ok);
+  const found = solved.map((frame) => ({ frame, ...nearest(frame.pose.Ok, members) }));
+  return found.reduce((least, one) => (!least || one.gap < least.gap ? one : least), null);
+};
+const roomOf = ({ least }, gap) => `${(gap - least).toFixed(1)} ${record.length_unit}`;
+const constraintParts = (c, state) => {
+  const main = shownDesigns(state).at(-1);
+  const lows = places.clearances.map((clearance) => smallest(main, clearance));
+  const has = places.shapes.length + places.rims.length + places.clearances.length > 0;
+  if (!has) return [];
+  const looks = { legendgroup: 'constraints', line: { color: c.target, width: 3 } };
+  return [
+    {
+      at: (p) => coordinates([
+        ...places.shapes.flatMap(({ lines }) => lines.flatMap((line) => [...line, null])),
+        ...(radius ? places.rims.flatMap((r) => [...rimLines(p, r), null]) : []),
+      ]),
+      look: { mode: 'lines', name: 'constraints', showlegend: true, opacity: 0.7, ...looks, line: { ...looks.line, width: 2 } },
+    },
+    {
+      at: (p) => coordinates(places.clearances.flatMap(({ members }) => {
+        const { x, y } = nearest(p, members);
+        return [x, y, null];
+      })),
+      look: { mode: 'lines', showlegend: false, ...looks, line: { ...looks.line, width: 6 } },
+    },
+    {
+      at: () => ({
+        ...coordinates(lows.flatMap((low) => (low ? [low.x, low.y, null] : []))),
+        text: lows.flatMap((low, k) => (low ? [plain(`least room ${roomOf(places.clearances[k], low.gap)}`), '', ''] : [])),
+        textfont: { color: c.target, size: 12 },
+      }),
+      look: { mode: 'lines+text', textposition: 'top center', ...looks, line: { color: c.target, width: 3, dash: 'dot' } },
+    },
+  ];
+};
+
 // The parts of the drawing of the design that matters: coordinates in a placement, and looks. A part without
 // coordinates draws nothing.
 const mainParts = (c, state) => {
@@ -189,7 +254,7 @@ const formerParts = (c) => [
 
 const stageParts = (c, state) => standing(state).flatMap((design) => {
   const { label } = record.designs[design];
-  const [parts, prefix] = isMain(state, design) ? [mainParts(c, state), ''] : [formerParts(c), label];
+  const [parts, prefix] = isMain(state, design) ? [[...mainParts(c, state), ...constraintParts(c, state)], ''] : [formerParts(c), label];
   return parts.map(({ at, look }) => ({ design, at, look: { type: 'scatter3d', hoverinfo: 'skip', showlegend: false, ...(prefix && { name: plain(prefix), legendgroup: prefix }), ...look } }));
 });
 const placed = ({ design, at }, place) => {

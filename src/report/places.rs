@@ -1,0 +1,275 @@
+//! What constraints keep points inside or outside of, and members apart, as the drawing shows it.
+
+use crate::characteristics::{Measure, Quantity};
+use crate::model::{Axis, Frame};
+use crate::number::Vector3;
+use crate::study::{Constraint, Limited, Study};
+use serde::{Deserialize, Serialize};
+
+/// Corners of a circle.
+const ROUND: usize = 36;
+
+/// Places of constraints, in the study's axes: as far as a point itself may go, clearances included.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Places {
+    /// Boxes, spheres, cylinders and planes.
+    pub shapes: Vec<Shape>,
+    /// Insides of rims.
+    pub rims: Vec<Rim>,
+    /// Members that stay apart.
+    pub clearances: Vec<Clearance>,
+}
+
+/// A shape that stays where it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// The constraint.
+    pub name: String,
+    /// The point that it is about.
+    pub point: usize,
+    /// Its outline.
+    pub lines: Vec<Vec<[f64; 3]>>,
+}
+
+/// The inside of a rim, about the spin axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rim {
+    /// The constraint.
+    pub name: String,
+    /// The point that it is about.
+    pub point: usize,
+    /// Radius.
+    pub radius: f64,
+    /// From and to so far outboard of the wheel centre.
+    pub ends: [f64; 2],
+}
+
+/// Two members that stay apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clearance {
+    /// The constraint.
+    pub name: String,
+    /// The points at the ends of each.
+    pub members: [[usize; 2]; 2],
+    /// The least distance of their centre lines.
+    pub least: f64,
+}
+
+impl Places {
+    /// Of a study's constraints.
+    pub fn of(study: &Study) -> Self {
+        let mut places = Places::default();
+        let suspension = &study.suspension;
+        let size = suspension.wheel_radius.unwrap_or(0.5 * suspension.size());
+        for constraint in study.optimise.iter().flat_map(|o| &o.constraints) {
+            places.add(constraint, &suspension.frame, &suspension.design, size);
+        }
+        places
+    }
+
+    fn add(&mut self, constraint: &Constraint, frame: &Frame, design: &[Vector3<f64>], size: f64) {
+        let name = || constraint.name.clone();
+        let upper_of = |wanted: fn(&Measure) -> bool| {
+            let mut parts = constraint.parts.iter();
+            parts.find(|part| wanted(&part.of))
+        };
+        let Some(first) = constraint.parts.first() else {
+            return;
+        };
+        let (point, outline) = match &first.of {
+            Measure::Clearance(members) => {
+                self.clearances.push(Clearance {
+                    name: name(),
+                    members: members.map(|member| member.map(|end| end.0)),
+                    least: first.lower.unwrap_or(0.0),
+                });
+                return;
+            }
+            Measure::FromSpinAxis(point) => {
+                let along = upper_of(|of| matches!(of, Measure::AlongSpinAxis(_)));
+                let limit = |limit: fn(&Limited) -> Option<f64>, none: f64| {
+                    along.and_then(limit).unwrap_or(none)
+                };
+                self.rims.push(Rim {
+                    name: name(),
+                    point: point.0,
+                    radius: first.upper.unwrap_or(0.0),
+                    ends: [
+                        limit(|p| p.lower, -0.3 * size),
+                        limit(|p| p.upper, 0.1 * size),
+                    ],
+                });
+                return;
+            }
+            Measure::Quantity(Quantity::Coordinate(point, _)) => {
+                let Some((middle, half)) = inner_box(&constraint.parts) else {
+                    return;
+                };
+                (*point, box_lines(middle, half))
+            }
+            Measure::FromBox {
+                point,
+                middle,
+                half,
+            } => (*point, box_lines(*middle, *half)),
+            Measure::DistanceFrom(point, centre) => {
+                let radius = first.upper.or(first.lower).unwrap_or(0.0);
+                (*point, sphere_lines(*centre, radius))
+            }
+            Measure::FromLine {
+                point,
+                through,
+                along,
+            } => {
+                let axial = upper_of(|of| matches!(of, Measure::Height { .. }));
+                let half = axial.and_then(|part| part.upper).unwrap_or(0.5 * size);
+                let radius = first.upper.unwrap_or(0.0);
+                (*point, tube_lines(*through, *along, half, radius))
+            }
+            Measure::FromTube {
+                point,
+                middle,
+                along,
+                half,
+                radius,
+            } => (*point, tube_lines(*middle, *along, *half, *radius)),
+            Measure::Height {
+                point,
+                over,
+                normal,
+            } => {
+                // A square of the border, where the point is nearest to it.
+                let place = design[point.0];
+                let off = first.lower.or(first.upper).unwrap_or(0.0);
+                let foot = place - *normal * ((place - *over).dot(*normal) - off);
+                (*point, plane_lines(foot, *normal, 0.4 * size))
+            }
+            _ => return,
+        };
+        let seen = |p: &Vector3<f64>| frame.vector(*p).to_array();
+        let lines = outline.iter().map(|line| line.iter().map(seen).collect());
+        self.shapes.push(Shape {
+            name: name(),
+            point: point.0,
+            lines: lines.collect(),
+        });
+    }
+}
+
+/// Middle and half edges of the box that three coordinates stay in.
+fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let mut limits = [None; 3];
+    for part in parts {
+        if let Measure::Quantity(Quantity::Coordinate(_, axis)) = part.of {
+            limits[axis as usize] = part.lower.zip(part.upper);
+        }
+    }
+    let [Some(x), Some(y), Some(z)] = limits else {
+        return None;
+    };
+    let of = |f: fn((f64, f64)) -> f64| Vector3::new(f(x), f(y), f(z));
+    Some((of(|(l, u)| 0.5 * (l + u)), of(|(l, u)| 0.5 * (u - l))))
+}
+
+type Lines = Vec<Vec<Vector3<f64>>>;
+
+fn box_lines(middle: Vector3<f64>, half: Vector3<f64>) -> Lines {
+    let at = |x: f64, y: f64, z: f64| middle + Vector3::new(x * half.x, y * half.y, z * half.z);
+    let ring = |z: f64| {
+        let corners = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [-1.0, 1.0],
+            [-1.0, -1.0],
+        ];
+        corners.map(|[x, y]| at(x, y, z)).to_vec()
+    };
+    let posts = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let posts = posts.map(|[x, y]| vec![at(x, y, -1.0), at(x, y, 1.0)]);
+    [ring(-1.0), ring(1.0)].into_iter().chain(posts).collect()
+}
+
+/// Two unit vectors at right angles to a direction and to one another.
+fn across(along: Vector3<f64>) -> [Vector3<f64>; 2] {
+    let entries = along.to_array().map(f64::abs);
+    let least = Axis::ALL.into_iter().min_by(|a, b| {
+        let entry = |axis: &Axis| entries[*axis as usize];
+        entry(a).total_cmp(&entry(b))
+    });
+    let mut unit = [0.0; 3];
+    unit[least.map_or(0, |axis| axis as usize)] = 1.0;
+    let first = along.cross(Vector3::from(unit)).normalised();
+    [first, along.cross(first)]
+}
+
+fn circle(centre: Vector3<f64>, [u, v]: [Vector3<f64>; 2], radius: f64) -> Vec<Vector3<f64>> {
+    (0..=ROUND)
+        .map(|k| {
+            let (sine, cosine) = (std::f64::consts::TAU * k as f64 / ROUND as f64).sin_cos();
+            centre + u * (radius * cosine) + v * (radius * sine)
+        })
+        .collect()
+}
+
+fn sphere_lines(centre: Vector3<f64>, radius: f64) -> Lines {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
+    let [x, y, z] = axes;
+    [[x, y], [y, z], [z, x]]
+        .map(|plane| circle(centre, plane, radius))
+        .to_vec()
+}
+
+fn tube_lines(middle: Vector3<f64>, along: Vector3<f64>, half: f64, radius: f64) -> Lines {
+    let plane = across(along);
+    let ends = [middle - along * half, middle + along * half];
+    let rings = ends.map(|end| circle(end, plane, radius));
+    let sides = [0, ROUND / 4, ROUND / 2, 3 * ROUND / 4].map(|k| vec![rings[0][k], rings[1][k]]);
+    rings.into_iter().chain(sides).collect()
+}
+
+fn plane_lines(foot: Vector3<f64>, normal: Vector3<f64>, half: f64) -> Lines {
+    let [u, v] = across(normal.normalised());
+    let corners = [
+        [-1.0, -1.0],
+        [1.0, -1.0],
+        [1.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, -1.0],
+    ];
+    let ring = corners.map(|[a, b]| foot + u * (a * half) + v * (b * half));
+    vec![
+        ring.to_vec(),
+        vec![ring[0], ring[2]],
+        vec![ring[1], ring[3]],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tube_is_drawn_about_its_axis() {
+        let (middle, along) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.6, 0.0, 0.8));
+        for line in &tube_lines(middle, along, 5.0, 2.0)[..2] {
+            for p in line {
+                let off = *p - middle;
+                let axial = off.dot(along);
+                assert!((axial.abs() - 5.0).abs() < 1e-12);
+                assert!(((off - along * axial).norm() - 2.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_has_its_corners() {
+        let lines = box_lines(Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, 2.0, 3.0));
+        let all = lines.iter().flatten();
+        assert!(
+            all.clone()
+                .all(|p| (p.x == 0.0 || p.x == 2.0) && p.y.abs() == 2.0 && p.z.abs() == 3.0)
+        );
+        assert_eq!(lines.len(), 6);
+    }
+}

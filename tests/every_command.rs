@@ -239,6 +239,7 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
                 .replace("steps = 201", "steps = 21")
                 .replace("steps = 31", "steps = 7")
                 .replace("certify = true", "certify = false")
+                .replace("scatter = 64", "scatter = 4")
         })
         .collect();
     let ran = AtomicU64::new(0);

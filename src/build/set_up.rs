@@ -18,6 +18,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// The most steps of Newton's method.
 const MOST_STEPS: usize = 40;
+/// The largest adjustment, relative to the size of the suspension.
+const FARTHEST: f64 = 0.1;
 /// What counts as met: rounding, in degrees or length units.
 const MET: f64 = 1e-9;
 /// Singular values of W below this part of the largest are directions that no wish feels.
@@ -70,6 +72,13 @@ pub enum NoSetUp {
     Fault(DesignFault),
     /// Newton's method does not settle: what is wanted is beyond what the adjustments reach.
     Unsettled,
+    /// What is wanted takes an adjustment that no workshop makes: more than a tenth of the suspension's size.
+    Absurd {
+        /// Number of the adjustment.
+        adjustment: usize,
+        /// How much it would be.
+        amount: f64,
+    },
 }
 
 impl From<Reject> for NoSetUp {
@@ -113,6 +122,12 @@ impl SetUp {
             problem.state(&amounts)
         });
         let steps = steps.collect::<Result<_, _>>()?;
+        let most = FARTHEST * assembler.suspension().size();
+        let amounts = state.amounts.iter().copied().enumerate();
+        let mut absurd = amounts.filter(|(_, amount)| amount.abs() > most);
+        if let Some((adjustment, amount)) = absurd.next() {
+            return Err(NoSetUp::Absurd { adjustment, amount });
+        }
         Ok(SetUp {
             by_steps,
             drawn,

@@ -16,6 +16,7 @@ use crate::report::{
 };
 use crate::study::{Optimise, Study, StudyErrors};
 use crate::tolerance::{Problem, monte_carlo};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -198,7 +199,7 @@ fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Suspension>) -> Opt
         };
         let problem = Problem::of(&study, tolerance).ok()?;
         let drawn = problem.drawn().ok()?;
-        monte_carlo(&problem, &drawn, |_| ()).ok()
+        monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).ok()
     };
     Some(YieldRecord::of(
         study,

@@ -34,6 +34,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         Err(NoSetUp::Reject(reject)) => {
             return Err(Stop::not_met(format!("{}: {reject}", path.display())));
         }
+        Err(NoSetUp::Absurd { adjustment, amount }) => {
+            return Err(Stop::not_met(format!(
+                "{}: what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
+                path.display(),
+                crate::report::brief(amount),
+                study.suspension.length_unit.symbol(),
+                setup.adjust[adjustment].name
+            )));
+        }
         Err(NoSetUp::Unsettled) => {
             return Err(Stop::not_met(format!(
                 "{}: what is wanted cannot be met: the adjustments do not reach so far",

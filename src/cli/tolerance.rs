@@ -12,6 +12,8 @@ use crate::plan::Plan;
 use crate::report::{Record, ToleranceSummary, curves_csv};
 use crate::study::{Order, Study, Tolerance};
 use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+use std::ops::ControlFlow;
+use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
 const FANS: [(&str, &str, usize); 4] = [
@@ -36,7 +38,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let not_aligned = |reason: NoSetUp| match reason {
         NoSetUp::Fault(reason) => fault(reason),
         NoSetUp::Reject(reject) => Stop::wrong_input(format!("{}: {reject}", path.display())),
-        NoSetUp::Unsettled => Stop::wrong_input(format!(
+        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::wrong_input(format!(
             "{}: aligned = true, but what [setup] adjusts does not move toe and camber one by one",
             path.display()
         )),
@@ -100,8 +102,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     for line in summary.failures() {
         output.say(&format!("\n{line}\n"))?;
     }
+    let interrupted = builds.builds < tolerance.builds;
+    if interrupted {
+        output.say_failure(&format!(
+            "\ninterrupted: these are {} of the {} builds asked for\n",
+            builds.builds, tolerance.builds
+        ))?;
+    }
     output.print_files(&files)?;
-    Ok(Exit::Done)
+    Ok(match interrupted {
+        false => Exit::Done,
+        true => Exit::Incomplete,
+    })
 }
 
 fn with_progress(
@@ -110,7 +122,14 @@ fn with_progress(
     drawn: &[f64],
 ) -> Result<MonteCarlo, DesignFault> {
     let line = progress::line(tolerance.builds, "builds");
-    let found = monte_carlo(problem, drawn, |done| line.set_position(done));
+    let interrupt = progress::interrupt_flag();
+    let found = monte_carlo(problem, drawn, |done| {
+        line.set_position(done);
+        match interrupt.load(Ordering::SeqCst) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    });
     line.finish_and_clear();
     found
 }

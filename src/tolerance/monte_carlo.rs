@@ -7,7 +7,7 @@ use crate::build::Reject;
 use crate::mechanism::DesignFault;
 use crate::sweep::{BLOCK, in_order};
 use std::collections::BTreeMap;
-use std::convert::Infallible;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 /// Builds that tell where the bins of percentiles lie.
@@ -99,11 +99,11 @@ impl Drop for Worker<'_> {
 }
 
 /// Draws, puts together and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
-/// values of the drawing; `note` is told how many builds more are done.
+/// values of the drawing; `note` is told how many builds are done, and may end the work there.
 pub fn monte_carlo(
     problem: &Problem,
     drawn: &[f64],
-    mut note: impl FnMut(u64) + Send,
+    mut note: impl FnMut(u64) -> ControlFlow<()> + Send,
 ) -> Result<MonteCarlo, DesignFault> {
     let tolerance = problem.tolerance;
     let cells = problem.cells();
@@ -200,10 +200,13 @@ pub fn monte_carlo(
                 .or_insert((1, build, why));
         }
         done += count;
-        note(done);
-        Ok::<(), Infallible>(())
+        match note(done) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(()),
+        }
     });
-    let Ok(()) = taken;
+    // Ended early, it is of the builds that were taken; percentiles are of a few more, that were under way.
+    let (Ok(()) | Err(())) = taken;
     // All workers are gone: every count is there.
     let counts = all
         .into_inner()

@@ -17,7 +17,7 @@ fn problem(study: &Study) -> Problem<'_> {
 fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     let drawn = problem.drawn().unwrap();
     let expansion = Expansion::of(problem).unwrap();
-    let builds = monte_carlo(problem, &drawn, |_| ()).unwrap();
+    let builds = monte_carlo(problem, &drawn, on).unwrap();
     (drawn, expansion, builds)
 }
 
@@ -206,12 +206,34 @@ fn results_are_the_same_on_any_number_of_threads() {
     );
     let problem = problem(&study);
     let drawn = problem.drawn().unwrap();
-    let one = on_threads(1, || monte_carlo(&problem, &drawn, |_| ()).unwrap());
-    let three = on_threads(3, || monte_carlo(&problem, &drawn, |_| ()).unwrap());
+    let one = on_threads(1, || monte_carlo(&problem, &drawn, on).unwrap());
+    let three = on_threads(3, || monte_carlo(&problem, &drawn, on).unwrap());
     assert_eq!(one.spreads, three.spreads);
     assert!(one.rejected() > 0, "{:?}", one.rejects);
     assert_eq!(one.rejected(), three.rejected());
     assert_eq!(one.spreads[0].count + one.rejected(), 1500);
     let (_, first, reject) = &one.rejects["out_of_reach"];
     assert!(*first < 1500 && reject.to_string().contains("cannot reach"));
+}
+
+/// All builds are wanted.
+fn on(_: u64) -> std::ops::ControlFlow<()> {
+    std::ops::ControlFlow::Continue(())
+}
+
+/// Ended early, what was done stays, and it is said how much that was.
+#[test]
+fn builds_can_be_ended_early() {
+    let study = study("macpherson_tolerance", &["tolerance.builds=100000"]);
+    let tolerance = study.tolerance.as_ref().unwrap();
+    let problem = Problem::of(&study, tolerance).unwrap();
+    let drawn = problem.drawn().unwrap();
+    let found = monte_carlo(&problem, &drawn, |done| match done >= 2000 {
+        true => std::ops::ControlFlow::Break(()),
+        false => on(done),
+    });
+    let found = found.unwrap();
+    assert!((2000..20_000).contains(&found.builds), "{}", found.builds);
+    let spread = &found.spreads[0];
+    assert!(spread.count + found.rejected() <= found.builds && spread.sigma.is_finite());
 }

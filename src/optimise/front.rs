@@ -176,7 +176,10 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 None => starts.to_vec(),
                 Some(found) => vec![&found.x],
             };
-            let next = self.lower(*aim, &held, &from)?;
+            let Some(next) = self.lower(*aim, &held, &from) else {
+                // What was found before is an end, if not a sharp one.
+                break;
+            };
             held.push((
                 *aim,
                 (AS_LOW * next.amounts[*aim]).max(good).max(LEAST_LEVEL),

@@ -309,7 +309,7 @@ fn check_derivatives(
                 let same = (0..count).filter(|other| kind(*other) == kind(row));
                 let largest = same
                     .map(|row| of.jacobian.row(row).amax())
-                    .fold(1e-3, f64::max);
+                    .fold(1e-2, f64::max);
                 let between = !is_goal && layout.labels()[row].station.is_none();
                 // Of the differences, whose values are rounded.
                 let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;

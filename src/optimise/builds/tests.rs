@@ -64,7 +64,14 @@ fn derivatives_of_builds_are_exact() {
     ] {
         let study = study(
             file,
-            &[TRAVEL, VARIABLES, TARGETS, "optimise.scatter=3", more],
+            &[
+                TRAVEL,
+                VARIABLES,
+                TARGETS,
+                "optimise.scatter=3",
+                "tolerance.bands=[]",
+                more,
+            ],
         );
         with_problem(&study, |at| {
             let x = DVector::from_fn(8, |j, _| ((j * 7 + 3) as f64).sin());

@@ -148,10 +148,8 @@ fn a_broken_front_is_found_piece_by_piece() {
             vec![(u, vec![1.0, 0.0]), (second, vec![slope, 2.0 * v])]
         },
     );
-    for p in &traced.points {
-        println!("{:?} {:?}", p.amounts, p.weights);
-    }
-    println!("{:?}", traced.breaks);
+    let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();
+    println!("{places:?} {:?}", traced.breaks);
     // The least so far, along a fine grid.
     let grid = 200_000;
     let mut least = f64::INFINITY;

@@ -184,6 +184,8 @@ impl Optimise {
             constraints: Vec::new(),
             good_enough: GOOD_ENOUGH,
             fit: false,
+            front: Vec::new(),
+            scatter: None,
             axle: None,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::axle::Place;
 use super::failures::FailureRange;
+use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
 use crate::axle::{
@@ -62,6 +63,9 @@ impl Record {
             designs: designs.iter().map(record).collect::<Result<_, _>>()?,
             scene: Scene::of_axle(axle),
             influences: Vec::new(),
+            front: None,
+            bands: Vec::new(),
+            places: Places::default(),
         })
     }
 }

@@ -60,7 +60,7 @@ fn assessed_with<const N: usize>(
     layout: &TargetLayout,
 ) -> Result<Result<Assessment, String>, DesignFault> {
     let mut objective = Objective::<N>::new(suspension, variables, layout)?;
-    let mut assessment = Assessment::new(objective.shape(), variables.len());
+    let mut assessment = Assessment::new(&objective.shape(), variables.len());
     let here = DVector::zeros(variables.len());
     let assessed = objective.assess(&here, &mut assessment);
     Ok(assessed.map(|()| assessment).map_err(|why| why.to_string()))

@@ -90,6 +90,11 @@ pub(super) fn default_directory(name: &str) -> Result<PathBuf, Stop> {
     }
 }
 
+/// The file with the curves of a named motion.
+pub(super) fn motion_file(name: &str) -> String {
+    format!("curves_{name}.csv")
+}
+
 impl Output {
     /// Opens the output of a command, so that a place that cannot be written is known before the work is
     /// done.
@@ -105,6 +110,15 @@ impl Output {
             _ => CURVE_FILES.to_vec(),
         };
         files.extend(arguments.report.then_some("report.html"));
+        let of_motions: Vec<String> = match command {
+            "solve" => study
+                .motions
+                .iter()
+                .map(|(name, _)| motion_file(name))
+                .collect(),
+            _ => Vec::new(),
+        };
+        files.extend(of_motions.iter().map(String::as_str));
         let destination = Destination {
             out: arguments.out.as_deref(),
             default: match arguments.out {

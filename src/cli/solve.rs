@@ -2,14 +2,40 @@
 
 use super::RunArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault};
+use super::output::{Output, design_fault, motion_file};
 use super::report::Wanted;
-use crate::curves::curves;
+use crate::curves::{Curves, curves};
+use crate::mechanism::DesignFault;
 use crate::plan::Plan;
 use crate::report::{
     FailureRange, Record, SolveSummary, curves_csv, doubts, remarks, sensitivities_csv,
 };
 use crate::study::Study;
+
+/// The curves of a named motion.
+struct NamedCurves {
+    name: String,
+    file: String,
+    plan: Plan,
+    curves: Curves,
+}
+
+/// Those of every named motion.
+fn of_motions(study: &Study) -> Result<Vec<NamedCurves>, DesignFault> {
+    let named = study.motions.iter().map(|(name, motion)| {
+        let plan = Plan::of(&Study {
+            motion: motion.clone(),
+            ..study.clone()
+        });
+        Ok(NamedCurves {
+            file: motion_file(name),
+            name: name.clone(),
+            curves: curves(&study.suspension, &plan)?,
+            plan,
+        })
+    });
+    named.collect()
+}
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
@@ -33,6 +59,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         let csv = sensitivities_csv(&curves, &plan, &suspension.mechanism, length);
         output.file("sensitivities.csv", &csv)?;
         files.push("sensitivities.csv");
+    }
+    let of_motions = of_motions(&study).map_err(|fault| design_fault(&study, path, &fault))?;
+    for motion in &of_motions {
+        let csv = curves_csv(&motion.curves, &motion.plan, length);
+        output.file(&motion.file, &csv)?;
+        files.push(&motion.file);
     }
     output.json("summary.json", &summary)?;
     files.push("summary.json");
@@ -61,8 +93,20 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     for failure in FailureRange::all(&curves, plan.drive, study.suspension.length_unit) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
+    let mut complete = curves.are_complete();
+    for NamedCurves {
+        name, plan, curves, ..
+    } in &of_motions
+    {
+        complete &= curves.are_complete();
+        let stations = curves.stations.len();
+        for failure in FailureRange::all(curves, plan.drive, length) {
+            output.say_failure(&format!("\nmotion {name}: not solved: {failure}\n"))?;
+        }
+        output.say(&format!("\nmotion {name}: {stations} stations\n"))?;
+    }
     output.print_files(&files)?;
-    Ok(match curves.are_complete() {
+    Ok(match complete {
         true => Exit::Done,
         false => Exit::Incomplete,
     })

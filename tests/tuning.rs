@@ -403,7 +403,8 @@ fn derivatives_are_exact_at_random_designs_of_every_topology() {
             {more}]"
         );
         let travel = "motion.travel={ from = -30.0, to = 30.0, steps = 5 }";
-        let study = edited(file, &[travel, &variables, &targets, &constraints]);
+        let wheel = "wheel.radius=290.0";
+        let study = edited(file, &[travel, wheel, &variables, &targets, &constraints]);
         let optimise = study.optimise.as_ref().unwrap();
         let suspension = &study.suspension;
         let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);

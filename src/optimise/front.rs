@@ -358,6 +358,13 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
         }
         found.push(last);
+        // A step that buys nothing is none.
+        let mut least = f64::INFINITY;
+        found.retain(|step| {
+            let buys = step.amounts[0] < least;
+            least = least.min(step.amounts[0]);
+            buys
+        });
         found
     }
 }

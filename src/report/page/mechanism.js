@@ -161,7 +161,7 @@ const constraintParts = (c, state) => {
         text: lows.flatMap((low, k) => (low ? [plain(`least room ${roomOf(places.clearances[k], low.gap)}`), '', ''] : [])),
         textfont: { color: c.target, size: 12 },
       }),
-      look: { mode: 'lines+text', textposition: 'top center', ...looks, line: { color: c.target, width: 3, dash: 'dot' } },
+      look: { mode: 'lines+text', textposition: 'bottom center', ...looks, line: { color: c.target, width: 3, dash: 'dot' } },
     },
   ];
 };

@@ -131,21 +131,28 @@ fn a_concave_front_is_traced_evenly() {
     }
 }
 
-/// f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), much as ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000): pieces, known from a fine
+/// f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), and a variable that f_2 alone feels: much as ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000): pieces, known from a fine
 /// grid.
 #[test]
 fn a_broken_front_is_found_piece_by_piece() {
     let curve = |x: f64| 2.0 - (x + 0.02).sqrt() - x * (10.0 * std::f64::consts::PI * x).sin();
     let traced = traced(
         &[[0.0, 1.0], [-1.0, 1.0]],
-        [2, 1],
+        [2, 2],
         &[&[0.02, 0.3], &[0.83, -0.4]],
         |x| {
             let turn = 10.0 * std::f64::consts::PI;
             let (u, v) = (x[0], x[1]);
             let slope = -0.5 / (u + 0.02).sqrt() - (turn * u).sin() - u * turn * (turn * u).cos();
-            let second = 2.0 - (u + 0.02).sqrt() - u * (turn * u).sin() + v * v;
-            vec![(u, vec![1.0, 0.0]), (second, vec![slope, 2.0 * v])]
+            let second = 2.0 - (u + 0.02).sqrt() - u * (turn * u).sin();
+            // The second aim has a variable of its own, which is best at 0.
+            let idle = (0.0, vec![0.0; 2]);
+            vec![
+                (u, vec![1.0, 0.0]),
+                idle,
+                (second, vec![slope, 0.0]),
+                (v, vec![0.0, 1.0]),
+            ]
         },
     );
     let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();

@@ -216,7 +216,6 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
         let mut points = ends;
         let mut gaps = vec![Gap::between(&points, 0, 1)];
-        let mut empty: Vec<Gap> = Vec::new();
         let narrow = 0.25 / POINTS as f64;
         for _ in 0..EFFORT * POINTS {
             let wide = |gap: &Gap| gap.width(extent);
@@ -239,12 +238,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 });
             let Some(found) = found else {
                 gap.low[held] = level;
-                let place = if gap.width(extent) < narrow {
-                    &mut empty
-                } else {
-                    &mut gaps
-                };
-                place.push(gap);
+                gaps.push(gap);
                 continue;
             };
             let slack = found.amounts[held] < level;
@@ -260,20 +254,20 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        let wide = |points: &[Found], gap: &Gap| {
-            let whole = Gap::between(points, gap.ends[0], gap.ends[1]);
-            whole.width(extent) > 2.0 / POINTS as f64
-        };
-        let broken: Vec<usize> = empty
-            .iter()
-            .filter(|gap| wide(&points, gap))
-            .map(|gap| gap.ends[0])
-            .collect();
+        // The widest part that was not looked into: neighbours much farther apart have nothing between them.
+        let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));
-        let breaks = kept.iter().enumerate().filter(|(_, k)| broken.contains(k));
+        let is_break = |pair: &[usize]| {
+            let apart = Gap::between(&points, pair[0], pair[1]).width(extent);
+            apart > (2.0 * unknown).max(2.0 / POINTS as f64)
+        };
+        let pairs = kept.windows(2).enumerate();
         Traced {
-            breaks: breaks.map(|(place, _)| place).collect(),
+            breaks: pairs
+                .filter(|(_, pair)| is_break(pair))
+                .map(|(k, _)| k)
+                .collect(),
             points: kept.iter().map(|k| points[*k].clone()).collect(),
         }
     }

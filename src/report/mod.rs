@@ -48,9 +48,7 @@ pub use picture::{Picture, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{doubts, variable_doubts};
 pub(crate) use record::readable_unit;
-pub use record::{
-    BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord,
-};
+pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};

@@ -164,7 +164,7 @@ fn sources(scatter: &Scatter) -> impl Iterator<Item = &Source> {
 /// direction that the study gives, wherever the wheel centre is moved.
 pub(super) fn follower(study: &Suspension, assembled: &Suspension) -> Option<(PointId, PointId)> {
     let added = assembled.design.len() > study.design.len();
-    added.then(|| (PointId(study.design.len()), study.mechanism.wheel_centre))
+    added.then_some((PointId(study.design.len()), study.mechanism.wheel_centre))
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub enum Summary {
     /// A solve of an axle.
     Axle(AxleSummary),
     /// An optimisation.
-    Optimise(TuningSummary),
+    Optimise(Box<TuningSummary>),
     /// Builds.
     Tolerance(ToleranceSummary),
 }
@@ -94,7 +94,7 @@ impl Run {
         }
         let optimised = record.command == "optimise";
         let summary = match record.command.as_str() {
-            "optimise" => Summary::Optimise(folder.json("summary.json")?),
+            "optimise" => Summary::Optimise(Box::new(folder.json("summary.json")?)),
             "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
             _ if record.scene.right_wheel_centre.is_some() => {
                 Summary::Axle(folder.json("summary.json")?)

@@ -156,7 +156,6 @@ fn a_broken_front_is_found_piece_by_piece() {
         },
     );
     let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();
-    println!("{places:?} {:?}", traced.breaks);
     // The least so far, along a fine grid.
     let grid = 200_000;
     let mut least = f64::INFINITY;
@@ -185,7 +184,7 @@ fn a_broken_front_is_found_piece_by_piece() {
             .iter()
             .map(|p| (p.amounts[0] - x).abs().max((p.amounts[1] - y).abs()));
         let near = near.fold(f64::INFINITY, f64::min);
-        assert!(near < 0.08, "nothing near {x} {y}: {near}");
+        assert!(near < 0.08, "nothing near {x} {y}: {near}, {places:?}");
     }
     let jumps = best
         .windows(2)

@@ -334,10 +334,10 @@ fn noise(seed: &mut u64) -> f64 {
     2.0 * ((*seed >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
 }
 
-/// Targets and constraints that every topology has, about a point of its carrier, at random designs within 6 mm of
+/// Targets and constraints that every topology has, about a point of its carrier, at a random design within 6 mm of
 /// the study's in every coordinate of six of its points.
 #[test]
-fn derivatives_are_exact_at_random_designs_of_every_topology() {
+fn derivatives_are_exact_at_a_random_design_of_every_topology() {
     for (file, carried, more) in [
         (
             "macpherson_front.toml",
@@ -395,9 +395,16 @@ fn derivatives_are_exact_at_random_designs_of_every_topology() {
             {{ point = \"{carried}\", axis = \"x\", at = 10.0, value = -400.0, tolerance = 0.5 }}, \
             {{ characteristic = \"roll_centre_height\", at = 0.0, value = 900.0, tolerance = 2.0 }}]"
         );
+        // The wheel centre lies on the spin axis: its distance from it has no derivative.
+        let rim = match carried {
+            "wheel_centre" => String::new(),
+            _ => format!(
+                "{{ point = \"{carried}\", inside = {{ rim = 160.0, from = -200.0, to = 40.0 }}, clearance = 4.0 }}, "
+            ),
+        };
         let constraints = format!(
             "optimise.constraints=[\
-            {{ point = \"{carried}\", inside = {{ rim = 160.0, from = -200.0, to = 40.0 }}, clearance = 4.0 }}, \
+            {rim}\
             {{ point = \"{carried}\", inside = {{ sphere = {{ centre = [10.0, 300.0, 200.0], radius = 600.0 }} }} }}, \
             {{ point = \"{carried}\", inside = {{ half_space = {{ point = [0, 0, 0], normal = [0.1, 1.0, 0.2] }} }} }}, \
             {more}]"
@@ -411,11 +418,9 @@ fn derivatives_are_exact_at_random_designs_of_every_topology() {
         let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);
         let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
         let mut seed = 0x9E37_79B9_7F4A_7C15;
-        for _ in 0..3 {
-            let x =
-                nalgebra::DVector::from_fn(optimise.variables.len(), |_, _| 6.0 * noise(&mut seed));
-            check_derivatives(file, &mut problem, &layout, &x);
-        }
+        let n = optimise.variables.len();
+        let x = nalgebra::DVector::from_fn(n, |_, _| 6.0 * noise(&mut seed));
+        check_derivatives(file, &mut problem, &layout, &x);
     }
 }
 

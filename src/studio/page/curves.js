@@ -70,7 +70,12 @@ class Chart {
     });
     this.svg.addEventListener('pointermove', (event) => { if (this.held) point(event); });
     for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, () => { this.held = false; });
-    new ResizeObserver(() => { this.frame = null; this.draw(); }).observe(this.svg);
+    // Measured when it changes: to ask while drawing would lay the page out once for each chart.
+    new ResizeObserver(([{ contentRect: { width, height } }]) => {
+      this.size = { width, height };
+      this.frame = null;
+      this.draw();
+    }).observe(this.svg);
   }
 
   // The frame holds everything; while a point is dragged it grows but does not shrink, so that curves move and
@@ -90,7 +95,7 @@ class Chart {
     const { answer, ghost, proposed, influence } = state;
     const found = answer?.columns.find((c) => c.column === this.column);
     if (!found) return;
-    const { width, height } = this.svg.getBoundingClientRect();
+    const { width, height } = this.size ??= this.svg.getBoundingClientRect();
     if (width < 40) return;
     this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const group = answer.shown;

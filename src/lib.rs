@@ -86,7 +86,7 @@
 
 // What a command says goes through `cli::terminal`, which knows of pipes, widths and colours.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
-#![warn(clippy::allow_attributes_without_reason)]
+#![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
 #[doc(hidden)]
 pub mod analyse;

@@ -145,7 +145,11 @@ impl<const N: usize> Snapshot<N> {
 }
 
 /// The motion along a line, from a point.
-pub fn along<const N: usize>(line: &Line, travel: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
+pub(super) fn along<const N: usize>(
+    line: &Line,
+    travel: f64,
+    rack: f64,
+) -> MotionPoint<Jet<f64, N>> {
     let series = |value: f64, rate: f64| {
         let mut series = Jet::constant(value);
         if N > 1 {
@@ -203,7 +207,7 @@ impl<'t> Reading<Tracked<'t>> {
 }
 
 /// Numbers that a reading along so many lines puts on a tape.
-pub fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
+pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.indices().count() * N * lines
 }
 
@@ -212,7 +216,7 @@ pub fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
 ///
 /// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the
 /// coefficient of e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the sum wanted.
-pub fn add_gradient<const N: usize>(
+pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
     by: &[f64],

@@ -15,7 +15,7 @@ pub(super) struct Choices {
 
 impl Choices {
     /// From where a tuning ended.
-    pub fn of(
+    pub(super) fn of(
         study: &Study,
         optimise: &Optimise,
         tuning: &Tuning,
@@ -40,7 +40,7 @@ impl Choices {
     }
 
     /// Writes the files; returns their names.
-    pub fn write(
+    pub(super) fn write(
         &self,
         output: &Output,
         study: &Study,
@@ -59,7 +59,7 @@ impl Choices {
     }
 
     /// Says what there is; whether there is a front where one was asked for.
-    pub fn say(
+    pub(super) fn say(
         &self,
         output: &Output,
         optimise: &Optimise,

@@ -21,7 +21,7 @@ use crate::model::LengthUnit;
 
 /// Of which wheel a row speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Symmetry {
+pub(super) enum Symmetry {
     /// The left one, and the right one as its mirror image.
     Both,
     /// The left one.
@@ -46,7 +46,7 @@ impl Symmetry {
 
 /// A hardpoint of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SubsystemPoint {
+pub(super) struct SubsystemPoint {
     /// Its name, without padding.
     pub name: String,
     /// Of which wheel.
@@ -59,7 +59,7 @@ pub struct SubsystemPoint {
 
 /// A parameter of a subsystem that is a number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SubsystemParameter {
+pub(super) struct SubsystemParameter {
     /// Its name, without padding.
     pub name: String,
     /// Of which wheel.
@@ -72,7 +72,7 @@ pub struct SubsystemParameter {
 
 /// What a subsystem file says of geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Subsystem {
+pub(super) struct Subsystem {
     /// The unit of length, where the file gives one.
     pub length: Option<LengthUnit>,
     /// Whether angles are in degrees.
@@ -86,19 +86,19 @@ pub struct Subsystem {
 }
 
 /// Whether a text is such a file: it has a block of hardpoints.
-pub fn is_subsystem(text: &str) -> bool {
+pub(super) fn is_subsystem(text: &str) -> bool {
     text.lines()
         .any(|line| block(line) == Some("HARDPOINT".to_owned()))
 }
 
 /// Bytes as text, each byte a character: the files name no encoding, and none of their structure needs
 /// one.
-pub fn text_of(bytes: &[u8]) -> String {
+pub(super) fn text_of(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
 /// The bytes of such a text.
-pub fn bytes_of(text: &str) -> Vec<u8> {
+pub(super) fn bytes_of(text: &str) -> Vec<u8> {
     text.chars()
         .map(|c| u8::try_from(c).unwrap_or(b'?'))
         .collect()
@@ -111,7 +111,7 @@ fn block(line: &str) -> Option<String> {
 }
 
 /// Reads a subsystem.
-pub fn read(text: &str) -> Result<Subsystem, String> {
+pub(super) fn read(text: &str) -> Result<Subsystem, String> {
     let mut subsystem = Subsystem {
         length: None,
         degrees: true,
@@ -292,7 +292,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
 
 /// What a file becomes with other coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rewritten {
+pub(super) struct Rewritten {
     /// Its text; all but the coordinates is as it was.
     pub text: String,
     /// How many rows were changed.
@@ -301,7 +301,10 @@ pub struct Rewritten {
 
 /// The text of a subsystem with coordinates from a function of name and symmetry, in the file's unit and
 /// axes. Rows for which it knows none stay.
-pub fn rewritten(text: &str, position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>) -> Rewritten {
+pub(super) fn rewritten(
+    text: &str,
+    position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>,
+) -> Rewritten {
     let mut written = String::with_capacity(text.len());
     let mut rows = 0;
     let mut within = false;
@@ -343,7 +346,7 @@ fn coordinate(number: f64) -> String {
 }
 
 /// A new subsystem file with these hardpoints and parameters: as much of one as carries geometry.
-pub fn written(
+pub(super) fn written(
     length: LengthUnit,
     points: &[(String, Symmetry, [f64; 3])],
     parameters: &[(String, f64)],

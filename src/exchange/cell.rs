@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 /// What a cell holds.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Cell {
+pub(super) enum Cell {
     /// A number that the file stores as a number.
     Number(f64),
     /// A text; of a file of text, also one that may be a number.
@@ -15,7 +15,7 @@ pub enum Cell {
 
 /// How places of a table are called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Places {
+pub(super) enum Places {
     /// By line and column, counted from 1.
     Lines,
     /// As spreadsheets do: B3.
@@ -24,7 +24,7 @@ pub enum Places {
 
 /// A table: cells by row and column, both counted from 0.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub(super) struct Sheet {
     /// Its name; empty where the file is one table.
     pub name: String,
     /// The cells that hold something.
@@ -35,10 +35,10 @@ pub struct Sheet {
 
 impl Sheet {
     /// The most cells of a table that is read: hardpoints fill a few hundred.
-    pub const MOST_CELLS: usize = 200_000;
+    pub(super) const MOST_CELLS: usize = 200_000;
 
     /// A table without cells.
-    pub fn new(name: impl Into<String>, places: Places) -> Self {
+    pub(super) fn new(name: impl Into<String>, places: Places) -> Self {
         Sheet {
             name: name.into(),
             cells: BTreeMap::new(),
@@ -47,7 +47,7 @@ impl Sheet {
     }
 
     /// Puts a cell, or says that there are too many.
-    pub fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
+    pub(super) fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
         if self.cells.len() >= Sheet::MOST_CELLS {
             return Err(format!(
                 "more than {} cells are filled: this is no table of hardpoints",
@@ -59,25 +59,25 @@ impl Sheet {
     }
 
     /// The cells of a row, with their columns.
-    pub fn row(&self, row: u32) -> impl Iterator<Item = (u32, &Cell)> {
+    pub(super) fn row(&self, row: u32) -> impl Iterator<Item = (u32, &Cell)> {
         let cells = self.cells.range((row, 0)..=(row, u32::MAX));
         cells.map(|((_, column), cell)| (*column, cell))
     }
 
     /// The numbers of rows that hold something, in order.
-    pub fn rows(&self) -> Vec<u32> {
+    pub(super) fn rows(&self) -> Vec<u32> {
         let mut rows: Vec<u32> = self.cells.keys().map(|(row, _)| *row).collect();
         rows.dedup();
         rows
     }
 
     /// The cell at a place.
-    pub fn cell(&self, row: u32, column: u32) -> Option<&Cell> {
+    pub(super) fn cell(&self, row: u32, column: u32) -> Option<&Cell> {
         self.cells.get(&(row, column))
     }
 
     /// What a place is called.
-    pub fn place(&self, row: u32, column: u32) -> String {
+    pub(super) fn place(&self, row: u32, column: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}, column {}", row + 1, column + 1),
             Places::Spreadsheet => format!("{}{}", letters(column), row + 1),
@@ -85,7 +85,7 @@ impl Sheet {
     }
 
     /// What a row is called.
-    pub fn row_place(&self, row: u32) -> String {
+    pub(super) fn row_place(&self, row: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}", row + 1),
             Places::Spreadsheet => format!("row {}", row + 1),
@@ -94,7 +94,7 @@ impl Sheet {
 }
 
 /// The letters of a spreadsheet's column, counted from 0: A, ..., Z, AA, ...
-pub fn letters(column: u32) -> String {
+pub(super) fn letters(column: u32) -> String {
     let mut number = column + 1;
     let mut letters = Vec::new();
     while number > 0 {

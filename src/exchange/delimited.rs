@@ -3,7 +3,7 @@
 use super::cell::{Cell, Places, Sheet};
 
 /// Reads a table. The separator is the one of comma, semicolon and tab that parts the most lines.
-pub fn read(text: &str) -> Result<Sheet, String> {
+pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
     let mut sheet = Sheet::new("", Places::Lines);
     let reader = csv::ReaderBuilder::new()

@@ -78,12 +78,12 @@ impl<'de> Deserialize<'de> for Node {
 }
 
 /// Whether a text is JSON.
-pub fn is_map(text: &str) -> bool {
+pub(super) fn is_map(text: &str) -> bool {
     text.trim_start().starts_with(['{', '['])
 }
 
 /// Reads the points of a JSON text; `None` where it has none.
-pub fn read(text: &str) -> Result<Option<PointTable>, String> {
+pub(super) fn read(text: &str) -> Result<Option<PointTable>, String> {
     let root: Node = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
     let mut reader = Reader::default();
     reader.visit(&root, &mut Vec::new())?;

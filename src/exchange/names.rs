@@ -9,7 +9,7 @@ use crate::model::{Side, Topology};
 
 /// A name in words, and the side it speaks of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Words {
+pub(super) struct Words {
     words: Vec<&'static str>,
     /// Words that no table knows.
     unknown: usize,
@@ -226,7 +226,7 @@ const PATTERNS: &[(&str, &[&str])] = &[
 
 /// What a table may give beside hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
+pub(super) enum Figure {
     /// Camber in the design position, degrees.
     StaticCamber,
     /// Toe in the design position, degrees.
@@ -255,7 +255,7 @@ const FIGURES: &[(Figure, &[&str])] = &[
 ];
 
 /// The side a word names.
-pub fn side_of(word: &str) -> Option<Side> {
+pub(super) fn side_of(word: &str) -> Option<Side> {
     match word.to_ascii_lowercase().as_str() {
         "l" | "left" | "lh" | "lhs" | "fl" | "rl" | "hpl" => Some(Side::Left),
         "r" | "right" | "rh" | "rhs" | "fr" | "rr" | "hpr" => Some(Side::Right),
@@ -264,7 +264,7 @@ pub fn side_of(word: &str) -> Option<Side> {
 }
 
 /// The words of a text in small letters, cut where signs stand or a capital follows a small letter.
-pub fn cut(text: &str) -> Vec<String> {
+pub(super) fn cut(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     for c in text.chars() {
@@ -285,7 +285,7 @@ pub fn cut(text: &str) -> Vec<String> {
 
 impl Words {
     /// A name in words.
-    pub fn of(name: &str) -> Self {
+    pub(super) fn of(name: &str) -> Self {
         let mut cut = cut(name);
         // A side stands first or last.
         let mut side = None;
@@ -332,7 +332,7 @@ impl Words {
     }
 
     /// The figure of this name.
-    pub fn figure(&self) -> Option<Figure> {
+    pub(super) fn figure(&self) -> Option<Figure> {
         let fits = |patterns: &&[&str]| patterns.iter().any(|pattern| self.fits(pattern));
         let found = FIGURES.iter().find(|(_, patterns)| fits(patterns));
         found.map(|(figure, _)| *figure)
@@ -340,7 +340,7 @@ impl Words {
 }
 
 /// The hardpoint of a topology that a name means: the one of that name, or the one with its words.
-pub fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
+pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
     let plain = cut(name).join("_");
     let hardpoints = || topology.all_hardpoints().map(|hardpoint| hardpoint.name);
     if let Some(same) = hardpoints().find(|known| *known == plain) {
@@ -371,7 +371,7 @@ const ADAMS: &[(&str, &str)] = &[
 ];
 
 /// The name of a hardpoint in a subsystem of Adams/Car: that of its own templates, or ours.
-pub fn in_adams(hardpoint: &str) -> &str {
+pub(super) fn in_adams(hardpoint: &str) -> &str {
     let found = ADAMS.iter().find(|(known, _)| *known == hardpoint);
     found.map_or(hardpoint, |(_, name)| name)
 }

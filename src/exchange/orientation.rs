@@ -6,7 +6,7 @@ use crate::model::{Axis, Body, Frame, FrameConvention, Side, Topology};
 /// What the coordinates show; `None` where they show nothing. Positive means that the coordinate grows
 /// forward, towards the wheel, and upward.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Directions {
+pub(super) struct Directions {
     /// Grows forward (or rearward).
     pub forward: Option<f64>,
     /// Grows outboard.
@@ -43,7 +43,7 @@ const BEFORE: &[(&str, &str)] = &[
 
 impl Directions {
     /// As a topology's points show them.
-    pub fn of(topology: &'static Topology, points: &[(&'static str, [f64; 3])]) -> Self {
+    pub(super) fn of(topology: &'static Topology, points: &[(&'static str, [f64; 3])]) -> Self {
         let at = |name: &str| {
             let found = points.iter().find(|(known, _)| *known == name);
             found.map(|(_, position)| *position)
@@ -69,19 +69,19 @@ impl Directions {
     }
 
     /// Whether a frame is one that these directions allow: each is right or not known.
-    pub fn allow(&self, frame: Frame) -> bool {
+    pub(super) fn allow(&self, frame: Frame) -> bool {
         let fits =
             |direction: Option<f64>, axis| direction.is_none_or(|d| d * frame.sign(axis) > 0.0);
         fits(self.forward, Axis::X) && self.allow_side(frame) && fits(self.up, Axis::Z)
     }
 
     /// Whether the wheel would be outboard of the body.
-    pub fn allow_side(&self, frame: Frame) -> bool {
+    pub(super) fn allow_side(&self, frame: Frame) -> bool {
         self.outboard.is_none_or(|d| d * frame.sign(Axis::Y) > 0.0)
     }
 
     /// The conventions and sides that they allow, the usual one first.
-    pub fn allowed(&self) -> Vec<(FrameConvention, Side)> {
+    pub(super) fn allowed(&self) -> Vec<(FrameConvention, Side)> {
         let both = |convention| Side::ALL.map(|side| (convention, side));
         let all = FrameConvention::ALL.into_iter().flat_map(both);
         all.filter(|(convention, side)| self.allow(Frame::new(*convention, *side)))
@@ -89,7 +89,7 @@ impl Directions {
     }
 
     /// In words.
-    pub fn describe(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         let words = [
             (self.forward, "x", "forward", "rearward"),
             (

@@ -73,7 +73,7 @@ pub fn unit_of(word: &str) -> Option<LengthUnit> {
 }
 
 /// Reads the points of a table; `None` where it has none.
-pub fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
+pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let rows = sheet.rows();
     let mut table = PointTable::default();
     let mut columns: Option<Columns> = None;

@@ -7,7 +7,7 @@ use super::topology::{
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
 
 /// The double wishbone.
-pub static DOUBLE_WISHBONE: Topology = Topology {
+pub(super) static DOUBLE_WISHBONE: Topology = Topology {
     name: "double_wishbone",
     summary: "Double wishbone: upper arm, lower arm, tie rod or toe rod",
     hardpoints: &[

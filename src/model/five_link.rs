@@ -17,7 +17,7 @@ const LINKS: [(&str, &str); 5] = [
 const NO_LENGTH: &str = "the link would have no length";
 
 /// The five-link suspension.
-pub static FIVE_LINK: Topology = Topology {
+pub(super) static FIVE_LINK: Topology = Topology {
     name: "five_link",
     summary: "Five-link: knuckle on two upper links, two lower links and a toe link",
     hardpoints: &[

@@ -5,7 +5,7 @@ use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, optional, req
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
 /// The MacPherson strut.
-pub static MACPHERSON: Topology = Topology {
+pub(super) static MACPHERSON: Topology = Topology {
     name: "macpherson",
     summary: "MacPherson strut: lower arm, strut clamped in the knuckle, tie rod",
     hardpoints: &[

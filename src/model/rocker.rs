@@ -147,7 +147,7 @@ pub(super) struct Carriers {
 
 impl Carriers {
     /// All of them on one body.
-    pub const fn all(body: Body) -> Self {
+    pub(super) const fn all(body: Body) -> Self {
         Carriers {
             pushrod: body,
             pullrod: body,
@@ -157,7 +157,7 @@ impl Carriers {
     }
 
     /// The body of a hardpoint of spring, rocker and anti-roll bar; `None` of another one.
-    pub fn body(self, name: &str, given: &[&str]) -> Option<Body> {
+    pub(super) fn body(self, name: &str, given: &[&str]) -> Option<Body> {
         let has_rocker = given.contains(&"rocker_pivot_front");
         Some(match name {
             "pushrod_outer" => self.pushrod,

@@ -8,7 +8,7 @@ use super::topology::{
 use super::{Arm, Body, Constraint, Mechanism, Topology};
 
 /// The semi-trailing arm.
-pub static SEMI_TRAILING_ARM: Topology = Topology {
+pub(super) static SEMI_TRAILING_ARM: Topology = Topology {
     name: "semi_trailing_arm",
     summary: "Semi-trailing arm: wheel carrier on one hinge; a trailing arm where its axis is transverse",
     hardpoints: &[

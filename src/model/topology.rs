@@ -89,7 +89,7 @@ pub(super) struct Given(pub Vec<Point>);
 impl Given {
     /// The given hardpoints of a topology, in its order; those of spring and rockers on their `carriers`,
     /// the others on a `body`.
-    pub fn of(
+    pub(super) fn of(
         topology: &Topology,
         given: &[&'static str],
         carriers: Carriers,
@@ -109,17 +109,17 @@ impl Given {
     }
 
     /// The point of this name, if it is given.
-    pub fn find(&self, name: &str) -> Option<PointId> {
+    pub(super) fn find(&self, name: &str) -> Option<PointId> {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
     /// A required point.
-    pub fn id(&self, name: &str) -> PointId {
+    pub(super) fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")
     }
 
     /// Spring and damper, where both ends are given.
-    pub fn spring(&self) -> Option<Spring> {
+    pub(super) fn spring(&self) -> Option<Spring> {
         Some(Spring {
             upper: self.find("spring_upper")?,
             lower: self.find("spring_lower")?,
@@ -127,12 +127,12 @@ impl Given {
     }
 
     /// The rockers whose hardpoints are given.
-    pub fn rockers(&self) -> Vec<Rocker> {
+    pub(super) fn rockers(&self) -> Vec<Rocker> {
         rocker::rockers(|name| self.find(name))
     }
 
     /// The spin axis; without `spindle_inner` straight outboard, until the study says how it is turned.
-    pub fn spin_axis(&self) -> SpinAxis {
+    pub(super) fn spin_axis(&self) -> SpinAxis {
         self.find("spindle_inner")
             .map_or(SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0)), SpinAxis::From)
     }

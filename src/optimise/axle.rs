@@ -46,7 +46,7 @@ pub(super) struct AxleLayout {
 
 impl AxleLayout {
     /// The targets of an axle; their rows are counted on in `rows`, by target in `own`.
-    pub fn of(optimise: &Optimise, rows: &mut usize, own: &mut [usize]) -> Option<Self> {
+    pub(super) fn of(optimise: &Optimise, rows: &mut usize, own: &mut [usize]) -> Option<Self> {
         let axle = optimise.axle.as_ref()?;
         let mut layout = AxleLayout {
             axle: axle.clone(),
@@ -93,7 +93,7 @@ impl AxleLayout {
     }
 
     /// Weighs the rows: the residual of each target per deviation in tolerances.
-    pub fn weigh(&mut self, shares: &[f64]) {
+    pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
             for wish in &mut station.wishes {
                 wish.scale *= shares[wish.target];

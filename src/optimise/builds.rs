@@ -36,7 +36,7 @@ pub(super) struct Builds<'a> {
 
 impl<'a> Builds<'a> {
     /// The builds of a suspension that [`Assembler::suspension`] has given.
-    pub fn new(suspension: &Suspension, scatter: &'a Scatter) -> Result<Self, DesignFault> {
+    pub(super) fn new(suspension: &Suspension, scatter: &'a Scatter) -> Result<Self, DesignFault> {
         Ok(Builds {
             assembler: Assembler::new(suspension)?,
             scatter,
@@ -49,12 +49,15 @@ impl<'a> Builds<'a> {
     }
 
     /// Number of builds.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.draws.len()
     }
 
     /// Makes these the builds of a drawing, and what aligns them.
-    pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<Option<Alignment>, Infeasible> {
+    pub(super) fn redraw(
+        &mut self,
+        design: &[Vector3<f64>],
+    ) -> Result<Option<Alignment>, Infeasible> {
         let redrawn = self.assembler.redraw(design);
         redrawn.map_err(|fault| {
             let mechanism = &self.assembler.suspension().mechanism;
@@ -68,7 +71,7 @@ impl<'a> Builds<'a> {
     }
 
     /// Puts a build together, and writes its design and [`Builds::ways`]. `drawn` are the ways of the drawing.
-    pub fn build(
+    pub(super) fn build(
         &mut self,
         number: usize,
         alignment: Option<&Alignment>,

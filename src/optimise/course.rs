@@ -54,7 +54,7 @@ pub(super) struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// Of the start number `start`, that has not begun.
-    pub fn new(
+    pub(super) fn new(
         bounds: &'a Bounds,
         options: &'a Options,
         control: Control<'a>,
@@ -71,18 +71,18 @@ impl<'a> Course<'a> {
     }
 
     /// Ends the run after the iteration under way.
-    pub fn end(&mut self, reason: Termination) {
+    pub(super) fn end(&mut self, reason: Termination) {
         self.termination = Some(reason);
     }
 
     /// Why the run ended, and its iterations.
-    pub fn finished(self) -> (Termination, Vec<Iteration>) {
+    pub(super) fn finished(self) -> (Termination, Vec<Iteration>) {
         let reason = self.termination.expect("a run ends for a reason");
         (reason, self.history)
     }
 
     /// Records an iteration that ended at `x`.
-    pub fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) -> KV {
+    pub(super) fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) -> KV {
         let holds = self.bounds.holds(x);
         let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
         iteration.held = held.count();
@@ -102,7 +102,7 @@ impl<'a> Course<'a> {
     }
 
     /// Whether the run goes on: argmin asks after every iteration.
-    pub fn status(&mut self, state: &State) -> TerminationStatus {
+    pub(super) fn status(&mut self, state: &State) -> TerminationStatus {
         if self.termination.is_none() {
             let interrupted = self.control.interrupt;
             if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {

@@ -78,7 +78,7 @@ pub(super) struct Tracer<'a, F> {
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     /// The least of an aim while others are held, from several starts; `None` where none of them comes to keep
     /// what must hold.
-    pub fn lower(
+    pub(super) fn lower(
         &self,
         aim: usize,
         held: &[(usize, f64)],
@@ -130,7 +130,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 
     /// The amounts of all aims at `x`.
-    pub fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
+    pub(super) fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
         let mut problem = (self.problem)();
         let mut at = Assessment::new(&problem.shape(), x.len());
         problem.assess(x, &mut at).ok()?;
@@ -150,7 +150,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 
     /// The front, from some designs; below `good` no aim is better than another.
-    pub fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
+    pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
         let ends: Vec<Found> = orders(&all)
             .into_iter()
@@ -335,7 +335,12 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
 
     /// The least amount of the first aim for rising amounts of the second, up to the one that the first is
     /// least with: `steps` of them, from the design on.
-    pub fn list(&self, from: &DVector<f64>, start: &DVector<f64>, steps: usize) -> Vec<Found> {
+    pub(super) fn list(
+        &self,
+        from: &DVector<f64>,
+        start: &DVector<f64>,
+        steps: usize,
+    ) -> Vec<Found> {
         let Some(last) = self.lower(0, &[], &[start]) else {
             return Vec::new();
         };

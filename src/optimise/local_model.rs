@@ -16,7 +16,7 @@ pub(super) struct LocalModel<'a> {
 
 impl<'a> LocalModel<'a> {
     /// Room for a model of m `residuals`.
-    pub fn new(bounds: &'a Bounds, residuals: usize) -> Self {
+    pub(super) fn new(bounds: &'a Bounds, residuals: usize) -> Self {
         let n = bounds.variables();
         LocalModel {
             bounds,
@@ -27,7 +27,12 @@ impl<'a> LocalModel<'a> {
     }
 
     /// Makes this the model of `residuals` about `x`.
-    pub fn build(&mut self, x: &DVector<f64>, jacobian: &DMatrix<f64>, residuals: &DVector<f64>) {
+    pub(super) fn build(
+        &mut self,
+        x: &DVector<f64>,
+        jacobian: &DMatrix<f64>,
+        residuals: &DVector<f64>,
+    ) {
         let (bounds, width) = (self.bounds, self.bounds.width());
         self.subproblem.reduce(jacobian, width, residuals);
         for j in 0..x.len() {
@@ -37,12 +42,12 @@ impl<'a> LocalModel<'a> {
     }
 
     /// Finds the step of this damping.
-    pub fn solve(&mut self, damping: f64) {
+    pub(super) fn solve(&mut self, damping: f64) {
         self.subproblem.solve(damping, &self.lower, &self.upper);
     }
 
     /// Raises the damping until the step is at most half as long as it is.
-    pub fn shorten(&mut self, damping: &mut f64) {
+    pub(super) fn shorten(&mut self, damping: &mut f64) {
         let length = self.step_length();
         // Growing growth, as the damping may be many decades below where it begins to tell.
         let mut growth = 4.0;
@@ -54,24 +59,24 @@ impl<'a> LocalModel<'a> {
     }
 
     /// Euclidean length of the step.
-    pub fn step_length(&self) -> f64 {
+    pub(super) fn step_length(&self) -> f64 {
         let step = self.subproblem.step();
         step.iter().map(|s| s * s).sum::<f64>().sqrt()
     }
 
     /// Largest component of the step.
-    pub fn largest_component(&self) -> f64 {
+    pub(super) fn largest_component(&self) -> f64 {
         let step = self.subproblem.step();
         step.iter().fold(0.0, |largest, s| s.abs().max(largest))
     }
 
     /// By how much the step lowers half the sum of squares, says the model.
-    pub fn predicted_reduction(&self) -> f64 {
+    pub(super) fn predicted_reduction(&self) -> f64 {
         0.5 * self.subproblem.predicted_reduction()
     }
 
     /// Writes into `to` where the step leads from `x`: on a bound exactly where it holds a variable.
-    pub fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
+    pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         let (step, holds) = (self.subproblem.step(), self.subproblem.holds());
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
@@ -85,7 +90,7 @@ impl<'a> LocalModel<'a> {
 
     /// Whether the residuals, of norm `size`, are at right angles to all columns whose variable is
     /// free to descend, to within the cosine `cosine`.
-    pub fn is_stationary(&self, size: f64, cosine: f64) -> bool {
+    pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {
             let slope = self.subproblem.gradient(j);
@@ -96,13 +101,13 @@ impl<'a> LocalModel<'a> {
     }
 
     /// Norm of the longest column of the scaled Jacobian.
-    pub fn longest_column(&self) -> f64 {
+    pub(super) fn longest_column(&self) -> f64 {
         let norms = self.subproblem.column_norms();
         norms.iter().copied().fold(0.0, f64::max)
     }
 
     /// Frobenius norm of the scaled Jacobian.
-    pub fn norm(&self) -> f64 {
+    pub(super) fn norm(&self) -> f64 {
         let norms = self.subproblem.column_norms();
         norms.iter().map(|n| n * n).sum::<f64>().sqrt()
     }

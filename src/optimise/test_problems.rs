@@ -12,11 +12,11 @@ use nalgebra::DVector;
 pub(super) struct Noise(u64);
 
 impl Noise {
-    pub fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         Noise(seed)
     }
 
-    pub fn next(&mut self) -> f64 {
+    pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -71,7 +71,7 @@ pub(super) struct Published {
 }
 
 impl Published {
-    pub fn problem(&self) -> Written<Function> {
+    pub(super) fn problem(&self) -> Written<Function> {
         Written {
             variables: self.start.len(),
             residuals: self.residuals,

@@ -15,13 +15,13 @@ pub(super) struct Aim {
 
 impl Aim {
     /// The misfit of some residuals: `unit` times it is their norm.
-    pub fn misfit(rows: Vec<usize>, unit: f64) -> Self {
+    pub(super) fn misfit(rows: Vec<usize>, unit: f64) -> Self {
         let rows = Some(rows);
         Aim { rows, unit }
     }
 
     /// The move from the design: the root of the sum of its squares, each in its range and times its cost.
-    pub fn movement() -> Self {
+    pub(super) fn movement() -> Self {
         Aim {
             rows: None,
             unit: 1.0,
@@ -29,7 +29,7 @@ impl Aim {
     }
 
     /// Which residuals of the problem it is about; none for the move from the design.
-    pub fn rows(&self) -> Option<&[usize]> {
+    pub(super) fn rows(&self) -> Option<&[usize]> {
         self.rows.as_deref()
     }
 
@@ -47,7 +47,7 @@ pub(super) struct Distance<'a> {
 }
 
 impl<'a> Distance<'a> {
-    pub fn new(design: &'a DVector<f64>, bounds: &Bounds, costs: &[f64]) -> Self {
+    pub(super) fn new(design: &'a DVector<f64>, bounds: &Bounds, costs: &[f64]) -> Self {
         let weights = bounds.width().iter().zip(costs);
         let weights: Vec<f64> = weights.map(|(width, cost)| cost.sqrt() / width).collect();
         Distance {
@@ -57,7 +57,7 @@ impl<'a> Distance<'a> {
     }
 
     /// The distance of `x`.
-    pub fn of(&self, x: &DVector<f64>) -> f64 {
+    pub(super) fn of(&self, x: &DVector<f64>) -> f64 {
         (x - self.design).component_mul(&self.weights).norm()
     }
 
@@ -81,7 +81,7 @@ pub(super) struct Trade<'a, P> {
 
 impl<'a, P: Constrained> Trade<'a, P> {
     /// Lowers an aim; of those held the amounts.
-    pub fn new(
+    pub(super) fn new(
         problem: P,
         distance: &'a Distance<'a>,
         lowered: &'a Aim,

@@ -121,7 +121,7 @@ pub(super) struct Tuner<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Tuner<'a, N> {
-    pub fn new(
+    pub(super) fn new(
         suspension: &'a Suspension,
         motion: &'a Motion,
         optimise: &'a Optimise,
@@ -147,7 +147,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
         })
     }
 
-    pub fn problem(&self) -> Objective<'_, N> {
+    pub(super) fn problem(&self) -> Objective<'_, N> {
         self.problem_of(self.optimise, self.layout)
     }
 
@@ -318,13 +318,13 @@ impl<'a, const N: usize> Tuner<'a, N> {
     }
 
     /// The move from the design in fractions of the ranges, weighed by the costs.
-    pub fn distance(&self) -> Distance<'_> {
+    pub(super) fn distance(&self) -> Distance<'_> {
         let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
         Distance::new(&self.design, &self.bounds, &costs)
     }
 
     /// The misfit of all targets.
-    pub fn all_targets(&self) -> Aim {
+    pub(super) fn all_targets(&self) -> Aim {
         let rows = self.layout.residuals();
         Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
     }

@@ -26,25 +26,25 @@ pub struct Effect {
 /// measured them there. Good to a factor of two: it depends on the machine, and on the topology.
 mod cost {
     /// Six equations solved instead of the closed form.
-    pub const ITERATED_POSE: f64 = 7.0;
+    pub(super) const ITERATED_POSE: f64 = 7.0;
     /// Factorising the Jacobian of a pose that the closed form gave.
-    pub const FACTORS: f64 = 0.8;
+    pub(super) const FACTORS: f64 = 0.8;
     /// The first, second and third coefficient of the power series, and the outputs on it.
-    pub const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
+    pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// One output's gradient by all hardpoints, for each coefficient of its series.
-    pub const GRADIENT: f64 = 2.2;
+    pub(super) const GRADIENT: f64 = 2.2;
     /// What is left of it where one equation in six has to be differentiated.
-    pub const LEAST_GRADIENT: f64 = 1.2;
+    pub(super) const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
-    pub const SCREW_AXIS: f64 = 0.6;
+    pub(super) const SCREW_AXIS: f64 = 0.6;
     /// The turn of a rocker, for each coefficient of its series: by its count of operations, not measured.
-    pub const ROCKER: f64 = 0.1;
+    pub(super) const ROCKER: f64 = 0.1;
     /// Factorising the equations of a pose with its support.
-    pub const BALANCE: f64 = 0.8;
+    pub(super) const BALANCE: f64 = 0.8;
     /// One load, and its way through the links.
-    pub const LOAD: f64 = 0.3;
+    pub(super) const LOAD: f64 = 0.3;
     /// Proving the pose and the step to it on intervals.
-    pub const CERTIFICATE: f64 = 1000.0;
+    pub(super) const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Plan {

@@ -70,7 +70,7 @@ fn stations_in_words(count: usize) -> String {
 
 /// The conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ConditionSummary {
+pub(super) struct ConditionSummary {
     /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
     /// Where.
@@ -81,7 +81,7 @@ pub struct ConditionSummary {
 
 impl ConditionSummary {
     /// Of curves with a pose at least.
-    pub fn of(curves: &Curves, drive: Drive) -> Option<Self> {
+    pub(super) fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition
                 .map(|condition| (condition, StationLabel::of(s, drive)))
@@ -115,7 +115,7 @@ impl ConditionSummary {
 
 /// What was proved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CertificateSummary {
+pub(super) struct CertificateSummary {
     /// Number of stations whose pose is proved, and that it is on the branch of the design position.
     proved: usize,
     /// Number of stations with a pose that could not be proved.
@@ -132,7 +132,7 @@ pub struct CertificateSummary {
 
 impl CertificateSummary {
     /// Of curves that were to be proved.
-    pub fn of(study: &Study, curves: &Curves) -> Option<Self> {
+    pub(super) fn of(study: &Study, curves: &Curves) -> Option<Self> {
         if !study.outputs.certify {
             return None;
         }

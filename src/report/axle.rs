@@ -49,7 +49,7 @@ impl Place<'_> {
     }
 
     /// In words, as in `roll_deg 2, heave_mm 0`.
-    pub fn words(&self, number: usize, station: &AxleStation) -> String {
+    pub(super) fn words(&self, number: usize, station: &AxleStation) -> String {
         let values = self.values(number, station);
         let known = self.names().into_iter().zip(values);
         let parts = known.filter_map(|(name, value)| Some(format!("{name} {}", shortest(value?))));

@@ -11,7 +11,7 @@ use crate::study::{Drive, Site, Study, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
-pub const FORM: u32 = 2;
+pub(super) const FORM: u32 = 2;
 
 /// What the report needs beyond the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use std::fmt;
 
 /// The drive and the rack at a station.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StationLabel {
+pub(super) struct StationLabel {
     travel: Option<f64>,
     arm_angle_deg: Option<f64>,
     theta_deg: Option<f64>,
@@ -18,13 +18,13 @@ pub struct StationLabel {
 
 impl StationLabel {
     /// Travel, arm angle, theta and rack, as cells of a table.
-    pub fn cells(&self) -> [Cell; 4] {
+    pub(super) fn cells(&self) -> [Cell; 4] {
         let rack = Some(self.rack);
         [self.travel, self.arm_angle_deg, self.theta_deg, rack].map(Cell::from)
     }
 
     /// Of a station of a motion with this drive.
-    pub fn of(station: &Station, drive: Drive) -> Self {
+    pub(super) fn of(station: &Station, drive: Drive) -> Self {
         let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
         StationLabel {
             travel: station.travel,

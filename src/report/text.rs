@@ -5,7 +5,7 @@ const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 
 /// The lines of a text of at most `width` characters each: broken at spaces, or after an underscore, slash,
 /// comma or dot, or where nothing else helps within a word. At least one line.
-pub fn broken(text: &str, width: usize) -> Vec<String> {
+pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         let (line, own) = (last(&lines), word.chars().count());
@@ -35,7 +35,7 @@ fn last(lines: &[String]) -> usize {
 }
 
 /// Length of the longest part of a text that is not broken.
-pub fn widest(text: &str) -> usize {
+pub(super) fn widest(text: &str) -> usize {
     let parts = text
         .split(' ')
         .flat_map(|word| word.split_inclusive(JOINTS));
@@ -100,7 +100,7 @@ pub fn printable(text: &str) -> String {
 }
 
 /// JSON that says the same without characters that a terminal would obey; within JSON they stand in strings alone.
-pub fn printable_json(json: &str) -> String {
+pub(super) fn printable_json(json: &str) -> String {
     let mut printable = String::with_capacity(json.len());
     for c in json.chars() {
         match c {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Its name.
-pub const NAME: &str = "run.json";
+pub(super) const NAME: &str = "run.json";
 
 /// The form of the file. A reader takes no other.
 const FORM: u32 = 1;
@@ -85,7 +85,7 @@ impl RunRecord {
 }
 
 /// Whether a name is as the pattern says, in which a star stands for digits.
-pub fn matches(pattern: &str, name: &str) -> bool {
+pub(super) fn matches(pattern: &str, name: &str) -> bool {
     let Some((before, after)) = pattern.split_once('*') else {
         return pattern == name;
     };

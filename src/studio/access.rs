@@ -14,7 +14,7 @@ pub(super) struct Access {
 
 impl Access {
     /// For a server at an address, with a new token from the operating system.
-    pub fn new(address: SocketAddr) -> std::io::Result<Self> {
+    pub(super) fn new(address: SocketAddr) -> std::io::Result<Self> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
         let port = address.port();
@@ -25,23 +25,23 @@ impl Access {
     }
 
     /// The address of the page.
-    pub fn address(&self) -> String {
+    pub(super) fn address(&self) -> String {
         format!("http://{}/{}/", self.hosts[0], self.token)
     }
 
     /// The rest of a path after the token, if that is the right one.
-    pub fn rest<'p>(&self, path: &'p str) -> Option<&'p str> {
+    pub(super) fn rest<'p>(&self, path: &'p str) -> Option<&'p str> {
         let (token, rest) = path.strip_prefix('/')?.split_once('/')?;
         is_same(token.as_bytes(), self.token.as_bytes()).then_some(rest)
     }
 
     /// Whether a `Host` is this server's.
-    pub fn is_host(&self, host: &str) -> bool {
+    pub(super) fn is_host(&self, host: &str) -> bool {
         self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host))
     }
 
     /// Whether an `Origin` is this server's page.
-    pub fn is_origin(&self, origin: &str) -> bool {
+    pub(super) fn is_origin(&self, origin: &str) -> bool {
         let host = origin.strip_prefix("http://");
         host.is_some_and(|host| self.is_host(host))
     }

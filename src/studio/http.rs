@@ -43,7 +43,7 @@ pub(super) struct Connection {
 }
 
 impl Connection {
-    pub fn new(stream: TcpStream) -> std::io::Result<Self> {
+    pub(super) fn new(stream: TcpStream) -> std::io::Result<Self> {
         // Answers are written in one piece: waiting for more would only be late.
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -54,7 +54,7 @@ impl Connection {
     }
 
     /// The head of the next request.
-    pub fn head(&mut self) -> Result<Head, Unread> {
+    pub(super) fn head(&mut self) -> Result<Head, Unread> {
         let mut deadline = Instant::now() + IDLE;
         let mut begun = false;
         loop {
@@ -76,7 +76,7 @@ impl Connection {
     }
 
     /// The body that belongs to a head.
-    pub fn body(&mut self, head: &Head) -> Result<Vec<u8>, Unread> {
+    pub(super) fn body(&mut self, head: &Head) -> Result<Vec<u8>, Unread> {
         let deadline = Instant::now() + PATIENCE;
         while self.ahead.len() < head.length {
             self.more(deadline)?;
@@ -104,7 +104,7 @@ impl Connection {
         }
     }
 
-    pub fn answer(&mut self, response: &Response, keeps: bool) -> std::io::Result<()> {
+    pub(super) fn answer(&mut self, response: &Response, keeps: bool) -> std::io::Result<()> {
         self.stream.write_all(&response.bytes(keeps))
     }
 }
@@ -185,7 +185,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 impl Response {
-    pub fn new(
+    pub(super) fn new(
         status: u16,
         content_type: &'static str,
         body: impl Into<Cow<'static, [u8]>>,
@@ -199,7 +199,7 @@ impl Response {
     }
 
     /// A refusal, in words.
-    pub fn refusal(status: u16, why: &str) -> Self {
+    pub(super) fn refusal(status: u16, why: &str) -> Self {
         Response::new(
             status,
             "text/plain; charset=utf-8",

@@ -25,7 +25,7 @@ pub(super) struct Job {
 
 impl Job {
     /// Begins to tune a design on a thread of its own.
-    pub fn begin(
+    pub(super) fn begin(
         number: u64,
         opened: Arc<Opened>,
         request: &TuneRequest,
@@ -124,21 +124,21 @@ impl Job {
         })
     }
 
-    pub fn number(&self) -> u64 {
+    pub(super) fn number(&self) -> u64 {
         self.number
     }
 
     /// Asks it to end after the iteration under way, with what it has.
-    pub fn cancel(&self) {
+    pub(super) fn cancel(&self) {
         self.interrupt.store(true, Ordering::SeqCst);
     }
 
-    pub fn is_running(&self) -> bool {
+    pub(super) fn is_running(&self) -> bool {
         let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
         ended.is_none()
     }
 
-    pub fn state(&self) -> JobState {
+    pub(super) fn state(&self) -> JobState {
         let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
         let misfit = *self.misfit.lock().unwrap_or_else(PoisonError::into_inner);
         JobState {

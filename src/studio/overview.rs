@@ -150,7 +150,7 @@ pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> 
 
 impl Slider {
     /// Over some values.
-    pub fn over(
+    pub(super) fn over(
         key: &'static str,
         name: &'static str,
         unit: &'static str,

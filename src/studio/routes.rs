@@ -39,7 +39,7 @@ pub(super) struct Workshop {
 type Refused = (u16, String);
 
 impl Workshop {
-    pub fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
+    pub(super) fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
         Workshop {
             access,
             file,
@@ -51,7 +51,7 @@ impl Workshop {
     }
 
     /// Serves a connection until it ends.
-    pub fn serve(&self, connection: &mut Connection) {
+    pub(super) fn serve(&self, connection: &mut Connection) {
         loop {
             let (response, keeps) = match connection.head() {
                 Err(Unread::Gone) => return,

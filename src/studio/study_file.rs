@@ -54,7 +54,7 @@ impl Opened {
     }
 
     /// A design that came from the page, in the kernel's frame.
-    pub fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
+    pub(super) fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = &self.study.suspension;
         let wanted = suspension.design.len();
         if coordinates.len() != wanted {
@@ -78,24 +78,24 @@ pub(super) struct StudyFile {
 
 impl StudyFile {
     /// A link is followed now, so that what is written later is the file it led to.
-    pub fn at(path: &Path) -> io::Result<Self> {
+    pub(super) fn at(path: &Path) -> io::Result<Self> {
         Ok(StudyFile {
             path: fs::canonicalize(path)?,
         })
     }
 
-    pub fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The name alone.
-    pub fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     }
 
     /// Reads it as it is now; or what is wrong with it, in words.
-    pub fn read(&self) -> Result<Opened, String> {
+    pub(super) fn read(&self) -> Result<Opened, String> {
         // Read once, so that the digest is of what was understood.
         let text = self.text()?;
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
@@ -107,7 +107,7 @@ impl StudyFile {
 
     /// Writes a design into the study. Where the file is no longer the text that was opened, it is left alone, or
     /// gets the coordinates that differ from what was opened `anyway`.
-    pub fn save(
+    pub(super) fn save(
         &self,
         opened: &Opened,
         design: &[Vector3<f64>],
@@ -145,7 +145,7 @@ impl StudyFile {
 
     /// Writes the opened text with a design beside the study. An existing file of that name is left alone, or
     /// replaced `anyway`.
-    pub fn save_as(
+    pub(super) fn save_as(
         &self,
         opened: &Opened,
         design: &[Vector3<f64>],

@@ -30,7 +30,7 @@ pub struct AxleStudy {
 }
 
 /// Refuses what is of an axle in a study of one wheel.
-pub fn refuse_without_axle(file: &File, problems: &mut Problems) {
+pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let mut places = Vec::new();
     for motion in std::iter::once(&file.motion).chain(file.motions.values()) {
         let motion = motion.get_ref();
@@ -65,7 +65,11 @@ pub fn refuse_without_axle(file: &File, problems: &mut Problems) {
 }
 
 /// The axle, if nothing is wrong with it. `suspension` is the left wheel.
-pub fn axle(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<AxleStudy> {
+pub(super) fn axle(
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<AxleStudy> {
     let section = file.axle.as_ref()?;
     let mut sound = refuse_corner_keys(file, problems);
     if suspension.frame != left_frame(suspension) {
@@ -558,7 +562,7 @@ pub(crate) fn missing(need: Need, setup: &Setup) -> Option<&'static str> {
 }
 
 /// Whether the study gives all that a quantity needs; says what it does not.
-pub fn lacks_nothing(
+pub(super) fn lacks_nothing(
     text: &Text,
     quantity: Quantity,
     axle: &Axle,
@@ -609,6 +613,6 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
 }
 
 /// The outputs of one wheel in a study of an axle: none.
-pub fn no_corner_outputs() -> Outputs {
+pub(super) fn no_corner_outputs() -> Outputs {
     Outputs::of(Vec::new())
 }

@@ -15,7 +15,7 @@ fn of_drive(need: &Need, vehicle: &Vehicle) -> Option<bool> {
 }
 
 /// The keys that a study lacks for this need.
-pub fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
+pub(super) fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
     let mut keys = Vec::new();
     if vehicle.position.is_none() {
         keys.push("position in [vehicle], \"front\" or \"rear\"");
@@ -39,7 +39,10 @@ pub fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
 }
 
 /// Why the axle of a study, which gives what is needed, has no such feature; and what it has instead.
-pub fn refusal(need: &Need, vehicle: &Vehicle) -> Option<(&'static str, Option<&'static str>)> {
+pub(super) fn refusal(
+    need: &Need,
+    vehicle: &Vehicle,
+) -> Option<(&'static str, Option<&'static str>)> {
     let front = vehicle.position == Some(AxlePosition::Front);
     let none_in_front = |share: Option<f64>| share == Some(0.0);
     let none_at_rear = |share: Option<f64>| share == Some(1.0);

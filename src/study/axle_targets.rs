@@ -49,7 +49,7 @@ fn own_keys(written: &file::Target) -> impl Iterator<Item = (&'static str, Span<
 }
 
 /// Refuses what is of an axle in a target of one wheel.
-pub fn refuse(written: &file::Target, problems: &mut Problems) {
+pub(super) fn refuse(written: &file::Target, problems: &mut Problems) {
     for (key, span) in own_keys(written) {
         let message = format!("{key} is of an axle, and this study is of one wheel");
         problems.add(span, message);
@@ -82,7 +82,7 @@ fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems)
 }
 
 /// What a target of an axle is about and where, and the motion that it is a curve over.
-pub fn target(
+pub(super) fn target(
     spanned: &Spanned<file::Target>,
     study: &AxleStudy,
     context: &Context,

@@ -15,7 +15,7 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 /// The constraints, if nothing is wrong with them.
-pub fn constraints(
+pub(super) fn constraints(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,

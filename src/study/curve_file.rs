@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What is wanted of a file.
-pub struct Wished<'a> {
+pub(super) struct Wished<'a> {
     /// The column of drive values.
     pub drive: &'a str,
     /// The column of values.
@@ -24,7 +24,7 @@ pub struct Wished<'a> {
 /// Reads a curve from a file with a column of drive values and one of values; its path is relative to the
 /// study's directory. Columns are parted by commas, semicolons or tabs; other columns are left alone, rows
 /// without a value left out.
-pub fn read(
+pub(super) fn read(
     path: &Text,
     directory: &Path,
     wished: &Wished<'_>,

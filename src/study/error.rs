@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A text that was read, by the name it goes by in messages.
 #[derive(Debug, PartialEq)]
-pub struct Source {
+pub(super) struct Source {
     /// The file's path as the user wrote it.
     pub name: String,
     /// Its content.
@@ -195,7 +195,7 @@ pub(super) struct Problems {
 
 impl Problems {
     /// None yet.
-    pub fn new(source: Arc<Source>) -> Self {
+    pub(super) fn new(source: Arc<Source>) -> Self {
         Problems {
             source,
             errors: Vec::new(),
@@ -203,7 +203,11 @@ impl Problems {
     }
 
     /// Notes a mistake at a place of the study file.
-    pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
+    pub(super) fn add(
+        &mut self,
+        span: Range<usize>,
+        message: impl Into<String>,
+    ) -> &mut StudyError {
         let key = super::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
         error.key_named(key);
@@ -212,12 +216,12 @@ impl Problems {
     }
 
     /// Notes mistakes found in another file.
-    pub fn append(&mut self, errors: StudyErrors) {
+    pub(super) fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);
     }
 
     /// The result, if there is nothing wrong.
-    pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
+    pub(super) fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),
             _ => {

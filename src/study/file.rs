@@ -12,12 +12,12 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 
 /// Coordinates, three if they are right.
-pub type Coordinates = Spanned<Vec<Number>>;
+pub(super) type Coordinates = Spanned<Vec<Number>>;
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct File {
+pub(super) struct File {
     /// `[suspension]`
     pub suspension: Suspension,
     /// `[wheel]`
@@ -61,7 +61,7 @@ pub struct File {
 /// `[suspension]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Suspension {
+pub(super) struct Suspension {
     /// Name of the topology.
     pub topology: Text,
     /// `left` or `right`.
@@ -86,7 +86,7 @@ pub struct Suspension {
 /// A point that is not a hardpoint.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ExtraPoint {
+pub(super) struct ExtraPoint {
     /// The body it moves with.
     pub body: Text,
     /// Its design position.
@@ -96,7 +96,7 @@ pub struct ExtraPoint {
 /// `[wheel]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Wheel {
+pub(super) struct Wheel {
     /// Loaded radius.
     pub radius: Option<Number>,
     /// Camber in the design position, degrees.
@@ -108,7 +108,7 @@ pub struct Wheel {
 /// `[vehicle]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Vehicle {
+pub(super) struct Vehicle {
     /// Distance between the axles.
     pub wheelbase: Option<Number>,
     /// Distance between the wheels of the axle.
@@ -134,7 +134,7 @@ pub struct Vehicle {
 /// `[axle]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Axle {
+pub(super) struct Axle {
     /// `"mirrored"`, or what differs from the mirror image.
     pub right: Spanned<RightWheel>,
 }
@@ -142,7 +142,7 @@ pub struct Axle {
 /// `[axle.right]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct OwnRight {
+pub(super) struct OwnRight {
     /// Hardpoints that are not the mirror image of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
@@ -151,7 +151,7 @@ pub struct OwnRight {
 /// `[steering]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Steering {
+pub(super) struct Steering {
     /// Rack displacement along +y per turn of the steering wheel to the left.
     pub c_factor: Number,
 }
@@ -159,7 +159,7 @@ pub struct Steering {
 /// `[spring]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Spring {
+pub(super) struct Spring {
     /// Force per length.
     pub rate: Option<Number>,
     /// Force in the design position.
@@ -171,7 +171,7 @@ pub struct Spring {
 /// `[bump_stop]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BumpStop {
+pub(super) struct BumpStop {
     /// How far the spring is shortened from the design position when the stop is met.
     pub gap: Number,
     /// Pairs of compression and force.
@@ -181,7 +181,7 @@ pub struct BumpStop {
 /// `[anti_roll_bar]` and `[tyre]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Rate {
+pub(super) struct Rate {
     /// Torque per angle, or force per length.
     pub rate: Number,
 }
@@ -189,7 +189,7 @@ pub struct Rate {
 /// `[motion]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Motion {
+pub(super) struct Motion {
     /// `travel`, `arm_angle` or `paper_theta`.
     pub drive: Option<Text>,
     /// Heights of the wheel centre above its design position.
@@ -221,7 +221,7 @@ pub struct Motion {
 /// `time` of `[motion]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Time {
+pub(super) struct Time {
     /// Coefficients, lowest power first.
     pub polynomial: Spanned<Vec<Number>>,
     /// First time, seconds.
@@ -235,7 +235,7 @@ pub struct Time {
 /// `[solver]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Solver {
+pub(super) struct Solver {
     /// `knuckle_pose` or `point_coordinates`.
     pub formulation: Option<Text>,
     /// Was what poses may be off by: refused, with a sentence.
@@ -245,7 +245,7 @@ pub struct Solver {
 /// `[outputs]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Outputs {
+pub(super) struct Outputs {
     /// Names of characteristics.
     #[serde(default)]
     pub characteristics: Vec<Text>,
@@ -267,7 +267,7 @@ pub struct Outputs {
 /// An element of `loads`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Load {
+pub(super) struct Load {
     /// What its columns begin with.
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
@@ -281,7 +281,7 @@ pub struct Load {
 /// `[sweep]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sweep {
+pub(super) struct Sweep {
     /// How the variables are sampled.
     pub method: Option<Text>,
     /// Number of samples.
@@ -301,7 +301,7 @@ pub struct Sweep {
 /// An element of `variables` of `[sweep]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SweepVariable {
+pub(super) struct SweepVariable {
     /// Name of the hardpoint,
     pub hardpoint: Option<Text>,
     /// or names of several that move together.
@@ -323,7 +323,7 @@ pub struct SweepVariable {
 /// `[optimise]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Optimise {
+pub(super) struct Optimise {
     /// Name of the method.
     pub method: Option<Text>,
     /// Number of starts.
@@ -352,7 +352,7 @@ pub struct Optimise {
 /// An element of `variables`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Variable {
+pub(super) struct Variable {
     /// Name of the hardpoint,
     pub hardpoint: Option<Text>,
     /// or names of several that move together,
@@ -376,7 +376,7 @@ pub struct Variable {
 /// An element of `targets`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Target {
+pub(super) struct Target {
     /// Name of the characteristic,
     pub characteristic: Option<Text>,
     /// or of a point,
@@ -430,7 +430,7 @@ pub struct Target {
 /// `[setup]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Setup {
+pub(super) struct Setup {
     /// What may be adjusted, in the order a mechanic does it.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
     /// Wanted static values by characteristic.
@@ -442,7 +442,7 @@ pub struct Setup {
 /// An element of `adjust`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Adjustment {
+pub(super) struct Adjustment {
     /// The member whose length is adjusted,
     pub length: Option<Spanned<MemberName>>,
     /// or the hardpoint under which shims lie,
@@ -458,7 +458,7 @@ pub struct Adjustment {
 /// `[tolerance]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Tolerance {
+pub(super) struct Tolerance {
     /// Number of builds.
     pub builds: Option<Whole>,
     /// Seed of the builds.
@@ -474,7 +474,7 @@ pub struct Tolerance {
 /// An element of `scatter`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scatter {
+pub(super) struct Scatter {
     /// A hardpoint,
     pub hardpoint: Option<Text>,
     /// or several, each on its own,
@@ -498,7 +498,7 @@ pub struct Scatter {
 /// An element of `bands`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Band {
+pub(super) struct Band {
     /// Name of the characteristic.
     pub characteristic: Text,
     /// Where it is looked at; everywhere in the motion without it.
@@ -514,7 +514,7 @@ pub struct Band {
 /// An element of `constraints`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Constraint {
+pub(super) struct Constraint {
     /// What it is called.
     pub name: Option<Text>,
     /// A length: of a member, or between two points.
@@ -558,7 +558,7 @@ pub struct Constraint {
 /// A place, one of these.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Region {
+pub(super) struct Region {
     /// Two opposite corners.
     #[serde(rename = "box")]
     pub corners: Option<Spanned<Vec<Coordinates>>>,
@@ -579,7 +579,7 @@ pub struct Region {
 /// `half_space`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct HalfSpace {
+pub(super) struct HalfSpace {
     /// A point of its border.
     pub point: Coordinates,
     /// Into it.
@@ -589,7 +589,7 @@ pub struct HalfSpace {
 /// `sphere`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sphere {
+pub(super) struct Sphere {
     /// Its centre.
     pub centre: Coordinates,
     /// Its radius.
@@ -599,7 +599,7 @@ pub struct Sphere {
 /// `cylinder`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cylinder {
+pub(super) struct Cylinder {
     /// One end of its axis.
     pub from: Coordinates,
     /// The other.

@@ -8,7 +8,7 @@ use crate::model::Suspension;
 use std::ops::Range as Span;
 
 /// Passes a suspension without a mistake; a mistake found first keeps those that follow from it quiet.
-pub fn check(
+pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,
     problems: &mut Problems,

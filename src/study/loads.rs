@@ -15,7 +15,7 @@ impl LoadPoint {
 }
 
 /// The loads, if nothing is wrong with them.
-pub fn loads(
+pub(super) fn loads(
     section: &file::Outputs,
     suspension: &Suspension,
     problems: &mut Problems,

@@ -9,10 +9,10 @@ use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
 /// A dimension and how much it changes, in the kernel's frame, per unit in the study's.
-pub type Change = (BuildParameter, f64);
+pub(super) type Change = (BuildParameter, f64);
 
 /// The member of this name, or between two points, with its name.
-pub fn member(
+pub(super) fn member(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -55,7 +55,7 @@ pub fn member(
 }
 
 /// The coordinate of a point along an axis of the study.
-pub fn coordinate(
+pub(super) fn coordinate(
     point: &Text,
     axis: &Text,
     suspension: &Suspension,
@@ -68,6 +68,6 @@ pub fn coordinate(
 }
 
 /// An axis of the study.
-pub fn axis(text: &Text, problems: &mut Problems) -> Option<Axis> {
+pub(super) fn axis(text: &Text, problems: &mut Problems) -> Option<Axis> {
     choose(text, "axis", &Axis::ALL.map(|a| (a.name(), a)), problems)
 }

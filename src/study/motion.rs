@@ -80,7 +80,7 @@ impl Motion {
 }
 
 /// The motion, if nothing is wrong with it.
-pub fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
+pub(super) fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
     let place = section.span();
     let section = section.get_ref();
     let drive = match &section.drive {
@@ -177,7 +177,7 @@ fn drive_values(
 }
 
 /// What the topology must have for the motion.
-pub fn check_drive(
+pub(super) fn check_drive(
     section: &Spanned<file::Motion>,
     motion: &Motion,
     suspension: &Suspension,
@@ -237,7 +237,7 @@ fn time_law(
 }
 
 /// The values, in the unit they are written in.
-pub fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
+pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
         Values::Range(r) => range(&r.from, &r.to, &r.steps, problems),
@@ -292,7 +292,11 @@ fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> 
 }
 
 /// A whole number within bounds.
-pub fn within(number: &Whole, bounds: RangeInclusive<i64>, problems: &mut Problems) -> Option<i64> {
+pub(super) fn within(
+    number: &Whole,
+    bounds: RangeInclusive<i64>,
+    problems: &mut Problems,
+) -> Option<i64> {
     let found = *number.get_ref();
     if bounds.contains(&found) {
         return Some(found);
@@ -315,7 +319,7 @@ fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
 
 /// Value number `i` of `count` from `from` to `to`, both hit exactly, the values between correctly
 /// rounded where the products are exact, and symmetric (with an exact zero) where the ends are.
-pub fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
+pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
     let last = count - 1;
     match i {
         0 => from,

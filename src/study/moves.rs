@@ -10,7 +10,7 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 /// The keys of a variable that say so.
-pub struct Written<'a> {
+pub(super) struct Written<'a> {
     /// Where the variable is.
     pub place: Span<usize>,
     /// Name of the hardpoint,
@@ -24,7 +24,7 @@ pub struct Written<'a> {
 }
 
 /// The coordinates, if nothing is wrong with what is written.
-pub fn moves(
+pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -42,7 +42,7 @@ pub fn moves(
 }
 
 /// The names of what moves: `lower_arm_front+lower_arm_rear`.
-pub fn names(moves: &[Move], suspension: &Suspension) -> String {
+pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
     names.collect::<Vec<_>>().join("+")
 }

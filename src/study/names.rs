@@ -4,7 +4,10 @@ use super::error::Problems;
 use super::value::Text;
 
 /// The candidate that was probably meant by `name`.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     let length = name.chars().count();
@@ -23,7 +26,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// "a", "a or b", "a, b or c", each in quotes.
-pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub(super) fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("\"{n}\"")).collect();
     match names.as_slice() {
         [] => String::new(),
@@ -33,7 +36,7 @@ pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The option of this name, or an error that says which there are.
-pub fn choose<T: Clone>(
+pub(super) fn choose<T: Clone>(
     text: &Text,
     what: &str,
     options: &[(&str, T)],

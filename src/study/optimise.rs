@@ -19,7 +19,7 @@ use toml::Spanned;
 
 /// The optimisation, if nothing is wrong with it, and the target curves that came from files, by the
 /// place of their target.
-pub fn optimise(
+pub(super) fn optimise(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,
@@ -84,7 +84,7 @@ pub fn optimise(
 const MOST_BUILDS: i64 = 4096;
 
 /// The builds that a tuning is robust against.
-pub fn scatter(
+pub(super) fn scatter(
     section: &file::Optimise,
     tolerance: Option<&Tolerance>,
     setup: Option<&Setup>,

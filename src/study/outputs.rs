@@ -20,7 +20,11 @@ const DEFAULT: [Characteristic; 4] = [
 ];
 
 /// What is asked for, if nothing is wrong with it.
-pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) -> Option<Outputs> {
+pub(super) fn outputs(
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
         let steered = suspension.mechanism.steering_axis.is_some();
         let possible = DEFAULT
@@ -63,7 +67,7 @@ pub fn outputs(file: &File, suspension: &Suspension, problems: &mut Problems) ->
     })
 }
 
-pub fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
+pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {
     let orders = [
         ("position", Order::Position),
         ("velocity", Order::Velocity),
@@ -76,7 +80,7 @@ pub fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> 
 }
 
 /// What each name stands for; each may stand there once.
-pub fn distinct<T>(
+pub(super) fn distinct<T>(
     names: &[Text],
     problems: &mut Problems,
     mut resolve: impl FnMut(&Text, &mut Problems) -> Option<T>,
@@ -93,7 +97,7 @@ pub fn distinct<T>(
 }
 
 /// The hardpoints of the study, extra points left out.
-pub fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
+pub(super) fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
     let mechanism = &suspension.mechanism;
     let points = mechanism.points.iter().enumerate();
     points
@@ -102,7 +106,11 @@ pub fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointI
 }
 
 /// The hardpoint of this name, which the study must give.
-pub fn hardpoint(text: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
+pub(super) fn hardpoint(
+    text: &Text,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<PointId> {
     let name = text.get_ref();
     let mechanism = &suspension.mechanism;
     if let Some(absent) = mechanism.topology.hardpoint(name)
@@ -122,7 +130,7 @@ pub fn hardpoint(text: &Text, suspension: &Suspension, problems: &mut Problems) 
 }
 
 /// The characteristic of this name, for which the study must give what it needs.
-pub fn characteristic(
+pub(super) fn characteristic(
     text: &Text,
     suspension: &Suspension,
     problems: &mut Problems,

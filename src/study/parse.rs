@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a study.
-pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
+pub(super) fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
         return Err(StudyError::of_file(&source.name, "the file is empty").into());
@@ -34,7 +34,7 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
 }
 
 /// The path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
-pub fn key_at(text: &str, at: usize) -> Option<String> {
+pub(super) fn key_at(text: &str, at: usize) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     key_in_table(root.get_ref(), at, "")
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What the later sections refer to.
-pub struct Context<'a> {
+pub(super) struct Context<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
     /// The motion, if nothing is wrong with it.

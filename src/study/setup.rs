@@ -11,7 +11,11 @@ use crate::build::BuildParameter;
 use toml::Spanned;
 
 /// The set-up, if nothing is wrong with it.
-pub fn setup(section: &file::Setup, context: &Context, problems: &mut Problems) -> Option<Setup> {
+pub(super) fn setup(
+    section: &file::Setup,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Setup> {
     let written = section.adjust.get_ref();
     if written.is_empty() {
         let message = "expected at least one adjustment, found an empty list";

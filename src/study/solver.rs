@@ -31,7 +31,7 @@ impl Formulation {
 }
 
 /// The formulation, if the topology has it.
-pub fn formulation(
+pub(super) fn formulation(
     file: &File,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -55,7 +55,7 @@ pub fn formulation(
 }
 
 /// Refuses to give up accuracy.
-pub fn refuse_accuracy(file: &File, problems: &mut Problems) {
+pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
         let message = "poses always have full double precision: less saved no time, so accuracy is no longer a \
                        choice";
@@ -65,7 +65,7 @@ pub fn refuse_accuracy(file: &File, problems: &mut Problems) {
 }
 
 /// Refuses what the formulation or the drive cannot give.
-pub fn check_outputs(
+pub(super) fn check_outputs(
     file: &File,
     formulation: Formulation,
     motion: Option<&Motion>,

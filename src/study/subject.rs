@@ -13,14 +13,18 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 /// A point of the study, hardpoint or extra point.
-pub fn point(text: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
+pub(super) fn point(
+    text: &Text,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<PointId> {
     let points = suspension.mechanism.points.iter().enumerate();
     let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
     choose(text, "point", &points, problems)
 }
 
 /// The members of a suspension by the names that columns of loads give them: rods, legs of arms, spring.
-pub fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
+pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
@@ -47,7 +51,7 @@ pub fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
 }
 
 /// The member of this name.
-pub fn member(
+pub(super) fn member(
     text: &Text,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -58,7 +62,7 @@ pub fn member(
 }
 
 /// A length: that of a member, or the distance of two points; with what it is called.
-pub fn length(
+pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -89,7 +93,7 @@ pub fn length(
 }
 
 /// The keys of a target that say what it is about.
-pub struct About<'a> {
+pub(super) struct About<'a> {
     /// Where they are.
     pub place: Span<usize>,
     /// A characteristic,
@@ -103,7 +107,7 @@ pub struct About<'a> {
 }
 
 /// What a target is about.
-pub fn subject(
+pub(super) fn subject(
     about: &About<'_>,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -157,7 +161,7 @@ pub fn subject(
 }
 
 /// In which motion, and where the rack is.
-pub fn site(
+pub(super) fn site(
     motion: &Option<Text>,
     rack: &Option<Spanned<Numbers>>,
     context: &Context,

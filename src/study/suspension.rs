@@ -13,7 +13,7 @@ use crate::model::{
 use crate::number::Vector3;
 
 /// The suspension, if nothing is wrong with it.
-pub fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
+pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
     let section = &file.suspension;
     let topologies: Vec<_> = Topology::ALL.iter().map(|t| (t.name, *t)).collect();
     let topology = choose(&section.topology, "topology", &topologies, problems);
@@ -200,7 +200,7 @@ fn bodies(
     sound.then_some(())
 }
 
-pub fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
+pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
     match coordinates.get_ref().as_slice() {
         [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
         other => {
@@ -356,7 +356,7 @@ fn optional<T: Clone>(
 }
 
 /// The number, if it is given; `None` if it is wrong.
-pub fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
+pub(super) fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
     match number {
         Some(number) => above_zero(number, problems).map(Some),
         None => Some(None),
@@ -364,7 +364,7 @@ pub fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Opti
 }
 
 /// The number, which must be above zero.
-pub fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64> {
+pub(super) fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64> {
     if number.value > 0.0 {
         return Some(number.value);
     }

@@ -68,7 +68,7 @@ impl SweepVariable {
 }
 
 /// The sweep, if nothing is wrong with it.
-pub fn sweep(
+pub(super) fn sweep(
     file: &File,
     section: &Spanned<file::Sweep>,
     formulation: Option<Formulation>,
@@ -284,7 +284,7 @@ fn variable(
 }
 
 /// `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
-pub fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
+pub(super) fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     let kind = if absolute { "" } else { "d" };
     format!("{point}_{kind}{}", axis.name())
 }

@@ -17,10 +17,10 @@ use toml::Spanned;
 const LEAST_TOLERANCE: f64 = 1e-12;
 
 /// A curve as written: drive value and wanted value, in the file's units.
-pub type WrittenCurve = Vec<[f64; 2]>;
+pub(super) type WrittenCurve = Vec<[f64; 2]>;
 
 /// The targets, if nothing is wrong with them, each with its curve if that came from a file.
-pub fn targets(
+pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,

@@ -18,7 +18,7 @@ use toml::Spanned;
 const MOST_BUILDS: i64 = 10_000_000_000;
 
 /// The tolerances, if nothing is wrong with them.
-pub fn tolerance(
+pub(super) fn tolerance(
     section: &Spanned<file::Tolerance>,
     setup: Option<&Setup>,
     context: &Context,

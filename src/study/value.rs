@@ -8,14 +8,14 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 /// A text.
-pub type Text = Spanned<String>;
+pub(super) type Text = Spanned<String>;
 
 /// A whole number; the resolver knows its bounds.
-pub type Whole = Spanned<i64>;
+pub(super) type Whole = Spanned<i64>;
 
 /// A finite number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Number {
+pub(super) struct Number {
     /// The number, within [`Number::MOST`] of zero.
     pub value: f64,
     /// Its place.
@@ -24,10 +24,10 @@ pub struct Number {
 
 impl Number {
     /// The largest magnitude: far beyond any dimension, far below where products overflow.
-    pub const MOST: f64 = 1e12;
+    pub(super) const MOST: f64 = 1e12;
 
     /// The value, or what it should have been.
-    pub fn checked(value: f64) -> Result<f64, String> {
+    pub(super) fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
         if value.abs() <= most {
             Ok(value)
@@ -39,7 +39,7 @@ impl Number {
     }
 
     /// The value of a text, or what it should have been.
-    pub fn parsed(text: &str) -> Result<f64, String> {
+    pub(super) fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
 }
@@ -87,7 +87,7 @@ impl Visitor<'_> for FiniteVisitor {
 
 /// One value, a list of values, or a range.
 #[derive(Clone, Debug)]
-pub enum Values {
+pub(super) enum Values {
     /// One value.
     One(f64),
     /// A list.
@@ -99,7 +99,7 @@ pub enum Values {
 /// Evenly spaced values, ends included.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Range {
+pub(super) struct Range {
     /// First value.
     pub from: Number,
     /// Last value.
@@ -146,7 +146,7 @@ impl<'de> Visitor<'de> for ValuesVisitor {
 
 /// What `right` of `[axle]` is.
 #[derive(Debug)]
-pub enum RightWheel {
+pub(super) enum RightWheel {
     /// A word.
     Word(String),
     /// `[axle.right]`
@@ -179,7 +179,7 @@ impl<'de> Visitor<'de> for RightWheelVisitor {
 
 /// All, none, or those named.
 #[derive(Clone, Debug)]
-pub enum Selection {
+pub(super) enum Selection {
     /// All or none.
     All(bool),
     /// Those named.
@@ -216,7 +216,7 @@ impl<'de> Visitor<'de> for SelectionVisitor {
 
 /// A member: by its name, or by its two ends.
 #[derive(Clone, Debug)]
-pub enum MemberName {
+pub(super) enum MemberName {
     /// As in the columns of loads.
     Name(String),
     /// The names of its ends.
@@ -253,7 +253,7 @@ impl<'de> Visitor<'de> for MemberNameVisitor {
 
 /// One number, or a list of them.
 #[derive(Clone, Debug)]
-pub enum Numbers {
+pub(super) enum Numbers {
     /// One.
     One(f64),
     /// Several.
@@ -294,7 +294,7 @@ impl<'de> Visitor<'de> for NumbersVisitor {
 
 /// A limit: one number, or a curve of pairs.
 #[derive(Clone, Debug)]
-pub enum LimitText {
+pub(super) enum LimitText {
     /// The same everywhere.
     Value(f64),
     /// Pairs of drive value and limit.

@@ -23,7 +23,7 @@ pub(super) struct AxleStations<'s> {
 }
 
 impl<'s> AxleStations<'s> {
-    pub fn of(axle: &'s Axle, plan: &AxlePlan) -> Self {
+    pub(super) fn of(axle: &'s Axle, plan: &AxlePlan) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
         // On the ground that the motion is on.
@@ -45,13 +45,13 @@ impl<'s> AxleStations<'s> {
     }
 
     /// As the stations of a sweep.
-    pub fn stations(&self) -> Stations {
+    pub(super) fn stations(&self) -> Stations {
         let design = self.placements.len() - 1;
         Stations::listed(&self.values, design)
     }
 
     /// The columns of values.
-    pub fn columns(&self) -> Vec<Column> {
+    pub(super) fn columns(&self) -> Vec<Column> {
         let length = self.axle.left.length_unit;
         let column = |q: &Quantity| {
             let unit = q.unit();
@@ -62,7 +62,7 @@ impl<'s> AxleStations<'s> {
     }
 
     /// An evaluator of designs.
-    pub fn evaluator(&self) -> Result<Box<dyn AxleEvaluator + '_>, DesignFault> {
+    pub(super) fn evaluator(&self) -> Result<Box<dyn AxleEvaluator + '_>, DesignFault> {
         fn of<'a, const N: usize>(
             stations: &'a AxleStations<'a>,
         ) -> Result<Box<dyn AxleEvaluator + 'a>, DesignFault> {
@@ -82,7 +82,7 @@ impl<'s> AxleStations<'s> {
     }
 
     /// The right wheel's design where it has one of its own, moved as the left one is.
-    pub fn right_design(&self, left: &[Vector3<f64>], into: &mut Vec<Vector3<f64>>) -> bool {
+    pub(super) fn right_design(&self, left: &[Vector3<f64>], into: &mut Vec<Vector3<f64>>) -> bool {
         let Some(own) = &self.axle.right else {
             return false;
         };

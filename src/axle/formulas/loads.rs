@@ -10,7 +10,7 @@ use crate::number::{Real, Scalar};
 use std::f64::consts::PI;
 
 /// Force of a spring, its bump stop included.
-pub fn spring_force<T: Scalar>(state: &State<T>, side: Side) -> T {
+pub(crate) fn spring_force<T: Scalar>(state: &State<T>, side: Side) -> T {
     let (length, _, design) = wheel(state, side).reading.spring_length();
     match &state.setup.springs {
         Some(springs) => springs[side as usize].force(length, design),
@@ -26,14 +26,14 @@ fn spring_load<T: Scalar>(state: &State<T>, side: Side) -> T {
 }
 
 /// Torque of the anti-roll bar.
-pub fn bar_torque<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn bar_torque<T: Scalar>(state: &State<T>) -> T {
     let rate = state.setup.bar_rate.unwrap_or(f64::NAN);
     let [left, right] = state.wheels().map(|wheel| wheel.reading.bar_angle().0);
     (left - right).scaled(rate)
 }
 
 /// Load of a wheel.
-pub fn wheel_load<T: Scalar>(state: &State<T>, side: Side) -> T {
+pub(crate) fn wheel_load<T: Scalar>(state: &State<T>, side: Side) -> T {
     let spring = spring_load(state, side);
     if state.setup.bar_rate.is_none() {
         return spring;
@@ -48,7 +48,7 @@ pub fn wheel_load<T: Scalar>(state: &State<T>, side: Side) -> T {
 }
 
 /// Load that a wheel gains as its pad rises, the spring alone.
-pub fn wheel_rate<T: Scalar>(state: &State<T>, side: Side) -> T {
+pub(crate) fn wheel_rate<T: Scalar>(state: &State<T>, side: Side) -> T {
     let motion = match side {
         Side::Left => Motion::TravelLeft,
         Side::Right => Motion::TravelRight,
@@ -67,33 +67,33 @@ fn axle_load<T: Scalar>(state: &State<T>) -> T {
 }
 
 /// Moment of the wheel loads about the vehicle's middle.
-pub fn roll_moment<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn roll_moment<T: Scalar>(state: &State<T>) -> T {
     let [left, right] = loads(state);
     (state.track() * (right - left)).scaled(0.5)
 }
 
 /// Roll moment by roll angle on a rig: body held level, wheels on level pads moved equally and oppositely. The
 /// roll angle is what a rig takes for it, that of the line through both contact points.
-pub fn roll_stiffness<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn roll_stiffness<T: Scalar>(state: &State<T>) -> T {
     let rig = state.on_pads().moving(Motion::OpposedTravels);
     let angle = (-rig.mismatch()).atan2(rig.track());
     roll_moment(&rig)[1] / angle[1]
 }
 
 /// The same on the road, mean travel held.
-pub fn roll_stiffness_on_road<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn roll_stiffness_on_road<T: Scalar>(state: &State<T>) -> T {
     roll_moment(&state.moving(Motion::Roll))[1]
 }
 
 /// The same, the sum of the wheel loads held.
-pub fn roll_stiffness_at_load<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn roll_stiffness_at_load<T: Scalar>(state: &State<T>) -> T {
     let (rolling, heaving) = (state.moving(Motion::Roll), state.moving(Motion::Heave));
     let sinking = axle_load(&rolling)[1] / axle_load(&heaving)[1];
     roll_moment(&rolling)[1] - roll_moment(&heaving)[1] * sinking
 }
 
 /// Half the load that the axle gains by heave of the wheel centres, in series with a tyre.
-pub fn ride_rate<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ride_rate<T: Scalar>(state: &State<T>) -> T {
     let rate = axle_load(&state.moving(Motion::Heave))[1].scaled(0.5);
     match state.setup.tyre_rate {
         None => rate,
@@ -108,12 +108,12 @@ fn frequency<T: Scalar>(state: &State<T>, rate: T, mass: Option<f64>) -> T {
 }
 
 /// Natural frequency of the sprung mass in heave.
-pub fn ride_frequency<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ride_frequency<T: Scalar>(state: &State<T>) -> T {
     frequency(state, ride_rate(state), state.setup.sprung_mass)
 }
 
 /// Natural frequency of the wheels between springs and tyres, the body held.
-pub fn wheel_hop_frequency<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn wheel_hop_frequency<T: Scalar>(state: &State<T>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
     let [left, right] = [Side::Left, Side::Right].map(|side| wheel_rate(state, side));
     let rate = (left + right).scaled(0.5);

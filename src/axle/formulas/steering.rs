@@ -19,10 +19,10 @@ use crate::number::{Scalar, Vector3};
 use std::f64::consts::PI;
 
 /// Mean steer below which percentages, quotients of two small angles, are left empty (rad).
-pub const STRAIGHT_AHEAD: f64 = 0.02;
+pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer of a wheel to the left.
-pub fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
+pub(crate) fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
     let a = wheel(state, side).reading.spin_axis();
     match side {
         Side::Left => -a.x.atan2(a.y),
@@ -31,23 +31,23 @@ pub fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
 }
 
 /// The mean of both.
-pub fn mean_steer<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn mean_steer<T: Scalar>(state: &State<T>) -> T {
     let [left, right] = [Side::Left, Side::Right].map(|side| steer(state, side));
     (left + right).scaled(0.5)
 }
 
 /// Steer by the roll angle.
-pub fn roll_steer<T: Scalar>(state: &State<T>, side: Side) -> T {
+pub(crate) fn roll_steer<T: Scalar>(state: &State<T>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
 /// Mean steer by the roll angle.
-pub fn axle_roll_steer<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn axle_roll_steer<T: Scalar>(state: &State<T>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
 /// Angle of the steering wheel by mean steer.
-pub fn steering_ratio<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn steering_ratio<T: Scalar>(state: &State<T>) -> T {
     let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
     let by_rack = mean_steer(&state.moving(Motion::Rack))[1];
     by_rack.one() / by_rack.scaled(per_angle)
@@ -121,21 +121,21 @@ impl<T: Scalar> Turn<T> {
 }
 
 /// Steer of the outer wheel beyond the ideal one.
-pub fn ackermann_error<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ackermann_error<T: Scalar>(state: &State<T>) -> T {
     let turn = Turn::of(state);
     let [_, outer] = turn.angles();
     outer - turn.ideal_outer()
 }
 
 /// Difference of the steer angles in percent of the ideal difference.
-pub fn ackermann<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ackermann<T: Scalar>(state: &State<T>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
 /// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
-pub fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     let [sine, cosine] = turn.outer;
@@ -145,7 +145,7 @@ pub fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
 }
 
 /// Difference of the cotangents in percent of the ideal one.
-pub fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let length = inner.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
@@ -154,7 +154,7 @@ pub fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
 
 /// Diameter of the circle that the contact point of the outer wheel runs on, about the middle between the
 /// points where the spin axes meet the line of the other axle.
-pub fn turning_circle<T: Scalar>(state: &State<T>) -> T {
+pub(crate) fn turning_circle<T: Scalar>(state: &State<T>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let lateral = (turn.ahead[0] * inner + turn.across + turn.ahead[1] * outer).scaled(0.5);
@@ -164,7 +164,7 @@ pub fn turning_circle<T: Scalar>(state: &State<T>) -> T {
 }
 
 /// A turn as it looks from above, in the body's axes (x forward, y left).
-pub struct FromAbove {
+pub(crate) struct FromAbove {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
     /// Where the spin axis of each meets the other axle's line; none straight ahead.
@@ -176,7 +176,7 @@ pub struct FromAbove {
 }
 
 /// The turn, where the study gives a wheelbase and the wheels' radius.
-pub fn turn(state: &State<f64>) -> Option<FromAbove> {
+pub(crate) fn turn(state: &State<f64>) -> Option<FromAbove> {
     let wheelbase = state.setup.wheelbase?;
     let radius = state.setup.wheel_radius?;
     let forward = match state.setup.position {
@@ -217,7 +217,7 @@ pub fn turn(state: &State<f64>) -> Option<FromAbove> {
 }
 
 /// Whether the wheels are so near straight ahead that percentages of differences say nothing.
-pub fn is_straight_ahead(state: &State<f64>) -> bool {
+pub(crate) fn is_straight_ahead(state: &State<f64>) -> bool {
     let steer = mean_steer(state);
     steer.is_nan() || steer.abs() < STRAIGHT_AHEAD
 }

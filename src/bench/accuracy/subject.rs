@@ -189,7 +189,7 @@ impl<'s> Subject<'s> {
 
 /// Camber of a configuration.
 #[inline]
-pub fn camber<T: Real>(at: &Configuration<T>) -> T {
+pub(super) fn camber<T: Real>(at: &Configuration<T>) -> T {
     let slots = Slots::default().with(Characteristic::Camber.info().reads);
     let inputs = Inputs::standing(at, Constants::default(), slots);
     Characteristic::Camber.evaluate(&inputs)

@@ -25,7 +25,7 @@ enum Stored {
 }
 
 /// An archive in memory.
-pub struct Archive {
+pub(super) struct Archive {
     bytes: Vec<u8>,
     members: Vec<Member>,
 }
@@ -43,18 +43,18 @@ fn number(bytes: &[u8], at: usize, width: usize) -> Option<usize> {
 
 impl Archive {
     /// Reads the list of members.
-    pub fn open(bytes: Vec<u8>) -> Result<Self, String> {
+    pub(super) fn open(bytes: Vec<u8>) -> Result<Self, String> {
         let members = members(&bytes).ok_or(DAMAGED)?;
         Ok(Archive { bytes, members })
     }
 
     /// The names of the members.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.members.iter().map(|member| member.name.as_str())
     }
 
     /// A member to be read as it is unpacked, if it is there.
-    pub fn member(&self, name: &str) -> Option<Result<impl io::BufRead + '_, String>> {
+    pub(super) fn member(&self, name: &str) -> Option<Result<impl io::BufRead + '_, String>> {
         let found = self.members.iter().find(|member| member.name == name)?;
         Some(self.unpacked(found))
     }

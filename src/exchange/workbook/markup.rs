@@ -5,7 +5,7 @@ use std::io::BufRead;
 
 /// What comes next.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Event {
+pub(super) enum Event {
     /// An element begins.
     Start(Element),
     /// An element ends, by its name.
@@ -16,7 +16,7 @@ pub enum Event {
 
 /// The beginning of an element.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Element {
+pub(super) struct Element {
     /// Its name, without the prefix of a namespace.
     pub name: String,
     attributes: Vec<(String, String)>,
@@ -24,7 +24,7 @@ pub struct Element {
 
 impl Element {
     /// The value of an attribute, by its name without prefix.
-    pub fn attribute(&self, name: &str) -> Option<&str> {
+    pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         let found = self.attributes.iter().find(|(key, _)| key == name);
         found.map(|(_, value)| value.as_str())
     }
@@ -34,7 +34,7 @@ impl Element {
 const MOST_BYTES: usize = 1 << 20;
 
 /// A reader of events.
-pub struct Markup<R> {
+pub(super) struct Markup<R> {
     source: R,
     /// The end of an element that was written as one tag.
     pending: Option<String>,
@@ -42,7 +42,7 @@ pub struct Markup<R> {
 
 impl<R: BufRead> Markup<R> {
     /// Reads a document.
-    pub fn new(source: R) -> Self {
+    pub(super) fn new(source: R) -> Self {
         Markup {
             source,
             pending: None,
@@ -50,7 +50,7 @@ impl<R: BufRead> Markup<R> {
     }
 
     /// The next event; `None` at the document's end.
-    pub fn next(&mut self) -> Result<Option<Event>, String> {
+    pub(super) fn next(&mut self) -> Result<Option<Event>, String> {
         if let Some(name) = self.pending.take() {
             return Ok(Some(Event::End(name)));
         }
@@ -96,7 +96,7 @@ impl<R: BufRead> Markup<R> {
     }
 
     /// The text up to the end of the element that has just begun, of this name, without its tags.
-    pub fn text_of(&mut self, name: &str) -> Result<String, String> {
+    pub(super) fn text_of(&mut self, name: &str) -> Result<String, String> {
         let mut text = String::new();
         loop {
             match self.next()? {
@@ -208,7 +208,7 @@ fn unescaped(text: &str) -> Result<String, String> {
 }
 
 /// Text as the content or the quoted attribute of an element. Characters XML has no place for become �.
-pub fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

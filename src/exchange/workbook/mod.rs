@@ -8,8 +8,9 @@ mod markup;
 mod reader;
 mod writer;
 
-pub use reader::Workbook;
-pub use writer::{MOST_ROWS, Page, Value, workbook};
+pub(super) use reader::Workbook;
+pub(super) use writer::MOST_ROWS;
+pub use writer::{Page, Value, workbook};
 
 #[cfg(test)]
 mod tests {

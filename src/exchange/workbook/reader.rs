@@ -10,7 +10,7 @@ use std::io::BufRead;
 const MOST_SHARED: usize = 16 << 20;
 
 /// The sheets of a workbook, by name.
-pub struct Workbook {
+pub(crate) struct Workbook {
     archive: Archive,
     /// Names, and members of the archive.
     sheets: Vec<(String, String)>,
@@ -21,7 +21,7 @@ pub struct Workbook {
 
 impl Workbook {
     /// Opens a workbook. Nothing of its sheets is read yet.
-    pub fn open(bytes: Vec<u8>) -> Result<Self, String> {
+    pub(crate) fn open(bytes: Vec<u8>) -> Result<Self, String> {
         let archive = Archive::open(bytes)?;
         let Some(book) = archive.member("xl/workbook.xml") else {
             return Err(what_else(&archive));
@@ -67,12 +67,12 @@ impl Workbook {
     }
 
     /// The names of its sheets.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.sheets.iter().map(|(name, _)| name.as_str())
     }
 
     /// A sheet, by its place in the workbook.
-    pub fn sheet(&self, number: usize) -> Result<Sheet, String> {
+    pub(crate) fn sheet(&self, number: usize) -> Result<Sheet, String> {
         let sheet = self.sheets.get(number);
         let (name, member) = sheet.ok_or("the workbook has no such sheet")?;
         let part = self.archive.member(member);

@@ -29,7 +29,7 @@ pub struct Page {
 }
 
 /// The most rows of a sheet (Excel's, and LibreOffice's).
-pub const MOST_ROWS: usize = 1_048_576;
+pub(crate) const MOST_ROWS: usize = 1_048_576;
 
 const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
 const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";

@@ -13,7 +13,7 @@ const MARGIN: f64 = 1e-5;
 
 impl Filter {
     /// Nothing passed; violations up to a hundred times that of the start are bearable.
-    pub fn new(violation: f64) -> Self {
+    pub(super) fn new(violation: f64) -> Self {
         Filter {
             passed: Vec::new(),
             most: 100.0 * violation.max(1.0),
@@ -21,7 +21,7 @@ impl Filter {
     }
 
     /// Whether a pair is better than every one passed, in its goal or in its violation.
-    pub fn accepts(&self, goal: f64, violation: f64) -> bool {
+    pub(super) fn accepts(&self, goal: f64, violation: f64) -> bool {
         let better = |[passed_goal, passed_violation]: &[f64; 2]| {
             violation <= (1.0 - MARGIN) * passed_violation
                 || goal <= passed_goal - MARGIN * violation
@@ -30,7 +30,7 @@ impl Filter {
     }
 
     /// Notes a pair as passed.
-    pub fn pass(&mut self, goal: f64, violation: f64) {
+    pub(super) fn pass(&mut self, goal: f64, violation: f64) {
         self.passed.retain(|[g, v]| *g < goal || *v < violation);
         self.passed.push([goal, violation]);
     }

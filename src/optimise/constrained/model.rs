@@ -138,7 +138,7 @@ pub(super) struct ConvexModel<'a> {
 
 impl<'a> ConvexModel<'a> {
     /// Room for a problem.
-    pub fn new(bounds: &'a Bounds, equalities: usize, rows: usize, levels: &[f64]) -> Self {
+    pub(super) fn new(bounds: &'a Bounds, equalities: usize, rows: usize, levels: &[f64]) -> Self {
         let n = bounds.variables();
         ConvexModel {
             bounds,
@@ -172,7 +172,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Makes this the model about `x`.
-    pub fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
+    pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
         let n = x.len();
         self.goal.reduce(&at.goal, &self.half, &mut self.matrix);
         for (held, level) in self.held.iter_mut().zip(&at.levels) {
@@ -190,7 +190,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Finds the step within a radius; with `curved`, under the estimate of the curvature.
-    pub fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
+    pub(super) fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
         for j in 0..self.half.len() {
             self.lower[j] = self.room_below[j].max(-radius);
             self.upper[j] = self.room_above[j].min(radius);
@@ -200,7 +200,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Finds the step that also takes back what the rows at the trial exceed their model by.
-    pub fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
+    pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
         for &row in &self.kept {
@@ -478,12 +478,12 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// The largest component of the step, in half ranges.
-    pub fn largest_component(&self) -> f64 {
+    pub(super) fn largest_component(&self) -> f64 {
         self.step.iter().fold(0.0, |most, s| s.abs().max(most))
     }
 
     /// By how much the step lowers the goal, says the model without its curvature.
-    pub fn predicted_reduction(&mut self) -> f64 {
+    pub(super) fn predicted_reduction(&mut self) -> f64 {
         let Self {
             goal,
             step,
@@ -495,7 +495,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Multipliers of the rows, of the bounds (negative at a lower one) and of the levels.
-    pub fn multipliers(&self) -> (&[f64], &[f64], &[f64]) {
+    pub(super) fn multipliers(&self) -> (&[f64], &[f64], &[f64]) {
         (
             &self.row_multipliers,
             &self.bound_multipliers,
@@ -505,7 +505,7 @@ impl<'a> ConvexModel<'a> {
 
     /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is
     /// balanced: 0 at a minimum.
-    pub fn imbalance(&self) -> f64 {
+    pub(super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);
         for j in 0..n {
@@ -532,7 +532,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.
-    pub fn learn(&mut self, before: &Assessment, after: &Assessment) {
+    pub(super) fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];
         for (j, y) in y.iter_mut().enumerate() {
@@ -554,7 +554,7 @@ impl<'a> ConvexModel<'a> {
     }
 
     /// Writes into `to` where the step leads from `x`: onto a bound exactly where it ends there.
-    pub fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
+    pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
             to[j] = if self.step[j] <= self.room_below[j] {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Text as the content or the quoted attribute of an HTML element.
-pub fn html(text: &str) -> String {
+pub(super) fn html(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -22,7 +22,7 @@ pub fn html(text: &str) -> String {
 
 /// A value as JSON inside a `script` element. Characters that could end the element, or a line of
 /// script, occur in JSON within strings only and are written as escapes.
-pub fn json(value: &impl Serialize) -> String {
+pub(super) fn json(value: &impl Serialize) -> String {
     let plain = serde_json::to_string(value).expect("plain data");
     let mut escaped = String::with_capacity(plain.len());
     for c in plain.chars() {

@@ -1,7 +1,7 @@
 //! The plotting library in the page: plotly.js, as the crate `plotly` carries it.
 
 /// The script of plotly.js.
-pub fn script() -> String {
+pub(super) fn script() -> String {
     // The crate gives script elements: plotly.js first, then one for mathematical text, which no
     // label here needs.
     let elements = plotly::Plot::offline_js_sources();
@@ -11,7 +11,7 @@ pub fn script() -> String {
 }
 
 /// The notice its licence asks for. Those of what it is made of are in the script's own comments.
-pub const NOTICE: &str = "plotly.js, Copyright 2012-2025 Plotly, Inc.
+pub(super) const NOTICE: &str = "plotly.js, Copyright 2012-2025 Plotly, Inc.
 
 Permission is hereby granted, free of charge, to any person obtaining a copy of this software and \
 associated documentation files (the \"Software\"), to deal in the Software without restriction, including \

@@ -2,7 +2,7 @@
 
 /// The policy of a page with these scripts in it. Scripts are named by their hashes, so that no other
 /// text can become one; styles cannot be, since the plots set some of their own.
-pub fn policy(scripts: &[&str]) -> String {
+pub(super) fn policy(scripts: &[&str]) -> String {
     let hashes: Vec<String> = scripts
         .iter()
         .map(|script| {

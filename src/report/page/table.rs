@@ -4,7 +4,7 @@ use super::escape::html;
 use crate::report::table::{Cell, Table};
 
 /// A table as HTML. Rows for which `class` has a name are of that class.
-pub fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
+pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
     let heads: String = table.header().into_iter().map(head).collect();
     let body: String = table
         .rows()

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// How words are written.
-pub enum Lettering {
+pub(super) enum Lettering {
     /// As text.
     Text,
     /// As outlines of a font.
@@ -21,7 +21,7 @@ pub enum Lettering {
 
 /// Which part of words is at their place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
+pub(super) enum Anchor {
     /// Their left end.
     Start,
     /// Their middle.
@@ -31,7 +31,7 @@ pub enum Anchor {
 }
 
 /// Words at a place.
-pub struct Words<'a> {
+pub(super) struct Words<'a> {
     text: &'a str,
     at: [f64; 2],
     anchor: Anchor,
@@ -41,7 +41,7 @@ pub struct Words<'a> {
 
 impl<'a> Words<'a> {
     /// Small words along the horizontal, their baseline at this height.
-    pub fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
+    pub(super) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
         Words {
             text,
             at,
@@ -52,13 +52,13 @@ impl<'a> Words<'a> {
     }
 
     /// The same as a label of an axis: larger.
-    pub fn label(mut self) -> Self {
+    pub(super) fn label(mut self) -> Self {
         self.label = true;
         self
     }
 
     /// The same from below to above.
-    pub fn upward(mut self) -> Self {
+    pub(super) fn upward(mut self) -> Self {
         self.upward = true;
         self
     }
@@ -73,13 +73,13 @@ const LABEL_SIZE: f64 = 13.0;
 
 impl Lettering {
     /// Letters as outlines.
-    pub fn outlines() -> Self {
+    pub(super) fn outlines() -> Self {
         let face = Face::parse(dejavu::sans::regular(), 0);
         Lettering::Outlines(Box::new(face.expect("the crate carries a font")))
     }
 
     /// Adds words to a picture.
-    pub fn write(&self, svg: &mut String, words: &Words) {
+    pub(super) fn write(&self, svg: &mut String, words: &Words) {
         match self {
             Lettering::Text => write_text(svg, words),
             Lettering::Outlines(face) => write_outlines(svg, words, face),

@@ -6,13 +6,13 @@ use super::scale::Scale;
 use std::fmt::Write;
 
 /// Width and height of a panel.
-pub const SIZE: [f64; 2] = [400.0, 470.0];
+pub(super) const SIZE: [f64; 2] = [400.0, 470.0];
 /// Left, top, right and bottom of the plot in it.
 const PLOT: [f64; 4] = [64.0, 58.0, 384.0, 418.0];
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
+pub(super) struct Look {
     /// Whether it is of the last design.
     pub main: bool,
     /// Number of its rack's colour, where there are several racks.
@@ -29,7 +29,7 @@ impl Look {
 
 /// A curve: motion and value, station by station; `None` is a gap.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub(super) struct Line {
     /// Name in the legend; none for further curves of one name.
     pub name: Option<String>,
     /// How it is drawn.
@@ -40,7 +40,7 @@ pub struct Line {
 
 /// A target: motion and value, and what may be missed.
 #[derive(Clone, Debug)]
-pub struct Band {
+pub(super) struct Band {
     /// Its points.
     pub points: Vec<[f64; 2]>,
     /// The tolerance.
@@ -49,7 +49,7 @@ pub struct Band {
 
 /// One plot.
 #[derive(Clone, Debug)]
-pub struct Panel {
+pub(super) struct Panel {
     /// Label of the axis of values.
     pub value: String,
     /// Label of the axis of the motion.
@@ -68,7 +68,7 @@ pub struct Panel {
 
 impl Panel {
     /// The panel as an SVG group, moved to the right by `shift`.
-    pub fn svg(&self, shift: f64, lettering: &Lettering) -> String {
+    pub(super) fn svg(&self, shift: f64, lettering: &Lettering) -> String {
         let [left, top, right, bottom] = PLOT;
         let points = || self.lines.iter().flat_map(|l| l.points.iter().flatten());
         let wanted = || self.bands.iter().flat_map(|b| &b.points);
@@ -293,7 +293,7 @@ fn path(svg: &mut String, class: &str, points: impl Iterator<Item = [f64; 2]>, c
 }
 
 /// A length on the picture: tenths are more than enough, and hide the last digits of the platform.
-pub fn number(length: f64) -> String {
+pub(super) fn number(length: f64) -> String {
     let text = format!("{:.1}", (length * 10.0).round() / 10.0 + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

@@ -10,7 +10,7 @@ const SCALE: f32 = 2.0;
 ///
 /// # Panics
 /// If it is no SVG or has no size: what this program draws has both.
-pub fn png(svg: &str) -> Vec<u8> {
+pub(super) fn png(svg: &str) -> Vec<u8> {
     let tree = Tree::from_str(svg, &Options::default()).expect("the program's own SVG");
     let size = tree.size().to_int_size().scale_by(SCALE);
     let size = size.expect("the size of a few panels");

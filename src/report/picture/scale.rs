@@ -2,7 +2,7 @@
 
 /// A linear scale whose ends are round numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scale {
+pub(super) struct Scale {
     low: f64,
     high: f64,
     step: f64,
@@ -12,7 +12,7 @@ pub struct Scale {
 
 impl Scale {
     /// A scale that shows all of the values with about so many ticks.
-    pub fn showing(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
+    pub(super) fn showing(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
@@ -36,14 +36,14 @@ impl Scale {
     }
 
     /// Where a value is drawn.
-    pub fn place(&self, value: f64) -> f64 {
+    pub(super) fn place(&self, value: f64) -> f64 {
         let share = (value - self.low) / (self.high - self.low);
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
     /// The power of ten that the labels of the ticks are in, a multiple of three: 0 where they are short
     /// without.
-    pub fn power(&self) -> i32 {
+    pub(super) fn power(&self) -> i32 {
         let largest = self.low.abs().max(self.high.abs());
         let order = |value: f64| value.log10().floor() as i32;
         match (order(largest), order(self.step)) {
@@ -53,7 +53,7 @@ impl Scale {
     }
 
     /// The ticks: places and labels, these in [`Scale::power`].
-    pub fn ticks(&self) -> Vec<(f64, String)> {
+    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let count = ((self.high - self.low) / self.step).round() as usize;
         let unit = 10f64.powi(self.power());
         let decimals = (-(self.step / unit).log10().floor()).clamp(0.0, 12.0) as usize;

@@ -9,7 +9,7 @@ use crate::sweep::{Block, SweepPlan};
 
 /// The part of each row that is the same for all designs, and the names of the rest.
 #[derive(Clone, Debug)]
-pub struct CurvesCsv {
+pub(super) struct CurvesCsv {
     /// The first line.
     pub header: Vec<u8>,
     /// By station of the motion: its number in a block, and its cells.
@@ -20,7 +20,7 @@ pub struct CurvesCsv {
 
 impl CurvesCsv {
     /// The curves of a sweep.
-    pub fn of(plan: &SweepPlan, study: &Study) -> Self {
+    pub(super) fn of(plan: &SweepPlan, study: &Study) -> Self {
         let (motion, suspension) = (&study.motion, &study.suspension);
         let mut names = vec!["design".to_owned(), plan.record.drive.clone()];
         names.extend(
@@ -56,7 +56,7 @@ impl CurvesCsv {
     }
 
     /// Adds the curves of a block whose first design has this number.
-    pub fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
+    pub(super) fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
         let mut words: Vec<&'static str> = Vec::new();
         let word = |failure: Failure| Status::Failed(failure).word();
         for design in 0..block.designs() {

@@ -5,14 +5,14 @@ use std::borrow::Cow;
 use std::io::{self, BufRead, ErrorKind, Write};
 
 /// The first line.
-pub fn header(record: &SweepRecord) -> Vec<u8> {
+pub(super) fn header(record: &SweepRecord) -> Vec<u8> {
     let mut line = record.columns().join(",").into_bytes();
     line.push(b'\n');
     line
 }
 
 /// Adds the rows of a block.
-pub fn append(rows: &Rows, to: &mut Vec<u8>) {
+pub(super) fn append(rows: &Rows, to: &mut Vec<u8>) {
     for place in 0..rows.designs() {
         append_row(
             rows.first + place as u64,
@@ -25,7 +25,7 @@ pub fn append(rows: &Rows, to: &mut Vec<u8>) {
 }
 
 /// Adds the row of a design that was kept.
-pub fn append_candidate(candidate: &Candidate, to: &mut Vec<u8>) {
+pub(super) fn append_candidate(candidate: &Candidate, to: &mut Vec<u8>) {
     let Candidate {
         design,
         variables,
@@ -64,19 +64,19 @@ fn append_row(
 }
 
 /// Adds a number; nothing for NaN, which stands for no value.
-pub fn append_number(value: f64, to: &mut Vec<u8>) {
+pub(super) fn append_number(value: f64, to: &mut Vec<u8>) {
     if !value.is_nan() {
         to.extend_from_slice(zmij::Buffer::new().format(value).as_bytes());
     }
 }
 
 /// Adds a whole number.
-pub fn append_whole(value: u64, to: &mut Vec<u8>) {
+pub(super) fn append_whole(value: u64, to: &mut Vec<u8>) {
     write!(to, "{value}").expect("memory takes everything");
 }
 
 /// Adds a text, in quotes where it needs them.
-pub fn append_text(text: &str, to: &mut Vec<u8>) {
+pub(super) fn append_text(text: &str, to: &mut Vec<u8>) {
     if text.contains([',', '"', '\n']) {
         to.push(b'"');
         to.extend_from_slice(text.replace('"', "\"\"").as_bytes());

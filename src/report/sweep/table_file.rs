@@ -93,7 +93,7 @@ fn is_parquet(path: &Path) -> bool {
 }
 
 /// The lines of a file as CSV, the header first.
-pub fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
+pub(super) fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
     if !is_parquet(path) {
         return Ok(Box::new(BufReader::new(File::open(path)?)));
     }

@@ -14,7 +14,7 @@ pub(crate) struct Circle<T> {
 
 impl<T: Real> Circle<T> {
     #[inline(always)]
-    pub fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
+    pub(crate) fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
         let [front, rear, outer] = [design[arm.front.0], design[arm.rear.0], design[arm.outer.0]];
         // About this axis a positive turn raises the joint (as `axis_ends` has it for one number).
         let lift = (front - rear).cross(outer - rear).z;
@@ -29,7 +29,7 @@ impl<T: Real> Circle<T> {
     }
 
     #[inline(always)]
-    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
+    pub(crate) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
         Circle {
             centre: self.centre.map(&mut f),
             radius: self.radius.map(&mut f),
@@ -39,7 +39,7 @@ impl<T: Real> Circle<T> {
 
     /// The joint at an angle.
     #[inline(always)]
-    pub fn at(&self, cosine: T, sine: T) -> Vector3<T> {
+    pub(crate) fn at(&self, cosine: T, sine: T) -> Vector3<T> {
         self.centre
             .plus_scaled(self.radius, cosine)
             .plus_scaled(self.turned, sine)
@@ -48,14 +48,14 @@ impl<T: Real> Circle<T> {
 
 impl Circle<f64> {
     /// The angle of a point on the circle.
-    pub fn angle(&self, point: Vector3<f64>) -> f64 {
+    pub(crate) fn angle(&self, point: Vector3<f64>) -> f64 {
         let from_centre = point - self.centre;
         let (cosine, sine) = (from_centre.dot(self.radius), from_centre.dot(self.turned));
         sine.atan2(cosine)
     }
 
     /// Tangent of half the angle of a point on the circle.
-    pub fn half_tangent(&self, point: Vector3<f64>) -> f64 {
+    pub(crate) fn half_tangent(&self, point: Vector3<f64>) -> f64 {
         let from_centre = point - self.centre;
         let squared = self.radius.norm_squared();
         let cosine = from_centre.dot(self.radius) / squared;

@@ -9,7 +9,7 @@ mod follow;
 mod series;
 mod stations;
 
-pub use crate::mechanism::{DesignFault, Failure};
+pub(super) use crate::mechanism::{DesignFault, Failure};
 pub(crate) use follow::predict;
 pub use stations::StationOrder;
 

@@ -35,7 +35,7 @@ pub struct Run {
 #[derive(Clone, Debug)]
 pub enum Summary {
     /// A solve.
-    Solve(SolveSummary),
+    Solve(Box<SolveSummary>),
     /// A solve of an axle.
     Axle(AxleSummary),
     /// An optimisation.

@@ -266,7 +266,7 @@ fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
     let run = Run {
         record: Record::of("solve", &study, &plan, &[design]).map_err(fault)?,
         curves: vec![CurveTable::read(&csv)?],
-        summary: Summary::Solve(SolveSummary::of(&study, &found)),
+        summary: Summary::Solve(Box::new(SolveSummary::of(&study, &found))),
         history: None,
         files: Vec::new(),
     };

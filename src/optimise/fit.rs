@@ -58,6 +58,8 @@ pub enum Termination {
     NoFeasibleStep(Infeasible),
     /// Of all designs that are good enough, no other nearby moves less.
     NearestGoodEnough,
+    /// No design is good enough; of those that are as good as the best, no other nearby moves less.
+    NearestOfTheBest,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
@@ -74,6 +76,7 @@ impl Termination {
             | Termination::NoFurtherDescent
             | Termination::StepBelowResolution
             | Termination::NearestGoodEnough
+            | Termination::NearestOfTheBest
             | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
             | Termination::ConstraintsExcludeEachOther
@@ -95,6 +98,9 @@ impl fmt::Display for Termination {
             Termination::NoFeasibleStep(reason) => write!(f, "no feasible step: {reason}"),
             Termination::NearestGoodEnough => {
                 write!(f, "converged: the nearest design that is good enough")
+            }
+            Termination::NearestOfTheBest => {
+                write!(f, "converged: the nearest of the best designs")
             }
             Termination::ConstraintsExcludeEachOther => {
                 write!(f, "the constraints exclude one another")

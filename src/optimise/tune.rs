@@ -298,8 +298,10 @@ impl<'a, const N: usize> Tuner<'a, N> {
         if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
             return;
         }
+        let is_good_enough = misfit <= self.optimise.good_enough;
         let ended = match found.termination.at_minimum() {
-            true => Termination::NearestGoodEnough,
+            true if is_good_enough => Termination::NearestGoodEnough,
+            true => Termination::NearestOfTheBest,
             false => found.termination.clone(),
         };
         let steps = fit.history.last().map_or(0, |i| i.iteration);

@@ -157,8 +157,8 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // The curves, the mechanism, the history and two plots of sensitivities.
-        assert_eq!(shown.attribute("plots-drawn"), (outputs + 4).to_string());
+        // The curves, the mechanism, the history, two plots of sensitivities and what moving further buys.
+        assert_eq!(shown.attribute("plots-drawn"), (outputs + 5).to_string());
         assert_eq!(shown.attribute("station"), station.to_string());
         let centre: Vec<f64> = shown
             .attribute("wheel-centre")

@@ -13,7 +13,7 @@ use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
 use crate::optimise::{Way, moved_design, ways};
 use crate::plan::{Output, Plan};
-use crate::study::{Designs, Formulation, Move, Study, SweepVariable, Variable, nearest};
+use crate::study::{Designs, Formulation, Study, SweepVariable, Variable, nearest};
 use crate::sweep::{BLOCK, Block, Evaluator, Stations};
 use nalgebra::DVector;
 use std::sync::Arc;
@@ -119,20 +119,8 @@ impl DesignVariable {
     /// Every coordinate of every hardpoint, by up to ten millimetres.
     fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
         let far = 0.01 * suspension.length_unit.per_metre();
-        let points = (0..suspension.design.len()).map(PointId);
-        let all = points.flat_map(|point| Axis::ALL.map(|axis| (point, axis)));
-        let variable = |(point, axis): (PointId, Axis)| Variable {
-            name: suspension.mechanism.name(point).to_owned(),
-            moves: vec![Move {
-                point,
-                axis,
-                factor: 1.0,
-            }],
-            turn: None,
-            range: [-far, far],
-            cost: 1.0,
-        };
-        all.map(|at| Self::tuned(&variable(at))).collect()
+        let all = Variable::every_coordinate(suspension, [-far, far]);
+        all.iter().map(Self::tuned).collect()
     }
 
     /// The coordinate itself in place of the offset.
@@ -140,7 +128,7 @@ impl DesignVariable {
         let [m] = self.moved.moves[..] else {
             return self.clone();
         };
-        let at = suspension.design[m.point.0].to_array()[m.axis as usize];
+        let at = suspension.design[m.point.0][m.axis];
         let at = at * suspension.frame.sign(m.axis) + 0.0;
         let mut moved = self.moved.clone();
         moved.range = moved.range.map(|offset| at + offset);
@@ -523,13 +511,7 @@ impl DesignFunction {
         moved_design(design, frame, &self.variables, offsets, into);
         for (variable, value) in self.names.iter().zip(x).filter(|(v, _)| v.absolute) {
             for m in &variable.moved.moves {
-                let point = &mut into[m.point.0];
-                let coordinate = match m.axis {
-                    Axis::X => &mut point.x,
-                    Axis::Y => &mut point.y,
-                    Axis::Z => &mut point.z,
-                };
-                *coordinate = frame.sign(m.axis) * m.factor * value;
+                m.apply(frame, *value, true, into);
             }
         }
     }

@@ -128,9 +128,7 @@ impl Plan {
             rack_moves: study.motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
             time: study.motion.time.clone(),
-            reads: outputs
-                .iter()
-                .fold(Slots::default(), |slots, o| slots.with(o.quantity.reads())),
+            reads: Slots::of(outputs.iter().map(|o| o.quantity.reads())),
             outputs,
             coefficients,
             sensitivities: study.outputs.sensitivities.clone(),

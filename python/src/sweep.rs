@@ -5,10 +5,11 @@ use crate::study::Study;
 use crate::threads::on_threads;
 use hardpoint::DesignVariable;
 use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
-use hardpoint::sweep::{NotBegun, Rows, SweepPlan, in_order};
+use hardpoint::sweep::{NotBegun, SweepPlan};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ops::ControlFlow;
 
 /// Blocks between two looks for Ctrl-C.
 const PIECE: u64 = 512;
@@ -89,12 +90,7 @@ pub(crate) fn sweep<'py>(
     };
     let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
     let record = &plan.record;
-    let names: Vec<String> = record
-        .variables
-        .iter()
-        .map(|v| v.column.clone())
-        .chain(record.outputs.iter().map(|o| o.column.clone()))
-        .collect();
+    let names = record.value_columns();
     let width = record.variables.len();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
     let mut failed: Vec<i64> = Vec::new();
@@ -103,13 +99,12 @@ pub(crate) fn sweep<'py>(
     let mut first = 0;
     while first < blocks {
         let end = blocks.min(first + PIECE);
-        let done = py.detach(|| {
+        py.detach(|| {
             on_threads(threads, || {
-                in_order(
+                plan.run(
                     first..end,
-                    || plan.worker(),
-                    |worker, block| worker.as_mut().ok().map(|w| w.rows(block).clone()),
-                    |rows: Rows| {
+                    || true,
+                    |rows| {
                         for design in 0..rows.designs() {
                             for (column, value) in columns.iter_mut().zip(rows.variables(design)) {
                                 column.push(*value);
@@ -124,15 +119,11 @@ pub(crate) fn sweep<'py>(
                                 reasons.push(failing.reason.clone());
                             }
                         }
-                        Ok::<(), std::convert::Infallible>(())
+                        ControlFlow::Continue(())
                     },
-                )
+                );
             })
         })?;
-        match done {
-            Ok(()) => {}
-            Err(never) => match never {},
-        }
         py.check_signals()?;
         first = end;
     }

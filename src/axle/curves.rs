@@ -2,7 +2,7 @@
 
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 use super::state::Motion;
-use super::{Axle, Course, Quantity, Void, WheelMotion};
+use super::{Axle, AxleQuantity, Course, Quantity, Void, WheelMotion};
 use crate::curves::Status;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side};
@@ -19,6 +19,51 @@ pub struct AxlePlan {
     pub derivatives: bool,
     /// Hardpoints by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
+}
+
+impl AxlePlan {
+    /// The same quantities in the design position.
+    pub fn at_design(&self) -> AxlePlan {
+        let wheels = match self.course.wheels {
+            WheelMotion::Heave(_) => WheelMotion::Heave(vec![0.0]),
+            WheelMotion::Roll { .. } => WheelMotion::Roll {
+                heave: vec![0.0],
+                roll: vec![0.0],
+            },
+            WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
+                left: vec![0.0],
+                right: vec![0.0],
+                on_plane,
+            },
+        };
+        AxlePlan {
+            course: Course {
+                wheels,
+                racks: vec![0.0],
+                steering_wheel: None,
+                ..self.course.clone()
+            },
+            sensitivities: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+impl Axle {
+    /// Whether the steering wheel, turned to the left, steers the wheels to the right.
+    pub fn turns_against(&self, plan: &AxlePlan) -> bool {
+        if self.setup.c_factor.is_none() || self.setup.wheel_radius.is_none() {
+            return false;
+        }
+        let plan = AxlePlan {
+            quantities: vec![Quantity::Axle(AxleQuantity::SteeringRatio)],
+            derivatives: false,
+            ..plan.at_design()
+        };
+        let ratio = axle_curves(self, &plan).ok();
+        let ratio = ratio.and_then(|curves| curves.stations.first()?.value(0));
+        ratio.is_some_and(|ratio| ratio < 0.0)
+    }
 }
 
 /// A column of values.
@@ -321,7 +366,7 @@ fn gradients<const N: usize>(
         for point in &plan.sensitivities {
             for axis in Axis::ALL {
                 let frames = [Side::Left, Side::Right].map(|s| axle.suspension(s).frame);
-                let by = [left, right].map(|g| g[point.0].to_array()[axis as usize] * factor);
+                let by = [left, right].map(|g| g[point.0][axis] * factor);
                 let mut add = |side, value| {
                     found.push(AxleSensitivity {
                         station,

@@ -58,7 +58,7 @@ pub fn built_curves(
             }
         }
         for s in &sensitivities {
-            let along = moves[s.point.0].to_array()[s.axis as usize];
+            let along = moves[s.point.0][s.axis];
             let sign = suspension.frame.sign(s.axis);
             // What does not move adds nothing, even where the sensitivity by it has no value.
             if along != 0.0 {

@@ -112,13 +112,10 @@ impl<'a> LaneReader<'a> {
             Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
         };
         let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
-        let slots =
-            evaluations
-                .iter()
-                .fold(Slots::default(), |slots, evaluation| match evaluation {
-                    Evaluation::Formula(c) | Evaluation::Slope(c) => slots.with(c.info().reads),
-                    Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => slots,
-                });
+        let slots = Slots::of(evaluations.iter().map(|evaluation| match evaluation {
+            Evaluation::Formula(c) | Evaluation::Slope(c) => c.info().reads,
+            Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => &[],
+        }));
         let stands_on = |is: fn(Body) -> bool| points.iter().any(|id| is(mechanism.body(*id)));
         let reads = Reads {
             spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
@@ -372,9 +369,7 @@ impl<'a> LaneReader<'a> {
         let mut takes_series = false;
         for (number, evaluation) in self.evaluations.iter().enumerate() {
             let slope = match (evaluation, self.quantities[number]) {
-                (Evaluation::Coordinate(point, axis), _) => {
-                    component(read.points[*point][1], *axis)
-                }
+                (Evaluation::Coordinate(point, axis), _) => read.points[*point][1][*axis],
                 (_, Quantity::Characteristic(c)) if is_angle(c) => {
                     let sloping = Sloping {
                         characteristic: c,
@@ -446,16 +441,6 @@ impl<'a> LaneReader<'a> {
             design,
             constants: inputs.constants,
         }
-    }
-}
-
-/// The component of a vector.
-#[inline(always)]
-fn component<T: Copy>(vector: Vector3<T>, axis: Axis) -> T {
-    match axis {
-        Axis::X => vector.x,
-        Axis::Y => vector.y,
-        Axis::Z => vector.z,
     }
 }
 
@@ -584,8 +569,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
             let value = match evaluation {
                 Evaluation::Formula(c) => c.evaluate(&read.inputs),
                 Evaluation::Slope(angle) => by_drive(*angle, &read.inputs).expect("it is an angle"),
-                Evaluation::Coordinate(point, axis) => component(read.points[*point][0], *axis),
-                Evaluation::AngularVelocity(axis) => component(read.inputs.turn, *axis),
+                Evaluation::Coordinate(point, axis) => read.points[*point][0][*axis],
+                Evaluation::AngularVelocity(axis) => read.inputs.turn[*axis],
             };
             value.finite().store(&mut self.to[first..]);
             first += self.stride;
@@ -651,11 +636,7 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for SeedingPoint<'_, '_, '_,
     fn work(self) {
         let zero = self.weight.zero();
         let mut along = Vector3::new(zero, zero, zero);
-        match self.axis {
-            Axis::X => along.x = self.weight,
-            Axis::Y => along.y = self.weight,
-            Axis::Z => along.z = self.weight,
-        }
+        along[self.axis] = self.weight;
         self.seeds.point(self.id, along);
     }
 }

@@ -68,18 +68,13 @@ pub struct WheelReading<const N: usize> {
     inputs: Inputs<Jet<f64, N>>,
 }
 
-/// The component of a vector.
-#[inline]
-fn component<T: Copy>(v: Vector3<T>, axis: Axis) -> T {
-    v.to_array()[axis as usize]
-}
-
 /// The vector with this one component.
 #[inline]
 fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
-    let mut components = [value.zero(); 3];
-    components[axis as usize] = value;
-    Vector3::from(components)
+    let zero = value.zero();
+    let mut vector = Vector3::new(zero, zero, zero);
+    vector[axis] = value;
+    vector
 }
 
 impl<const N: usize> WheelReading<N> {
@@ -135,8 +130,8 @@ impl<const N: usize> WheelReading<N> {
     pub fn value(&self, at: &Configuration<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
             Quantity::Characteristic(c) => self.characteristic(c),
-            Quantity::Coordinate(point, axis) => component(at.point(point), axis),
-            Quantity::AngularVelocity(axis) => component(self.inputs.turn, axis),
+            Quantity::Coordinate(point, axis) => at.point(point)[axis],
+            Quantity::AngularVelocity(axis) => self.inputs.turn[axis],
         }
     }
 

@@ -129,6 +129,11 @@ impl Slots {
             .any(|slot| slot.is_of_steering_axis() && self.contains(*slot))
     }
 
+    /// All that several things read.
+    pub fn of<'s>(read: impl IntoIterator<Item = &'s [Slot]>) -> Self {
+        read.into_iter().fold(Slots::default(), Slots::with)
+    }
+
     /// With these slots.
     pub fn with(self, slots: &[Slot]) -> Self {
         Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u32))

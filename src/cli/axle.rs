@@ -8,9 +8,7 @@ use super::printer::Printer;
 use super::progress;
 use super::report::Wanted;
 use super::{RunArguments, StudyArguments};
-use crate::axle::{
-    Axle, AxleCurves, AxlePlan, AxleQuantity, Course, Quantity, WheelMotion, axle_curves,
-};
+use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::optimise::{Best, moved_design};
@@ -45,47 +43,6 @@ pub(super) fn fault(path: &Path, axle: &Axle, (side, fault): (Side, DesignFault)
     ))
 }
 
-/// The same quantities in the design position.
-fn at_design(plan: &AxlePlan) -> AxlePlan {
-    let wheels = match plan.course.wheels {
-        WheelMotion::Heave(_) => WheelMotion::Heave(vec![0.0]),
-        WheelMotion::Roll { .. } => WheelMotion::Roll {
-            heave: vec![0.0],
-            roll: vec![0.0],
-        },
-        WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
-            left: vec![0.0],
-            right: vec![0.0],
-            on_plane,
-        },
-    };
-    AxlePlan {
-        course: Course {
-            wheels,
-            racks: vec![0.0],
-            steering_wheel: None,
-            ..plan.course.clone()
-        },
-        sensitivities: Vec::new(),
-        ..plan.clone()
-    }
-}
-
-/// Whether the steering wheel, turned to the left, steers the wheels to the right.
-fn turns_against(axle: &Axle, plan: &AxlePlan) -> bool {
-    if axle.setup.c_factor.is_none() || axle.setup.wheel_radius.is_none() {
-        return false;
-    }
-    let plan = AxlePlan {
-        quantities: vec![Quantity::Axle(AxleQuantity::SteeringRatio)],
-        derivatives: false,
-        ..at_design(plan)
-    };
-    let ratio = axle_curves(axle, &plan).ok();
-    let ratio = ratio.and_then(|curves| curves.stations.first()?.value(0));
-    ratio.is_some_and(|ratio| ratio < 0.0)
-}
-
 fn said(
     study: &Study,
     path: &Path,
@@ -95,7 +52,7 @@ fn said(
 ) -> Result<Vec<String>, Stop> {
     let left = |f| fault(path, axle, (Side::Left, f));
     let mut said = doubts(&study.suspension).map_err(left)?;
-    said.extend(axle_doubts(axle, curves, turns_against(axle, plan)));
+    said.extend(axle_doubts(axle, curves, axle.turns_against(plan)));
     Ok(said)
 }
 
@@ -126,7 +83,7 @@ pub(super) fn solve(
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let curves = axle_curves(axle, plan).map_err(|f| fault(path, axle, f))?;
-    let design = axle_curves(axle, &at_design(plan)).map_err(|f| fault(path, axle, f))?;
+    let design = axle_curves(axle, &plan.at_design()).map_err(|f| fault(path, axle, f))?;
     let output = Output::open(arguments, study, "solve")?;
     let wanted = Wanted::open(arguments)?;
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
@@ -232,7 +189,7 @@ pub(super) fn optimise(
     let mut refused = None;
     if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
         designs.push(("after", "curves.csv", tuned, after));
-        let design = axle_curves(tuned, &at_design(&plan)).map_err(|f| fault(path, axle, f))?;
+        let design = axle_curves(tuned, &plan.at_design()).map_err(|f| fault(path, axle, f))?;
         complete &= after.are_complete();
         output.main_csv("curves.csv", &axle_curves_csv(tuned, &plan, after))?;
         if !plan.sensitivities.is_empty() {
@@ -296,7 +253,7 @@ pub(super) fn check(
         ..plan.clone()
     };
     let curves = axle_curves(axle, &moving).map_err(|f| fault(path, axle, f))?;
-    let design = axle_curves(axle, &at_design(plan)).map_err(|f| fault(path, axle, f))?;
+    let design = axle_curves(axle, &plan.at_design()).map_err(|f| fault(path, axle, f))?;
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;

@@ -120,7 +120,7 @@ impl<'a> Loads<'a> {
                     Carried::Rod => carried.rod?,
                     Carried::Force(point, axis) => {
                         let force = force_at(point, &carried, at.mechanism, place);
-                        force.to_array()[axis as usize] * self.suspension.frame.sign(axis)
+                        force[axis] * self.suspension.frame.sign(axis)
                     }
                 };
                 value.is_finite().then_some(value)

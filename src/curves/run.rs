@@ -331,7 +331,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {
-                        let orders = found[id.0].map(|g| g.to_array()[axis as usize]);
+                        let orders = found[id.0].map(|g| g[axis]);
                         let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
                         gradients.push(Sensitivity {
                             station: 0,

@@ -29,9 +29,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         quantities: &'a [Quantity],
     ) -> Result<Self, DesignFault> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-        let reads = quantities
-            .iter()
-            .fold(Slots::default(), |slots, q| slots.with(q.reads()));
+        let reads = Slots::of(quantities.iter().map(|q| q.reads()));
         let rockers = quantities.iter().flat_map(|q| q.rockers(mechanism));
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         Ok(OneByOne {

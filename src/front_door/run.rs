@@ -5,7 +5,7 @@ use crate::curves::{Curves, curves};
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
 use crate::study::Study;
-use crate::sweep::{Rows, SweepPlan, in_order};
+use crate::sweep::{Rows, SweepPlan};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -109,7 +109,7 @@ impl Study {
     pub fn sweep(
         &self,
         control: SweepControl<'_>,
-        mut sink: impl FnMut(&Rows) -> ControlFlow<()> + Send,
+        sink: impl FnMut(&Rows) -> ControlFlow<()> + Send,
     ) -> Result<Vec<String>, Error> {
         let sweep = self
             .sweep
@@ -128,20 +128,7 @@ impl Study {
                 .interrupt
                 .is_none_or(|interrupt| !interrupt.load(Ordering::SeqCst))
         };
-        // Breaking off is no error; it only ends the hand-over.
-        let _: Result<(), ()> = pool.install(|| {
-            in_order(
-                0..plan.record.blocks(),
-                || plan.worker().expect("the same design was accepted before"),
-                |worker, block| go_on().then(|| worker.rows(block).clone()),
-                |rows: Rows| match sink(&rows) {
-                    ControlFlow::Continue(()) => Ok(()),
-                    ControlFlow::Break(()) => Err(()),
-                },
-            )
-        });
-        let variables = plan.record.variables.iter().map(|v| v.column.clone());
-        let outputs = plan.record.outputs.iter().map(|o| o.column.clone());
-        Ok(variables.chain(outputs).collect())
+        pool.install(|| plan.run(0..plan.record.blocks(), go_on, sink));
+        Ok(plan.record.value_columns())
     }
 }

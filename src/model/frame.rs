@@ -5,6 +5,7 @@
 //! is exact and a mirrored car gives mirrored results to the last bit.
 
 use crate::number::Vector3;
+use std::ops::{Index, IndexMut};
 
 /// A coordinate axis of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,6 +25,29 @@ impl Axis {
     /// Lower-case letter, as in studies and column names.
     pub fn name(self) -> &'static str {
         ["x", "y", "z"][self as usize]
+    }
+}
+
+impl<T> Index<Axis> for Vector3<T> {
+    type Output = T;
+    #[inline(always)]
+    fn index(&self, axis: Axis) -> &T {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Y => &self.y,
+            Axis::Z => &self.z,
+        }
+    }
+}
+
+impl<T> IndexMut<Axis> for Vector3<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, axis: Axis) -> &mut T {
+        match axis {
+            Axis::X => &mut self.x,
+            Axis::Y => &mut self.y,
+            Axis::Z => &mut self.z,
+        }
     }
 }
 

@@ -340,7 +340,7 @@ impl TargetLayout {
         let all = || measures.iter().chain(parts.iter().map(|p| &p.of));
         TargetLayout {
             rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
-            reads: all().fold(Slots::default(), |slots, m| slots.with(m.reads())),
+            reads: Slots::of(all().map(|m| m.reads())),
             legs,
             rows,
             measures,
@@ -363,9 +363,12 @@ impl TargetLayout {
         self.rows * self.builds
     }
 
-    /// How many rows of the constraints, the first, must vanish.
-    pub fn equalities(&self) -> usize {
-        self.equalities
+    /// What is left to the limit of a row with this value, in the constraint's unit; negative where it is violated.
+    pub fn room(&self, row: usize, value: f64) -> f64 {
+        match row < self.equalities {
+            true => -value.abs(),
+            false => -value,
+        }
     }
 
     /// What the rows of the constraints stand for, equalities first.

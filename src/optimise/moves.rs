@@ -35,9 +35,9 @@ fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
 
 /// The unit vector of a study's axis, in the kernel's frame.
 fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
-    let mut unit = [0.0; 3];
-    unit[axis as usize] = frame.sign(axis);
-    unit.into()
+    let mut unit = Vector3::default();
+    unit[axis] = frame.sign(axis);
+    unit
 }
 
 /// The rotation vector that the variables of one group add up to, in the kernel's frame and radians.
@@ -90,13 +90,7 @@ pub fn moved_design(
     }
     for (variable, offset) in variables.iter().zip(x) {
         for m in &variable.moves {
-            let point = &mut moved[m.point.0];
-            let coordinate = match m.axis {
-                Axis::X => &mut point.x,
-                Axis::Y => &mut point.y,
-                Axis::Z => &mut point.z,
-            };
-            *coordinate += frame.sign(m.axis) * m.factor * offset;
+            m.apply(frame, *offset, false, moved);
         }
     }
 }

@@ -436,7 +436,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let Some(state) = &fit.constraints else {
             return Vec::new();
         };
-        let (equalities, labels) = (self.layout.equalities, self.layout.labels());
+        let labels = self.layout.labels();
         let count = fit.evaluation.residuals.len() as f64;
         let constraints = 0..self.optimise.constraints.len();
         let outcome = |number: usize| {
@@ -447,11 +447,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             let (mut room, mut at, mut pull) = (f64::INFINITY, None, 0.0);
             for (row, label) in own {
                 let value = state.values[row];
-                let left = if row < equalities {
-                    -value.abs()
-                } else {
-                    -value
-                };
+                let left = self.layout.room(row, value);
                 if left < room {
                     room = left;
                     let leg = &self.layout.legs[label.leg];

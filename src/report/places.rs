@@ -173,18 +173,18 @@ fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
 
 type Lines = Vec<Vec<Vector3<f64>>>;
 
+/// Once around the corners of a square.
+const AROUND: [[f64; 2]; 5] = [
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, 1.0],
+    [-1.0, -1.0],
+];
+
 fn box_lines(middle: Vector3<f64>, half: Vector3<f64>) -> Lines {
     let at = |x: f64, y: f64, z: f64| middle + Vector3::new(x * half.x, y * half.y, z * half.z);
-    let ring = |z: f64| {
-        let corners = [
-            [-1.0, -1.0],
-            [1.0, -1.0],
-            [1.0, 1.0],
-            [-1.0, 1.0],
-            [-1.0, -1.0],
-        ];
-        corners.map(|[x, y]| at(x, y, z)).to_vec()
-    };
+    let ring = |z: f64| AROUND.map(|[x, y]| at(x, y, z)).to_vec();
     let posts = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let posts = posts.map(|[x, y]| vec![at(x, y, -1.0), at(x, y, 1.0)]);
     [ring(-1.0), ring(1.0)].into_iter().chain(posts).collect()
@@ -230,14 +230,7 @@ fn tube_lines(middle: Vector3<f64>, along: Vector3<f64>, half: f64, radius: f64)
 
 fn plane_lines(foot: Vector3<f64>, normal: Vector3<f64>, half: f64) -> Lines {
     let [u, v] = across(normal.normalised());
-    let corners = [
-        [-1.0, -1.0],
-        [1.0, -1.0],
-        [1.0, 1.0],
-        [-1.0, 1.0],
-        [-1.0, -1.0],
-    ];
-    let ring = corners.map(|[a, b]| foot + u * (a * half) + v * (b * half));
+    let ring = AROUND.map(|[a, b]| foot + u * (a * half) + v * (b * half));
     vec![
         ring.to_vec(),
         vec![ring[0], ring[2]],

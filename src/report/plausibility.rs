@@ -118,7 +118,7 @@ impl<'a> Doubts<'a> {
             return;
         };
         let designed = self.suspension.frame.vector(self.at(point));
-        let coordinate = designed.to_array()[axis as usize];
+        let coordinate = designed[axis];
         let (name, axis) = (self.name(point), axis.name());
         let holds = |value: f64| (low..=high).contains(&value);
         let width = high - low;

@@ -17,30 +17,10 @@
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, PointId, Suspension};
+use crate::model::Suspension;
 use crate::optimise::{Assessment, Constrained, Objective, TargetLayout};
-use crate::study::{Drive, Move, Optimise, Variable};
+use crate::study::{Drive, Optimise, Variable};
 use nalgebra::{DMatrix, DVector};
-
-/// Every coordinate of a suspension as something that can move, point by point.
-pub(super) fn every_coordinate(suspension: &Suspension) -> Vec<Variable> {
-    let mechanism = &suspension.mechanism;
-    let points = (0..mechanism.points.len()).map(PointId);
-    let coordinate = |point: PointId, axis: Axis| Variable {
-        name: mechanism.name(point).to_owned(),
-        moves: vec![Move {
-            point,
-            axis,
-            factor: 1.0,
-        }],
-        turn: None,
-        range: [-1.0, 1.0],
-        cost: 1.0,
-    };
-    points
-        .flat_map(|point| Axis::ALL.map(|axis| coordinate(point, axis)))
-        .collect()
-}
 
 /// Targets and constraints of a design, with their Jacobians by some variables; or why there are none.
 pub(super) fn assessed(
@@ -173,11 +153,8 @@ fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec
     let room = |number: usize| {
         let labels = layout.labels().iter().enumerate();
         let own = labels.filter(|(_, label)| label.constraint == number);
-        own.map(|(row, _)| match row < layout.equalities() {
-            true => -rows[row].abs(),
-            false => -rows[row],
-        })
-        .fold(f64::INFINITY, f64::min)
+        own.map(|(row, _)| layout.room(row, rows[row]))
+            .fold(f64::INFINITY, f64::min)
     };
     constraints
         .map(|(number, constraint)| ConstraintRoom {

@@ -46,7 +46,7 @@ impl Opened {
         });
         Ok(Opened {
             digest: digest(&text),
-            every: super::misfit::every_coordinate(&study.suspension),
+            every: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
             layout,
             text,
             study,

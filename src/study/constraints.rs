@@ -462,10 +462,7 @@ impl Reader<'_> {
             let [middle, half] = self.corners(corners, problems)?;
             let mut parts = Vec::new();
             for axis in Axis::ALL {
-                let (m, h) = (
-                    middle.to_array()[axis as usize],
-                    half.to_array()[axis as usize],
-                );
+                let (m, h) = (middle[axis], half[axis]);
                 let h = room(h, problems)?;
                 let of = Measure::Quantity(Quantity::Coordinate(id, axis));
                 parts.push(self.limited(of, Some(m - h), Some(m + h)));

@@ -57,7 +57,7 @@ fn resolved(
     let force = components(&written.force, "N", problems);
     let moment = components(&written.moment, &format!("N {unit}"), problems);
     let (frame, moment) = (suspension.frame, moment?);
-    let turn = |axis: Axis| frame.turn_sign(axis) * moment.to_array()[axis as usize];
+    let turn = |axis: Axis| frame.turn_sign(axis) * moment[axis];
     Some(Load {
         name: name?,
         at: at?,

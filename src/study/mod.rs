@@ -51,7 +51,7 @@ pub use sweep::MOST_DESIGNS;
 
 use crate::build::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
-use crate::model::{Axis, LengthUnit, PointId, Suspension};
+use crate::model::{Axis, Frame, LengthUnit, PointId, Suspension};
 use crate::number::Vector3;
 
 /// A study, resolved and validated.
@@ -288,6 +288,19 @@ pub struct Move {
     pub factor: f64,
 }
 
+impl Move {
+    /// Puts the coordinate of a design where a value of the variable says: there with `absolute`, else so far from
+    /// where it is. The design is in the kernel's frame.
+    pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
+        let coordinate = &mut design[self.point.0][self.axis];
+        let along = frame.sign(self.axis) * self.factor * value;
+        match absolute {
+            true => *coordinate = along,
+            false => *coordinate += along,
+        }
+    }
+}
+
 /// An optimisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimise {
@@ -383,6 +396,29 @@ impl Variable {
             .iter()
             .flat_map(|turn| turn.points.iter().copied());
         self.moves.iter().map(|m| m.point).chain(turned)
+    }
+}
+
+impl Variable {
+    /// Every coordinate of every point of a suspension, point by point, each over this range.
+    pub fn every_coordinate(suspension: &Suspension, range: [f64; 2]) -> Vec<Variable> {
+        let mechanism = &suspension.mechanism;
+        let points = (0..mechanism.points.len()).map(PointId);
+        let coordinate = |(point, axis)| Variable {
+            name: mechanism.name(point).to_owned(),
+            moves: vec![Move {
+                point,
+                axis,
+                factor: 1.0,
+            }],
+            turn: None,
+            range,
+            cost: 1.0,
+        };
+        points
+            .flat_map(|point| Axis::ALL.map(|axis| (point, axis)))
+            .map(coordinate)
+            .collect()
     }
 }
 

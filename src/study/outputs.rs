@@ -152,40 +152,23 @@ pub(super) fn characteristic(
         return None;
     }
     let vehicle = &suspension.vehicle;
-    let missing = |need: &Need| match need {
-        Need::WheelRadius => suspension
-            .wheel_radius
-            .is_none()
-            .then_some("radius in [wheel]"),
-        Need::Wheelbase => vehicle
-            .wheelbase
-            .is_none()
-            .then_some("wheelbase in [vehicle]"),
-        Need::CgHeight => vehicle
-            .cg_height
-            .is_none()
-            .then_some("cg_height in [vehicle]"),
-        // See below.
-        Need::FrontBraking | Need::RearDrive | Need::RearBrakingOrFrontDrive => None,
-        Need::Spring => suspension
-            .mechanism
-            .spring
-            .is_none()
-            .then_some("a spring or strut"),
-        Need::Rocker => {
-            let absent = suspension.mechanism.spring_rocker().is_none();
-            absent.then_some("a rocker with its pushrod or pullrod")
-        }
-        Need::AntiRollBar => {
-            let absent = suspension.mechanism.anti_roll_bar().is_none();
-            absent.then_some("an anti-roll bar with its drop link")
-        }
-        // No study can mend that; see below.
-        Need::SteeringAxis => None,
-        Need::StrutUpper => {
-            let absent = suspension.mechanism.strut_upper().is_none();
-            absent.then_some("strut_upper in [suspension.hardpoints]")
-        }
+    // What a study calls it; of what no key gives, or what is said below, nothing.
+    let key = |need: &Need| match need {
+        Need::WheelRadius => Some("radius in [wheel]"),
+        Need::Wheelbase => Some("wheelbase in [vehicle]"),
+        Need::CgHeight => Some("cg_height in [vehicle]"),
+        Need::Spring => Some("a spring or strut"),
+        Need::Rocker => Some("a rocker with its pushrod or pullrod"),
+        Need::AntiRollBar => Some("an anti-roll bar with its drop link"),
+        Need::StrutUpper => Some("strut_upper in [suspension.hardpoints]"),
+        Need::FrontBraking
+        | Need::RearDrive
+        | Need::RearBrakingOrFrontDrive
+        | Need::SteeringAxis => None,
+    };
+    let missing = |need: &Need| match need.met_by(suspension) {
+        true => None,
+        false => key(need),
     };
     let needs = characteristic.info().needs;
     let forces = needs.iter().find(|need| {

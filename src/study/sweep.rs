@@ -59,8 +59,7 @@ impl SweepVariable {
     pub fn at_design(&self, suspension: &Suspension) -> f64 {
         match (self.absolute, self.moves.as_slice()) {
             (true, [only]) => {
-                suspension.design[only.point.0].to_array()[only.axis as usize]
-                    * suspension.frame.sign(only.axis)
+                suspension.design[only.point.0][only.axis] * suspension.frame.sign(only.axis)
             }
             _ => 0.0,
         }

@@ -33,9 +33,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         quantities: &'a [Quantity],
     ) -> Result<Self, DesignFault> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-        let slots = quantities
-            .iter()
-            .fold(Slots::default(), |slots, q| slots.with(q.reads()));
+        let slots = Slots::of(quantities.iter().map(|q| q.reads()));
         let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
         let steering_axis = slots.contain_steering_axis();
         Ok(OneByOne {

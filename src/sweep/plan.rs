@@ -1,6 +1,7 @@
 //! What a sweep computes of each design, and the workers that do it.
 
 use super::axle::{AxleEvaluator, AxleStations};
+use super::in_order;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
@@ -13,6 +14,7 @@ use crate::plan::{Output, Plan};
 use crate::study::{
     DesignTable, Designs, FileFormat, Sampled, Sampling, Study, StudyErrors, Sweep,
 };
+use std::ops::{ControlFlow, Range};
 
 /// What a sweep computes of each design.
 #[derive(Clone, Debug)]
@@ -153,6 +155,26 @@ impl<'s> SweepPlan<'s> {
             designs: Vec::new(),
             rows: Rows::default(),
         })
+    }
+
+    /// Solves blocks of the sweep on the threads of the current rayon pool and hands their rows to `take`, in order,
+    /// while it runs. Ends early, with everything before handed over, when `go_on` says so or `take` breaks.
+    pub fn run(
+        &self,
+        blocks: Range<u64>,
+        go_on: impl Fn() -> bool + Sync,
+        mut take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
+    ) {
+        // Breaking off is no error; it only ends the hand-over.
+        let _: Result<(), ()> = in_order(
+            blocks,
+            || self.worker().expect("the same design was accepted before"),
+            |worker, block| go_on().then(|| worker.rows(block).clone()),
+            |rows: Rows| match take(&rows) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(()),
+            },
+        );
     }
 
     /// The points of a design, in the kernel's frame.

@@ -191,12 +191,18 @@ impl SweepRecord {
         block * size..self.designs.min((block + 1) * size)
     }
 
+    /// The columns of numbers that every row has: the variables, then the outputs.
+    pub fn value_columns(&self) -> Vec<String> {
+        let variables = self.variables.iter().map(|v| v.column.clone());
+        let outputs = self.outputs.iter().map(|o| o.column.clone());
+        variables.chain(outputs).collect()
+    }
+
     /// The names of the columns of the designs, in order.
     pub fn columns(&self) -> Vec<String> {
         let unit = self.drive.rsplit('_').next().unwrap_or_default();
         let mut columns = vec!["design".to_owned()];
-        columns.extend(self.variables.iter().map(|v| v.column.clone()));
-        columns.extend(self.outputs.iter().map(|o| o.column.clone()));
+        columns.extend(self.value_columns());
         columns.push("failed_stations".to_owned());
         columns.push(format!("failed_at_{unit}"));
         columns.push("reason".to_owned());

@@ -1,7 +1,7 @@
 //! Designs by number.
 
 use super::sequence::{latin_hypercube, sobol, uniform};
-use crate::model::{Axis, Frame};
+use crate::model::Frame;
 use crate::number::Vector3;
 use crate::study::{DesignTable, Sampled, Sampling, SweepVariable};
 
@@ -67,17 +67,7 @@ impl Samples {
         into.copy_from_slice(from);
         for (variable, value) in self.variables().iter().zip(values) {
             for m in &variable.moves {
-                let point = &mut into[m.point.0];
-                let coordinate = match m.axis {
-                    Axis::X => &mut point.x,
-                    Axis::Y => &mut point.y,
-                    Axis::Z => &mut point.z,
-                };
-                let along = frame.sign(m.axis) * m.factor * value;
-                match variable.absolute {
-                    true => *coordinate = along,
-                    false => *coordinate += along,
-                }
+                m.apply(frame, *value, variable.absolute, into);
             }
         }
     }
@@ -103,7 +93,7 @@ fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{FrameConvention, PointId, Side};
+    use crate::model::{Axis, FrameConvention, PointId, Side};
     use crate::study::Move;
 
     fn variable(range: [f64; 2], steps: u64) -> SweepVariable {

@@ -43,9 +43,7 @@ impl Alignment {
             1 => &[Characteristic::Toe],
             _ => &[Characteristic::Toe, Characteristic::Camber],
         };
-        let slots = held
-            .iter()
-            .fold(Slots::default(), |slots, c| slots.with(c.info().reads));
+        let slots = Slots::of(held.iter().map(|c| c.info().reads));
         let constants = Constants::of(suspension);
         let mut alignment = Alignment {
             adjust: adjust.iter().map(|a| a.change).collect(),

@@ -243,9 +243,8 @@ impl<'p> Poses<'p> {
             walked.ok()?;
         }
         let characteristics = problem.characteristics.iter().zip(readable);
-        let slots = characteristics
-            .filter(|(_, readable)| **readable)
-            .fold(Slots::default(), |slots, (c, _)| slots.with(c.info().reads));
+        let readable_ones = characteristics.filter(|(_, readable)| **readable);
+        let slots = Slots::of(readable_ones.map(|(c, _)| c.info().reads));
         Some(Poses {
             readable,
             slots,

@@ -61,12 +61,11 @@ struct Task<'t> {
 
 impl<'t> Task<'t> {
     fn new(subject: &'t Subject<'t>, outputs: &[Characteristic], points: &[PointId]) -> Self {
-        let reads = |slots: Slots, c: &Characteristic| slots.with(c.info().reads);
         Task {
             subject,
             outputs: outputs.to_vec(),
             points: points.to_vec(),
-            reads: outputs.iter().fold(Slots::default(), reads),
+            reads: Slots::of(outputs.iter().map(|c| c.info().reads)),
         }
     }
 

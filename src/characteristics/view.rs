@@ -1,5 +1,6 @@
 //! What can be read off a pose: values along the motion and gradients by the hardpoints.
 
+use super::gains::angle_of_gain;
 use super::{Characteristic, Constants, Gradient, Inputs, Slot, Slots, Wheel};
 use crate::derive::{Linearised, Seeds};
 use crate::mechanism::Configuration;
@@ -60,6 +61,14 @@ impl Quantity {
     /// changes its value. (Characteristics made of velocities are ratios of them.)
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))
+    }
+
+    /// Whether the quantity is how an angle changes with travel.
+    pub fn is_gain(self) -> bool {
+        match self {
+            Quantity::Characteristic(c) => angle_of_gain(c).is_some(),
+            _ => false,
+        }
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::MergeArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Destination, Output};
+use super::output::{Destination, Output, STUDY_COPY};
 use super::progress;
 use super::sweep::{finish, not_this};
 use crate::report::{MergeError, Parts, SweepDirectory};
 use crate::results::Claim;
+use crate::study::Study;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
@@ -27,8 +28,12 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         )));
     }
     let record = &parts.record;
+    // The study that the parts are of, where they have one.
+    let mut kept = parts.directories().map(|part| part.join(STUDY_COPY));
+    let kept = kept.find_map(|path| Study::read(&path, &[]).ok());
     let files = SweepDirectory::files(record);
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
+    files.extend(kept.is_some().then_some(STUDY_COPY));
     let destination = Destination {
         out: Some(&arguments.out),
         default: PathBuf::new(),
@@ -43,6 +48,9 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
+    if let Some(study) = &kept {
+        output.keep_study(study)?;
+    }
     if let Some(directory) = output.directory() {
         let line = progress::line(record.designs, "designs");
         let joined = parts.join(directory, |designs| line.inc(designs));

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// The study as it was run, with what `--set` changed and target curves from files in it: what is made of the
 /// results later needs no other file.
-const STUDY_COPY: &str = "study.toml";
+pub(super) const STUDY_COPY: &str = "study.toml";
 
 /// The files of a solve.
 const CURVE_FILES: [&str; 4] = [
@@ -76,6 +76,14 @@ impl Destination<'_> {
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
     }
+
+    /// Whether a copy of the study has its place there: not where one of the run's own inputs stands under that
+    /// name.
+    pub(super) fn keeps_study(&self, inputs: &[PathBuf]) -> bool {
+        let copy = self.path().join(STUDY_COPY).canonicalize().ok();
+        let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
+        !inputs.iter().any(is_input)
+    }
 }
 
 /// The directory for the results of a study where none is given, below `out`.
@@ -129,10 +137,7 @@ impl Output {
             format: arguments.study.format.into(),
         };
         let inputs = inputs(study, &arguments.study.study);
-        // The study itself may stand there under that name.
-        let copy = destination.path().join(STUDY_COPY).canonicalize().ok();
-        let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
-        let keeps_study = !inputs.iter().any(is_input);
+        let keeps_study = destination.keeps_study(&inputs);
         files.extend(keeps_study.then_some(STUDY_COPY));
         let claim = Claim {
             command,
@@ -144,9 +149,20 @@ impl Output {
         };
         let output = Output::at(&destination, claim)?;
         if keeps_study {
-            output.file(STUDY_COPY, study.text.as_bytes())?;
+            output.keep_study(study)?;
         }
         Ok(output)
+    }
+
+    /// Writes the study as it is run, where there is a directory.
+    pub(super) fn keep_study(&self, study: &Study) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => {
+                let text = study.text_in(directory.path());
+                self.file(STUDY_COPY, text.as_bytes())
+            }
+            None => Ok(()),
+        }
     }
 
     /// Opens a directory, or standard output for `-`. Where results of another state of the study are in

@@ -2,7 +2,9 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Destination, Output, default_directory, design_fault, inputs, pool};
+use super::output::{
+    Destination, Output, STUDY_COPY, default_directory, design_fault, inputs, pool,
+};
 use super::progress;
 use super::report::show_sweep;
 use super::terminal;
@@ -127,9 +129,6 @@ fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<
 
 /// Claims the directory of a sweep.
 fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Result<Output, Stop> {
-    let mut files = SweepDirectory::files(record);
-    files.extend(arguments.report.then(|| "report.html".to_owned()));
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
     let destination = Destination {
         out: arguments.out.as_deref(),
         default: match arguments.out {
@@ -139,6 +138,12 @@ fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Resu
         force: arguments.force,
         format: arguments.study.format.into(),
     };
+    let inputs = inputs(study, &arguments.study.study);
+    let keeps_study = destination.keeps_study(&inputs);
+    let mut files = SweepDirectory::files(record);
+    files.extend(arguments.report.then(|| "report.html".to_owned()));
+    let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
+    files.extend(keeps_study.then_some(STUDY_COPY));
     let there = SweepDirectory::read(destination.path()).ok();
     let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
     let claim = Claim {
@@ -147,7 +152,7 @@ fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Resu
         digest: record.run_digest(),
         former: smaller.map(|smaller| smaller.record.run_digest()),
         files: &files,
-        inputs: &inputs(study, &arguments.study.study),
+        inputs: &inputs,
         resume: arguments.resume || arguments.shard.is_some(),
         sharing: match arguments.shard {
             None => Sharing::Alone,
@@ -155,7 +160,11 @@ fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Resu
         },
         ..Claim::default()
     };
-    Output::at(&destination, claim)
+    let output = Output::at(&destination, claim)?;
+    if keeps_study {
+        output.keep_study(study)?;
+    }
+    Ok(output)
 }
 
 /// Writes curves and mechanism of the designs that are worth a look.

@@ -53,6 +53,8 @@ pub struct RunDirectory {
     digest: String,
     force: bool,
     set_aside: Option<PathBuf>,
+    /// The files it has read, by their real paths: they stay, whoever has written them.
+    inputs: Vec<PathBuf>,
     lock: Mutex<Option<Lock>>,
 }
 
@@ -130,6 +132,7 @@ impl RunDirectory {
             digest: claim.digest.clone(),
             force: claim.force,
             set_aside,
+            inputs: resolved(claim.inputs),
             lock: Mutex::new(Some(lock)),
         };
         directory.begin(claim).map_err(Refusal::Unwritable)?;
@@ -346,8 +349,12 @@ impl RunDirectory {
         manifest.runs.retain(|run| !run.files.is_empty());
         for name in names(&self.path) {
             let is_stale = stale.iter().any(|pattern| matches(pattern, &name));
-            if is_stale && manifest.author(&name).is_none() {
-                let path = self.path.join(&name);
+            let path = self.path.join(&name);
+            let is_input = |path: &Path| {
+                let real = path.canonicalize();
+                real.is_ok_and(|real| self.inputs.contains(&real))
+            };
+            if is_stale && manifest.author(&name).is_none() && !is_input(&path) {
                 std::fs::remove_file(&path).map_err(unwritten(&path))?;
             }
         }

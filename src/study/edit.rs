@@ -1,9 +1,10 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
-use super::Study;
 use super::targets::WrittenCurve;
+use super::{Designs, Study};
 use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
+use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 impl Study {
@@ -38,6 +39,40 @@ impl Study {
         }
         document.to_string()
     }
+
+    /// The text as a file of another directory: a file of designs is named by the path from there.
+    pub fn text_in(&self, directory: &Path) -> String {
+        let designs = match self.sweep.as_ref().map(|sweep| &sweep.designs) {
+            Some(Designs::File(path)) => path_from(directory, path),
+            _ => None,
+        };
+        match (designs, self.text.parse::<DocumentMut>()) {
+            (Some(path), Ok(mut document)) => {
+                document["sweep"]["designs"] = path.into();
+                document.to_string()
+            }
+            _ => self.text.clone(),
+        }
+    }
+}
+
+/// The path of a file as it is written in a directory; of two that have nothing in common, in full. `None` of what
+/// does not exist, or has no name in Unicode.
+fn path_from(directory: &Path, file: &Path) -> Option<String> {
+    let [directory, file] = [directory, file].map(|path| path.canonicalize());
+    let (directory, file) = (directory.ok()?, file.ok()?);
+    let common = |(a, b): &(Component<'_>, Component<'_>)| a == b;
+    let shared = directory.components().zip(file.components());
+    let shared = shared.take_while(common).count();
+    if shared == 0 {
+        return Some(file.to_str()?.to_owned());
+    }
+    let up = directory.components().skip(shared).map(|_| Some(".."));
+    let down = file.components().skip(shared);
+    let names: Option<Vec<&str>> = up
+        .chain(down.map(|name| name.as_os_str().to_str()))
+        .collect();
+    Some(names?.join("/"))
 }
 
 /// Writes the coordinates that differ from the suspension's design to where `find` says they stand.

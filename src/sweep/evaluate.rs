@@ -87,7 +87,8 @@ impl Block {
         (0..self.stations).map(move |station| self.value(design, output, station))
     }
 
-    /// The derivative by the drive in the design position; NaN for what is made of velocities itself.
+    /// The derivative by the drive in the design position; NaN for what is made of velocities itself, unless a sweep
+    /// asks for it.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]

@@ -17,6 +17,7 @@ mod moments;
 mod one_by_one;
 mod or_null;
 mod plan;
+mod rate_slopes;
 mod record;
 mod rows;
 mod samples;

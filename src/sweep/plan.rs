@@ -2,6 +2,7 @@
 
 use super::axle::{AxleEvaluator, AxleStations};
 use super::in_order;
+use super::rate_slopes::RateSlopes;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
@@ -27,7 +28,7 @@ pub struct SweepPlan<'s> {
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    /// The derivative by the drive of each quantity that has one.
+    /// The derivative by the drive of each quantity that is none itself.
     gains: Vec<Option<Column>>,
     /// Of an axle, instead of the quantities.
     axle: Option<AxleStations<'s>>,
@@ -102,9 +103,8 @@ impl<'s> SweepPlan<'s> {
             .collect();
         let columns = Column::all(&plan, suspension.length_unit);
         let (values, gains): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
-        // What is made of velocities is a gain itself.
         let gains = gains.into_iter().zip(&quantities);
-        let gains = gains.map(|(gain, quantity)| (quantity.rate_order() == 0).then_some(gain));
+        let gains = gains.map(|(gain, quantity)| (!quantity.is_gain()).then_some(gain));
         let (mut values, mut gains): (_, Vec<_>) = (values, gains.collect());
         let mut stations = stations;
         let axle = study.axle.as_ref();
@@ -148,7 +148,9 @@ impl<'s> SweepPlan<'s> {
                 None => {
                     let (stations, quantities) = (&self.stations, &self.quantities);
                     let evaluator = Evaluator::new(suspension, stations, quantities)?;
-                    Solves::Wheels(Box::new(evaluator))
+                    let has_gain = |k: usize| self.gains[k].is_some();
+                    let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
+                    Solves::Wheels(Box::new((evaluator, slopes)))
                 }
             },
             block: Block::new(self.values.len(), self.stations.count()),
@@ -323,7 +325,7 @@ impl<'s> SweepPlan<'s> {
 /// What solves designs.
 enum Solves<'p> {
     /// Of one wheel.
-    Wheels(Box<Evaluator<'p>>),
+    Wheels(Box<(Evaluator<'p>, Option<RateSlopes<'p>>)>),
     /// Of both.
     Axles(Box<dyn AxleEvaluator + 'p>),
 }
@@ -378,7 +380,11 @@ impl Worker<'_> {
         let (plan, rows) = (self.plan, &mut self.rows);
         match &mut self.evaluator {
             Solves::Wheels(wheels) => {
-                wheels.evaluate(&self.designs, &mut self.block);
+                let (evaluator, slopes) = &mut **wheels;
+                evaluator.evaluate(&self.designs, &mut self.block);
+                if let Some(slopes) = slopes {
+                    slopes.evaluate(&self.designs, &mut self.block);
+                }
             }
             Solves::Axles(axles) => axles.evaluate(&self.designs, &mut self.block),
         }

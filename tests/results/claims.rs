@@ -216,3 +216,65 @@ fn one_run_at_a_time_writes_to_a_directory() {
         .success();
     assert!(!path.exists());
 }
+
+/// A sweep keeps the study that it is of, from which it can be done again; in its own directory too, where the study
+/// stays, as any input does.
+#[test]
+fn a_sweep_keeps_its_study() {
+    let bench = Bench::new();
+    let many = ["--set", "sweep.samples=50"];
+    bench
+        .run(&[&["sweep", "study.toml", "--out", "run"], &many[..]].concat())
+        .success();
+    let rows = bench.read("run/designs.csv");
+    let kept = bench.read("run/study.toml");
+    assert!(kept.contains("samples=50") || kept.contains("samples = 50"));
+    bench
+        .run(&["sweep", "run/study.toml", "--out", "again"])
+        .success();
+    assert_eq!(bench.read("again/designs.csv"), rows);
+    bench.run(&["merge", "run", "--out", "merged"]).success();
+    assert_eq!(bench.read("merged/study.toml"), kept);
+    for more in [&[][..], &["--force"]] {
+        let call = [&["sweep", "run/study.toml", "--out", "run"], more].concat();
+        bench.run(&call).success();
+        assert_eq!(bench.read("run/study.toml"), kept);
+        assert_eq!(bench.read("run/designs.csv"), rows);
+    }
+    // So does a solve that replaces the results of another state of its study.
+    bench
+        .run(&["solve", "study.toml", "--out", "solved"])
+        .success();
+    let call = ["solve", "solved/study.toml", "--set", "motion.travel=[0.0]"];
+    bench
+        .run(&[&call[..], &["--out", "solved", "--force"]].concat())
+        .success();
+    assert_eq!(bench.read("solved/study.toml"), STUDY);
+}
+
+/// The copy finds the designs that the study names, from wherever it is.
+#[test]
+fn a_kept_study_finds_its_designs() {
+    let bench = Bench::new();
+    let from = STUDY.find("[sweep]").unwrap();
+    let study = STUDY[..from].to_owned() + "[sweep]\ndesigns = \"designs/mine.csv\"\n";
+    fs::create_dir(bench.path("designs")).unwrap();
+    fs::write(
+        bench.path("designs/mine.csv"),
+        "tie_rod_inner_dz\n1.0\n-2.5\n",
+    )
+    .unwrap();
+    fs::write(bench.path("study.toml"), study).unwrap();
+    bench
+        .run(&["sweep", "study.toml", "--out", "deep/run"])
+        .success();
+    let kept = bench.read("deep/run/study.toml");
+    assert!(kept.contains("\"../../designs/mine.csv\""), "{kept}");
+    bench
+        .run(&["sweep", "deep/run/study.toml", "--out", "again"])
+        .success();
+    assert_eq!(
+        bench.read("again/designs.csv"),
+        bench.read("deep/run/designs.csv")
+    );
+}

@@ -36,7 +36,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         .into_iter()
         .map(|(name, _)| name)
         .collect();
-    assert_eq!(left, ["run.json", "sweep.json"]);
+    assert_eq!(left, ["run.json", "study.toml", "sweep.json"]);
     bench.refused(&["sweep", "study.toml", "--out", "full"], &["--resume"]);
     bench
         .run(&["sweep", "study.toml", "--out", "full", "--resume"])

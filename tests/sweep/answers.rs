@@ -118,6 +118,55 @@ fn a_row_says_what_solve_and_optimise_say() {
     assert!(output(&summary, "misfit")["effects"][0]["share"].is_null());
 }
 
+/// The gain of what is made of velocities is its derivative by travel where `solve` gives it; what is a gain itself
+/// has none.
+#[test]
+fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
+    let study = fs::read_to_string(sample).unwrap();
+    let bench = Bench::new(&(study + "\n[sweep]\ndesigns = \"rows.csv\"\n"));
+    let rows = "tie_rod_inner_dz,rocker_pivot_front_dz\n0,0\n3,-4\n-2,1.5\n";
+    fs::write(bench.path("rows.csv"), rows).unwrap();
+    let asked = "outputs.characteristics=[\"camber\", \"motion_ratio\", \"roll_centre_height\", \
+                 \"bump_steer\", \"anti_roll_bar_motion_ratio\"]";
+    // Also where the rack is not straight ahead in the design position.
+    for rack in ["motion.rack=0.0", "motion.rack=6.0"] {
+        let out = ["run", rack].concat();
+        let set = ["--set", asked, "--set", rack, "--set", "outputs.loads=[]"];
+        bench.sweep(&out, &set).success();
+        let designs = bench.designs(&out);
+        for number in 0..3 {
+            let call = ["sweep", "study.toml", "--design", &number.to_string()];
+            let text = said(&bench.run(&[&call[..], &set].concat()).success()).0;
+            fs::write(bench.path("one.toml"), text).unwrap();
+            let still = ["--set", "motion.travel=[0.0]", "--out", "one", "--force"];
+            bench
+                .run(&[&["solve", "one.toml"], &still[..]].concat())
+                .success();
+            let solved = Table::read(&bench.path("one/curves.csv"));
+            for (gain, slope) in [
+                ("motion_ratio_gain_per_mm", "motion_ratio_d1_per_mm"),
+                (
+                    "roll_centre_height_gain_mm_per_mm",
+                    "roll_centre_height_d1_mm_per_mm",
+                ),
+                (
+                    "anti_roll_bar_motion_ratio_gain_deg_per_mm2",
+                    "anti_roll_bar_motion_ratio_d1_deg_per_mm2",
+                ),
+            ] {
+                let (found, wanted) = (designs.numbers(gain)[number], solved.numbers(slope)[0]);
+                assert!(
+                    (found / wanted - 1.0).abs() < 1e-9,
+                    "{gain}: {found} {wanted}"
+                );
+            }
+        }
+        let header = fs::read_to_string(bench.path(&out).join("designs.csv")).unwrap();
+        assert!(header.contains("camber_gain") && !header.contains("bump_steer_gain"));
+    }
+}
+
 /// What does not move an output has no share of it, however few the designs are: a rack joint cannot raise the
 /// wheel in the design position, nor a strut's mount.
 #[test]

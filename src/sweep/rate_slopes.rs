@@ -1,0 +1,124 @@
+//! How what is made of velocities changes in the design position: `motion_ratio`, `roll_centre_height` and the like.
+//!
+//! Their derivatives by the drive take accelerations, which the lanes do not have. It is one pose of each design, so
+//! they are found one design at a time, with the series of the whole chain.
+
+use super::Stations;
+use super::evaluate::Block;
+use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
+use crate::derive::{DesignSeries, MotionPoint};
+use crate::mechanism::{DesignFault, Toggles};
+use crate::model::{RockerId, Suspension};
+use crate::number::Vector3;
+use crate::solve::{Solver, StationOrder};
+use std::ops::ControlFlow;
+
+/// Fills in the slopes of what is made of velocities.
+pub(super) struct RateSlopes<'a> {
+    /// Those quantities, by number, with the rockers that each moves with.
+    quantities: Vec<(usize, Quantity, Vec<RockerId>)>,
+    /// The design position, by number of the station, alone as an order of stations, and its rack displacement.
+    station: usize,
+    order: StationOrder,
+    motion: MotionPoint<f64>,
+    constants: Constants,
+    slots: Slots,
+    toggles: Toggles,
+    solver: Solver<'a>,
+    series: DesignSeries<3>,
+}
+
+impl<'a> RateSlopes<'a> {
+    /// Of the quantities for which there `is_wanted` a slope; `None` where none of these is made of velocities. An
+    /// error says why the suspension's own design cannot be solved.
+    pub(super) fn of(
+        suspension: &'a Suspension,
+        stations: &Stations,
+        quantities: &[Quantity],
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Result<Option<Self>, DesignFault> {
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let all = quantities.iter().copied().enumerate();
+        let quantities: Vec<_> = all
+            .filter(|(k, quantity)| quantity.rate_order() > 0 && is_wanted(*k))
+            .map(|(k, quantity)| (k, quantity, quantity.rockers(mechanism)))
+            .collect();
+        if quantities.is_empty() {
+            return Ok(None);
+        }
+        let slots = Slots::of(quantities.iter().map(|(_, quantity, _)| quantity.reads()));
+        let station = stations.design();
+        let value = stations.values()[stations.value_of(station)];
+        let rockers = quantities.iter().flat_map(|(_, _, rockers)| rockers);
+        let series = DesignSeries::new(mechanism, design);
+        Ok(Some(RateSlopes {
+            station,
+            order: StationOrder::through(&[value]),
+            motion: MotionPoint {
+                drive: stations.drive,
+                value,
+                rack: stations.racks[station / stations.values().len()],
+            },
+            constants: Constants::of(suspension),
+            slots,
+            toggles: Toggles::of(mechanism, rockers.copied()),
+            quantities,
+            solver: Solver::new(mechanism, design)?,
+            series: series.with_steering_axis(slots.contain_steering_axis()),
+        }))
+    }
+
+    /// Fills in those of a block that has been evaluated. A design without a pose there has none.
+    pub(super) fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
+        let points = self.solver.design().len();
+        for (number, design) in designs.chunks_exact(points).enumerate() {
+            for (k, ..) in &self.quantities {
+                block.put_slope(number, *k, f64::NAN);
+            }
+            let has_value = |(k, ..): &(usize, Quantity, Vec<RockerId>)| {
+                !block.value(number, *k, self.station).is_nan()
+            };
+            if self.quantities.iter().any(has_value) {
+                // A fault of the design has been found before, with its values.
+                let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
+            }
+        }
+    }
+
+    fn evaluate_design(
+        &mut self,
+        number: usize,
+        design: &[Vector3<f64>],
+        block: &mut Block,
+    ) -> Result<(), DesignFault> {
+        let RateSlopes {
+            quantities,
+            order,
+            motion,
+            constants,
+            slots,
+            toggles,
+            solver,
+            series,
+            ..
+        } = self;
+        solver.prepare(design)?;
+        series.prepare(solver.mechanism(), design);
+        toggles.begin(solver, motion.drive, motion.rack)?;
+        solver.for_each_pose(motion.drive, order, motion.rack, |solver, _, pose| {
+            let at = pose
+                .and_then(|pose| solver.configuration_series(series, pose, &motion.along_drive()));
+            if let Ok(at) = at {
+                toggles.note(&at, motion.value);
+                let view = WheelReading::reading(&at, *constants, *slots);
+                for (k, quantity, rockers) in quantities.iter() {
+                    if !rockers.iter().any(|id| toggles.holds(*id)) {
+                        let slope = view.value(&at, *quantity).derivative(1);
+                        block.put_slope(number, *k, slope);
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        })
+    }
+}

@@ -4,6 +4,7 @@
 //! for the corner's `roll_centre_height`, which gives way to the axle's.
 
 use super::formulas::{loads, roll, steering};
+use super::reading::WheelParts;
 use super::state::State;
 use super::unit::Unit;
 use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
@@ -129,7 +130,7 @@ macro_rules! catalogue {
             }
 
             /// The value at one wheel.
-            pub fn evaluate<T: Scalar>(self, state: &State<T>, side: Side) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => $wfunction(state, side),)*
                 }
@@ -152,14 +153,14 @@ macro_rules! catalogue {
             }
 
             /// The value.
-            pub fn evaluate<T: Scalar>(self, state: &State<T>) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => $function(state),)*
                 }
             }
 
             /// Why it may have no value in some positions.
-            fn possible_void(self) -> Option<Void> {
+            pub(super) fn possible_void(self) -> Option<Void> {
                 match self {
                     $(AxleQuantity::$axle => $void,)*
                 }
@@ -326,7 +327,7 @@ impl Quantity {
     }
 
     /// The value.
-    pub fn evaluate<T: Scalar>(self, state: &State<T>) -> T {
+    pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
         match self {
             Quantity::Corner(side, c) => {
                 let inputs = state.readings[side as usize].inputs(state.setup.constants);
@@ -357,8 +358,11 @@ impl Quantity {
         of_side && rockers.next().is_some()
     }
 
+    /// How far apart in height both contact points may be on one plane, in tracks.
+    pub(super) const SAME_PLANE: f64 = 1e-9;
+
     /// Whether it is a derivative along a motion on a plane ground.
-    fn is_of_the_plane(self) -> bool {
+    pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,
             Quantity::Wheel(

@@ -4,6 +4,7 @@
 //! about x, and raised so that the ground stays where it is in the design position.
 
 use super::formulas::steering::turn;
+use super::reading::WheelParts;
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
 use super::{Axle, AxleQuantity, Quantity};
 use crate::characteristics::instant_centres_of;

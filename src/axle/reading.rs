@@ -13,21 +13,21 @@ use std::ops::Range;
 /// Numbers that are read of a wheel.
 const PARTS: usize = 37;
 
-const CENTRE: usize = 0;
+pub(super) const CENTRE: usize = 0;
 /// The columns of the carrier's rotation, one after the other.
 const ROTATION: usize = 3;
-const SPIN_AXIS: usize = 12;
-const STEERING_POINT: usize = 15;
-const STEERING_DIRECTION: usize = 18;
-const SPRING: usize = 21;
-const STRUT_UPPER: usize = 24;
-const SPRING_LENGTH: usize = 27;
-const ROCKER_ANGLE: usize = 28;
-const BAR_ANGLE: usize = 29;
+pub(super) const SPIN_AXIS: usize = 12;
+pub(super) const STEERING_POINT: usize = 15;
+pub(super) const STEERING_DIRECTION: usize = 18;
+pub(super) const SPRING: usize = 21;
+pub(super) const STRUT_UPPER: usize = 24;
+pub(super) const SPRING_LENGTH: usize = 27;
+pub(super) const ROCKER_ANGLE: usize = 28;
+pub(super) const BAR_ANGLE: usize = 29;
 /// From here on parts do not change in the motion.
 const DESIGN: usize = 30;
-const DESIGN_SPIN_AXIS: usize = 30;
-const DESIGN_CENTRE: usize = 33;
+pub(super) const DESIGN_SPIN_AXIS: usize = 30;
+pub(super) const DESIGN_CENTRE: usize = 33;
 const DESIGN_SPRING_LENGTH: usize = 36;
 
 /// The parts that a slot of the corner's catalogue is made of. All others come with every reading.
@@ -276,109 +276,105 @@ fn push<const N: usize>(
     }
 }
 
-impl<T: Real> Reading<T> {
-    fn vector(&self, first: usize, of: impl Fn(&Taylor<T>) -> T) -> Vector3<T> {
+/// What formulas read of one wheel: its parts as functions of its travel and the rack.
+pub trait WheelParts<T: Real>: Copy {
+    /// The coefficient of a part with these powers of travel and rack; NaN where it is not known.
+    fn coefficient(&self, part: usize, powers: [usize; 2]) -> T;
+
+    /// A part where the wheel is.
+    #[inline(always)]
+    fn number(&self, part: usize) -> T {
+        self.coefficient(part, [0, 0])
+    }
+
+    /// Three parts, or their derivatives.
+    #[inline(always)]
+    fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<T> {
         Vector3::new(
-            of(&self.0[first]),
-            of(&self.0[first + 1]),
-            of(&self.0[first + 2]),
+            self.coefficient(first, powers),
+            self.coefficient(first + 1, powers),
+            self.coefficient(first + 2, powers),
         )
     }
 
-    /// About a point that moves at these rates; see [`Taylor::moving`].
-    pub fn moving(&self, travel: T, rack: Option<T>) -> Reading<Jet<T, 2>> {
-        let part = |part: usize| match part {
-            DESIGN.. => Taylor::constant(Jet::constant(self.0[part].value())),
-            _ => self.0[part].moving(travel, rack),
-        };
-        Reading(std::array::from_fn(part))
-    }
-
-    /// About a point moved a little in travel; see [`Taylor::shifted`].
-    pub fn shifted(&self, travel: T) -> Self {
-        let part = |part: usize| match part {
-            DESIGN.. => self.0[part],
-            _ => self.0[part].shifted(travel),
-        };
-        Reading(std::array::from_fn(part))
-    }
-
     /// Position of the wheel centre.
-    pub fn centre(&self) -> Vector3<T> {
-        self.vector(CENTRE, Taylor::value)
+    #[inline(always)]
+    fn centre(&self) -> Vector3<T> {
+        self.vector(CENTRE, [0, 0])
     }
 
     /// Unit vector along the spin axis, outboard.
-    pub fn spin_axis(&self) -> Vector3<T> {
-        self.vector(SPIN_AXIS, Taylor::value)
+    #[inline(always)]
+    fn spin_axis(&self) -> Vector3<T> {
+        self.vector(SPIN_AXIS, [0, 0])
     }
 
     /// Wheel centre in the design position.
-    pub fn design_centre(&self) -> Vector3<T> {
-        self.vector(DESIGN_CENTRE, Taylor::value)
+    #[inline(always)]
+    fn design_centre(&self) -> Vector3<T> {
+        self.vector(DESIGN_CENTRE, [0, 0])
     }
 
     /// Spin axis in the design position.
-    pub fn design_spin_axis(&self) -> Vector3<T> {
-        self.vector(DESIGN_SPIN_AXIS, Taylor::value)
+    #[inline(always)]
+    fn design_spin_axis(&self) -> Vector3<T> {
+        self.vector(DESIGN_SPIN_AXIS, [0, 0])
     }
 
     /// Length of spring or strut with its derivative by travel, and the length in the design position.
-    pub fn spring_length(&self) -> (T, T, T) {
-        let length = &self.0[SPRING_LENGTH];
-        let design = self.0[DESIGN_SPRING_LENGTH].value();
-        (length.value(), length.by_travel(), design)
+    #[inline(always)]
+    fn spring_length(&self) -> (T, T, T) {
+        (
+            self.number(SPRING_LENGTH),
+            self.coefficient(SPRING_LENGTH, [1, 0]),
+            self.number(DESIGN_SPRING_LENGTH),
+        )
     }
 
     /// Angle of the anti-roll bar's lever and its derivative by travel.
-    pub fn bar_angle(&self) -> (T, T) {
-        let angle = &self.0[BAR_ANGLE];
-        (angle.value(), angle.by_travel())
+    #[inline(always)]
+    fn bar_angle(&self) -> (T, T) {
+        (self.number(BAR_ANGLE), self.coefficient(BAR_ANGLE, [1, 0]))
     }
 
     /// Point and direction of the steering axis.
-    pub fn steering_axis(&self) -> (Vector3<T>, Vector3<T>) {
+    #[inline(always)]
+    fn steering_axis(&self) -> (Vector3<T>, Vector3<T>) {
         (
-            self.vector(STEERING_POINT, Taylor::value),
-            self.vector(STEERING_DIRECTION, Taylor::value),
+            self.vector(STEERING_POINT, [0, 0]),
+            self.vector(STEERING_DIRECTION, [0, 0]),
         )
     }
 
     /// Velocity of the wheel centre and angular velocity of the carrier, by travel.
-    pub fn by_travel(&self) -> [Vector3<T>; 2] {
-        self.twist(Taylor::by_travel)
+    #[inline(always)]
+    fn by_travel(&self) -> [Vector3<T>; 2] {
+        self.twist([1, 0])
     }
 
     /// The same by the rack displacement, the height of the wheel centre held.
-    pub fn by_rack(&self) -> [Vector3<T>; 2] {
-        self.twist(Taylor::by_rack)
+    #[inline(always)]
+    fn by_rack(&self) -> [Vector3<T>; 2] {
+        self.twist([0, 1])
     }
 
-    fn twist(&self, rate: fn(&Taylor<T>) -> T) -> [Vector3<T>; 2] {
-        let column = |i: usize| {
-            let first = ROTATION + 3 * i;
-            self.vector(first, Taylor::value)
-                .cross(self.vector(first, rate))
-        };
-        let turn = (column(0) + column(1) + column(2)) * self.0[CENTRE].value().lit(0.5);
-        [self.vector(CENTRE, rate), turn]
+    /// Velocity and angular velocity by travel or rack: half the sum of column x rate of column.
+    #[inline(always)]
+    fn twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
+        let rotation = self.vector(ROTATION, [0, 0]);
+        let mut turn = rotation.cross(self.vector(ROTATION, powers));
+        for first in [ROTATION + 3, ROTATION + 6] {
+            let column = self.vector(first, [0, 0]);
+            turn = turn + column.cross(self.vector(first, powers));
+        }
+        let half = rotation.x.lit(0.5);
+        [self.vector(CENTRE, powers), turn * half]
     }
 
     /// What the corner's catalogue reads.
-    pub fn inputs(&self, constants: Constants) -> Inputs<T> {
-        let wheel = |of: fn(&Taylor<T>) -> T| Wheel {
-            spin_axis: self.vector(SPIN_AXIS, of),
-            centre: self.vector(CENTRE, of),
-            steering_point: self.vector(STEERING_POINT, of),
-            steering_direction: self.vector(STEERING_DIRECTION, of),
-            spring_length: of(&self.0[SPRING_LENGTH]),
-            spring: self.vector(SPRING, of),
-            rocker_angle: of(&self.0[ROCKER_ANGLE]),
-            bar_angle: of(&self.0[BAR_ANGLE]),
-            strut_upper: self.vector(STRUT_UPPER, of),
-        };
-        let now = wheel(Taylor::value);
-        let rate = wheel(Taylor::by_travel);
+    #[inline(always)]
+    fn inputs(&self, constants: Constants) -> Inputs<T> {
+        let now = wheel(self, [0, 0]);
         let [_, turn] = self.by_travel();
         Inputs {
             design: Wheel {
@@ -387,15 +383,93 @@ impl<T: Real> Reading<T> {
                 ..now
             },
             now,
-            rate,
+            rate: wheel(self, [1, 0]),
             turn,
             constants,
         }
     }
 
     /// A number in the shape of the others.
-    pub fn like(&self) -> T {
-        self.0[CENTRE].value()
+    #[inline(always)]
+    fn like(&self) -> T {
+        self.number(CENTRE)
+    }
+
+    /// About a point that moves at these rates, the rack resting where it has none: as series in the motion. One
+    /// degree less is known.
+    #[inline(always)]
+    fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
+        Moving {
+            of: self,
+            travel,
+            rack,
+        }
+    }
+}
+
+/// Of the corner's catalogue, a wheel or its derivatives.
+#[inline(always)]
+fn wheel<T: Real>(parts: &(impl WheelParts<T> + ?Sized), powers: [usize; 2]) -> Wheel<T> {
+    Wheel {
+        spin_axis: parts.vector(SPIN_AXIS, powers),
+        centre: parts.vector(CENTRE, powers),
+        steering_point: parts.vector(STEERING_POINT, powers),
+        steering_direction: parts.vector(STEERING_DIRECTION, powers),
+        spring_length: parts.coefficient(SPRING_LENGTH, powers),
+        spring: parts.vector(SPRING, powers),
+        rocker_angle: parts.coefficient(ROCKER_ANGLE, powers),
+        bar_angle: parts.coefficient(BAR_ANGLE, powers),
+        strut_upper: parts.vector(STRUT_UPPER, powers),
+    }
+}
+
+impl<T: Real> WheelParts<T> for Reading<T> {
+    #[inline(always)]
+    fn coefficient(&self, part: usize, powers: [usize; 2]) -> T {
+        self.0[part].coefficient(powers)
+    }
+}
+
+/// A wheel that moves: its parts are formed as they are read.
+#[derive(Debug)]
+pub struct Moving<'w, W: ?Sized, T> {
+    of: &'w W,
+    travel: T,
+    rack: Option<T>,
+}
+
+impl<W: ?Sized, T: Copy> Clone for Moving<'_, W, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<W: ?Sized, T: Copy> Copy for Moving<'_, W, T> {}
+
+impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
+    #[inline(always)]
+    fn coefficient(&self, part: usize, [i, j]: [usize; 2]) -> Jet<T, 2> {
+        let Moving { of, travel, rack } = self;
+        let value = of.coefficient(part, [i, j]);
+        if part >= DESIGN {
+            return Jet([value, value.zero()]);
+        }
+        let mut rate = of.coefficient(part, [i + 1, j]).scaled((i + 1) as f64) * *travel;
+        if let Some(rack) = rack {
+            rate = rate + of.coefficient(part, [i, j + 1]).scaled((j + 1) as f64) * *rack;
+        }
+        Jet([value, rate])
+    }
+}
+
+impl<T: Real> Reading<T> {
+    /// About a point moved a little in travel; see [`Taylor::shifted`].
+    pub fn shifted(&self, travel: T) -> Self {
+        let part = |part: usize| match part {
+            DESIGN.. => self.0[part],
+            _ => self.0[part].shifted(travel),
+        };
+        Reading(std::array::from_fn(part))
     }
 }
 
@@ -404,7 +478,7 @@ impl Reading<f64> {
     /// Rotation of the carrier from the design position.
     pub fn rotation(&self) -> Matrix3<f64> {
         Matrix3 {
-            columns: [0, 1, 2].map(|i| self.vector(ROTATION + 3 * i, Taylor::value)),
+            columns: [0, 1, 2].map(|i| self.vector(ROTATION + 3 * i, [0, 0])),
         }
     }
 }

@@ -5,15 +5,14 @@
 //! near 2 and positive while neither wheel is at a fold of its travel, so that the root is the only one
 //! and Newton's method meets it. With both travels given it is one in the roll angle, of slope -track.
 
-use super::ground::Ground;
-use super::reading::{Parts, Reading, Snapshot, add_gradient, along, inputs_on_tape};
+use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
 use super::setup::Setup;
 use super::state::{Hold, State};
 use super::taylor::Line;
 use super::{Axle, Quantity};
 use crate::analyse::Limits;
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles};
+use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles};
 use crate::model::{Drive, Mechanism, PointId, RockerId, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
@@ -442,7 +441,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<Self, (Side, DesignFault)> {
         let slots: Vec<_> = quantities.iter().flat_map(|q| q.reads()).copied().collect();
         let parts = Parts::of(&slots);
-        let by_rack = by_rack || quantities.iter().any(|q| q.takes_rack());
+        let order = |q: &Quantity| q.rate_order();
+        let orders_by_rack = quantities.iter().filter(|q| q.takes_rack()).map(order);
+        // What is known beyond the quantities' own order is there to be differentiated by.
+        let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
+        let degree_with_rack = match by_rack {
+            true => N - 1,
+            false => orders_by_rack.max().map_or(0, |order| order + further),
+        };
         let corner = |side| {
             let rockers = axle.rockers(side, quantities);
             let mut corner = Corner::new(axle, side, &parts, &rockers).map_err(|f| (side, f))?;
@@ -457,7 +463,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             corners,
             setup: &axle.setup,
             parts,
-            lines: Line::needed(N - 1, by_rack),
+            lines: Line::needed(degree_with_rack),
             tape: Tape::default(),
             adjoints: Vec::new(),
             buffer: vec![zero.map(Jet::constant); points],

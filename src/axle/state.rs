@@ -13,9 +13,11 @@
 //!
 //! since C is the lowest point: its own motion in the wheel does not change its height.
 
-use super::ground::Ground;
-use super::reading::Reading;
+use super::Quantity;
+use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
+use crate::mechanism::Ground;
+use crate::model::Side;
 use crate::number::{Jet, Real, Vector3};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
@@ -48,19 +50,20 @@ pub enum Motion {
 
 /// One wheel in a state, in the kernel's frame of its own side.
 #[derive(Clone, Copy, Debug)]
-pub struct WheelState<'s, T> {
+pub struct WheelState<'s, T, W = Reading<T>> {
     /// The wheel.
-    pub reading: &'s Reading<T>,
+    pub reading: &'s W,
     /// The ground under it.
     pub ground: Ground<T>,
-    radius: f64,
+    /// Its loaded radius; NaN where the study gives none.
+    pub radius: f64,
 }
 
 /// An axle in one position.
 #[derive(Clone, Copy, Debug)]
-pub struct State<'a, T> {
+pub struct State<'a, T, W = Reading<T>> {
     /// Left and right wheel, each in its own frame.
-    pub readings: [Reading<T>; 2],
+    pub readings: [W; 2],
     /// Sine and cosine of the roll angle: the ground in the left wheel's frame.
     pub ground: Ground<T>,
     /// Roll angle.
@@ -74,7 +77,8 @@ pub struct State<'a, T> {
 impl State<'_, f64> {
     /// Whether both wheels stand on one plane.
     pub fn is_on_plane(&self) -> bool {
-        self.hold != Hold::TravelsOnPads || self.mismatch().abs() <= 1e-9 * self.track()
+        self.hold != Hold::TravelsOnPads
+            || self.mismatch().abs() <= Quantity::SAME_PLANE * self.track()
     }
 }
 
@@ -85,79 +89,97 @@ struct Rates<T> {
     roll: T,
 }
 
-impl<T: Real> WheelState<'_, T> {
+impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     /// From the wheel centre to the contact point.
+    #[inline(always)]
     pub fn contact_lever(&self) -> Vector3<T> {
         self.ground
             .contact_lever(self.reading.spin_axis(), self.radius)
     }
 
     /// The contact point C.
+    #[inline(always)]
     pub fn contact_point(&self) -> Vector3<T> {
         self.reading.centre() + self.contact_lever()
     }
 
     /// C', the velocity by the wheel's own travel of the carrier's point at C: the wheel is locked.
+    #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         let [centre, turn] = self.reading.by_travel();
         centre + turn.cross(self.contact_lever())
     }
 
     /// The same by the rack.
+    #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         let [centre, turn] = self.reading.by_rack();
         centre + turn.cross(self.contact_lever())
     }
 
     /// Height of the contact point over the origin, along the normal of the ground.
+    #[inline(always)]
     pub fn height(&self) -> T {
         self.ground.normal().dot(self.contact_point())
     }
 
     /// Its derivative by the wheel's own travel.
+    #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
     }
 
     /// Its derivative by the rack.
+    #[inline(always)]
     fn rise_by_rack(&self) -> T {
         self.ground.normal().dot(self.contact_by_rack())
     }
 
     /// The contact point along the ground, outboard.
+    #[inline(always)]
     pub fn half_track(&self) -> T {
         self.ground.outboard().dot(self.contact_point())
     }
 }
 
-impl<'a, T: Real> State<'a, T> {
+impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     /// Left and right wheel.
-    pub fn wheels(&self) -> [WheelState<'_, T>; 2] {
-        let radius = self.setup.wheel_radius.unwrap_or(f64::NAN);
-        let [left, right] = &self.readings;
-        let wheel = |reading, ground| WheelState {
-            reading,
-            ground,
-            radius,
-        };
-        [
-            wheel(left, self.ground),
-            wheel(right, self.ground.mirrored()),
-        ]
+    #[inline(always)]
+    pub fn wheels(&self) -> [WheelState<'_, T, W>; 2] {
+        [self.wheel(Side::Left), self.wheel(Side::Right)]
+    }
+
+    /// One wheel.
+    #[inline(always)]
+    pub fn wheel(&self, side: Side) -> WheelState<'_, T, W> {
+        WheelState {
+            reading: &self.readings[side as usize],
+            ground: match side {
+                Side::Left => self.ground,
+                Side::Right => self.ground.mirrored(),
+            },
+            radius: match self.setup.wheel_radius {
+                Some(radius) => radius,
+                None => f64::NAN,
+            },
+        }
     }
 
     /// Distance of the contact points across the vehicle.
+    #[inline(always)]
     pub fn track(&self) -> T {
         let [left, right] = self.wheels();
         left.half_track() + right.half_track()
     }
 
     /// A number in the shape of the others.
+    #[inline(always)]
     pub fn like(&self) -> T {
         self.roll
     }
 
     /// The body level, each wheel on a level pad at its travel.
+    #[inline(always)]
     pub fn on_pads(&self) -> Self {
         State {
             ground: Ground::level(self.like()),
@@ -169,98 +191,82 @@ impl<'a, T: Real> State<'a, T> {
 
     /// How much higher the left contact point is than the right one, along the normal of the ground: 0 on a
     /// plane.
+    #[inline(always)]
     pub fn mismatch(&self) -> T {
         let [left, right] = self.wheels();
         left.height() - right.height()
     }
 
+    /// How fast both contact points rise by the travels of their own wheels.
+    #[inline(always)]
+    fn rises(&self) -> [T; 2] {
+        let [left, right] = self.wheels();
+        [left.rise(), right.rise()]
+    }
+
+    #[inline(always)]
     fn rates(&self, motion: Motion) -> Rates<T> {
-        let wheels = self.wheels();
         let (zero, one) = (self.like().zero(), self.like().one());
-        let still = Rates {
+        let mut rates = Rates {
             travel: [zero; 2],
             rack: None,
             roll: zero,
         };
-        let rise = || wheels.map(|wheel| wheel.rise());
-        // The right wheel's own rack moves the other way, so that a difference becomes a sum.
-        let by_rack = || {
-            let [left, right] = wheels.map(|wheel| wheel.rise_by_rack());
-            left + right
-        };
-        let rolled = |travel: [T; 2]| match self.hold {
-            Hold::TravelsOnPlane => {
-                let [left, right] = rise();
-                -(left * travel[0] - right * travel[1]) / self.track()
-            }
-            _ => zero,
-        };
-        match motion {
-            Motion::Roll => {
-                let [left, right] = rise();
+        match (motion, self.hold) {
+            (Motion::Roll, _) => {
+                let [left, right] = self.rises();
                 let difference = -self.track() / (left + right);
-                Rates {
-                    travel: [difference, -difference],
-                    roll: one,
-                    ..still
-                }
+                rates.travel = [difference, -difference];
+                rates.roll = one;
             }
-            Motion::Heave if self.hold == Hold::MeanTravel => {
-                let [left, right] = rise();
+            (Motion::Heave, Hold::MeanTravel) => {
+                let [left, right] = self.rises();
                 let share = (one + one) / (left + right);
-                Rates {
-                    travel: [right * share, left * share],
-                    ..still
-                }
+                rates.travel = [right * share, left * share];
             }
-            Motion::Heave => Rates {
-                travel: [one; 2],
-                roll: rolled([one; 2]),
-                ..still
-            },
-            Motion::TravelLeft => Rates {
-                travel: [one, zero],
-                roll: rolled([one, zero]),
-                ..still
-            },
-            Motion::TravelRight => Rates {
-                travel: [zero, one],
-                roll: rolled([zero, one]),
-                ..still
-            },
-            Motion::Rack => {
-                let mut rates = Rates {
-                    rack: Some(one),
-                    ..still
-                };
-                match self.hold {
+            (Motion::Heave, _) => rates.travel = [one; 2],
+            (Motion::TravelLeft, _) => rates.travel = [one, zero],
+            (Motion::TravelRight, _) => rates.travel = [zero, one],
+            (Motion::OpposedTravels, _) => rates.travel = [-one, one],
+            (Motion::Rack, hold) => {
+                rates.rack = Some(one);
+                // The right wheel's own rack moves the other way, so that a difference becomes a sum.
+                let [left, right] = self.wheels();
+                match hold {
                     Hold::MeanTravel => {
-                        let [left, right] = rise();
-                        let difference = -by_rack() / (left + right);
+                        let by_rack = left.rise_by_rack() + right.rise_by_rack();
+                        let difference = -by_rack / (left.rise() + right.rise());
                         rates.travel = [difference, -difference];
                     }
-                    Hold::TravelsOnPlane => rates.roll = -by_rack() / self.track(),
+                    Hold::TravelsOnPlane => {
+                        let by_rack = left.rise_by_rack() + right.rise_by_rack();
+                        rates.roll = -by_rack / self.track();
+                    }
                     Hold::TravelsOnPads => {}
                 }
-                rates
             }
-            Motion::OpposedTravels => Rates {
-                travel: [-one, one],
-                roll: rolled([-one, one]),
-                ..still
-            },
         }
+        if self.hold == Hold::TravelsOnPlane && !matches!(motion, Motion::Roll | Motion::Rack) {
+            let [left, right] = self.rises();
+            rates.roll = -(left * rates.travel[0] - right * rates.travel[1]) / self.track();
+        }
+        rates
     }
 
     /// The state along a motion, as series.
-    pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>> {
+    #[inline(always)]
+    pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {
         let Rates { travel, rack, roll } = self.rates(motion);
         let [left, right] = &self.readings;
         let Ground { sine, cosine } = self.ground;
+        let opposite = match rack {
+            Some(rack) => Some(-rack),
+            None => None,
+        };
         State {
             readings: [
                 left.moving(travel[0], rack),
-                right.moving(travel[1], rack.map(|rack| -rack)),
+                right.moving(travel[1], opposite),
             ],
             ground: Ground {
                 sine: Jet([sine, cosine * roll]),
@@ -271,7 +277,9 @@ impl<'a, T: Real> State<'a, T> {
             setup: self.setup,
         }
     }
+}
 
+impl<T: Real> State<'_, T> {
     /// The state with what the ground asks for put right to first order: of numbers that carry gradients,
     /// the gradient of travels or roll angle that follow from the design. `slopes` are the plain values of
     /// F and track.

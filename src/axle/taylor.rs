@@ -6,7 +6,7 @@
 //! derivative tensors by forward propagation of univariate Taylor series*, Math. Comp. 69, 2000). The lines
 //! are the two axes and the two diagonals, so that sums and differences do it.
 
-use crate::number::{Jet, Real};
+use crate::number::Real;
 
 /// Number of coefficients up to degree 3.
 const COEFFICIENTS: usize = 10;
@@ -41,8 +41,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// The lines needed for polynomials of this degree, of travel alone or of the rack as well.
-    pub fn needed(degree: usize, with_rack: bool) -> &'static [Line] {
+    /// The lines needed for polynomials in which terms with the rack are of this degree at most.
+    pub fn needed(degree_with_rack: usize) -> &'static [Line] {
         const LINES: [Line; 4] = {
             const fn line(travel: f64, rack: f64) -> Line {
                 Line { travel, rack }
@@ -54,10 +54,10 @@ impl Line {
                 line(1.0, -1.0),
             ]
         };
-        match (with_rack, degree) {
-            (false, _) | (_, 0) => &LINES[..1],
-            (true, 1) => &LINES[..2],
-            (true, _) => &LINES,
+        match degree_with_rack {
+            0 => &LINES[..1],
+            1 => &LINES[..2],
+            _ => &LINES,
         }
     }
 }
@@ -107,42 +107,23 @@ impl<T: Real> Taylor<T> {
         taylor
     }
 
-    /// The value.
-    pub fn value(&self) -> T {
-        self.0[0]
-    }
-
-    /// The derivative by travel.
-    pub fn by_travel(&self) -> T {
-        self.0[place(1, 0)]
-    }
-
-    /// The derivative by the rack displacement.
-    pub fn by_rack(&self) -> T {
-        self.0[place(0, 1)]
-    }
-
-    /// The polynomial about a point that moves at these rates, `None` where the rack rests: as series in the
-    /// motion. One degree less is known.
-    pub fn moving(&self, travel: T, rack: Option<T>) -> Taylor<Jet<T, 2>> {
-        let mut moving = Taylor::unknown(Jet::constant(self.0[0]));
-        for (coefficient, [i, j]) in moving.0.iter_mut().zip(POWERS) {
-            let mut rate = travel.lit(f64::NAN);
-            if i + j < 3 {
-                rate = self.0[place(i + 1, j)] * travel.lit((i + 1) as f64) * travel;
-                if let Some(rack) = rack {
-                    rate = rate + self.0[place(i, j + 1)] * rack.lit((j + 1) as f64) * rack;
-                }
-            }
-            *coefficient = Jet([self.0[place(i, j)], rate]);
+    /// The coefficient with these powers of travel and rack; NaN beyond what is known.
+    #[inline(always)]
+    pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
+        match travel + rack {
+            0..4 => self.0[place(travel, rack)],
+            _ => self.0[0].lit(f64::NAN),
         }
-        moving
     }
 
     /// The polynomial about a point moved by so much in travel that its square can be neglected.
     pub fn shifted(&self, travel: T) -> Self {
-        let moved = self.moving(travel, None);
-        Taylor(moved.0.map(|Jet([value, change])| value + change))
+        let mut moved = *self;
+        for (coefficient, [i, j]) in moved.0.iter_mut().zip(POWERS) {
+            let rate = self.coefficient([i + 1, j]).scaled((i + 1) as f64);
+            *coefficient = *coefficient + rate * travel;
+        }
+        moved
     }
 }
 
@@ -162,7 +143,7 @@ mod tests {
             }
             series
         };
-        let series: Vec<_> = Line::needed(3, true).iter().map(along).collect();
+        let series: Vec<_> = Line::needed(3).iter().map(along).collect();
         let lines: Vec<&[f64]> = series.iter().map(|s| &s[..]).collect();
         let taylor = Taylor::through(&lines);
         assert_eq!(taylor.0, coefficients);
@@ -171,10 +152,19 @@ mod tests {
             rack: -2.0,
         };
         let expected = along(&oblique);
-        let once = taylor.moving(oblique.travel, Some(oblique.rack));
-        let [travel, rack] = [oblique.travel, oblique.rack].map(Jet::constant);
-        let twice = once.moving(travel, Some(rack));
-        assert_eq!(once.value()[1], expected[1]);
-        assert_eq!(twice.value()[1][1], 2.0 * expected[2]);
+        let slope = |[i, j]: [usize; 2]| {
+            let by_travel = taylor.coefficient([i + 1, j]) * (i + 1) as f64;
+            let by_rack = taylor.coefficient([i, j + 1]) * (j + 1) as f64;
+            by_travel * oblique.travel + by_rack * oblique.rack
+        };
+        assert_eq!(slope([0, 0]), expected[1]);
+        let twice = slope([1, 0]) * oblique.travel + slope([0, 1]) * oblique.rack;
+        assert_eq!(twice, 2.0 * expected[2]);
+        let shifted = taylor.shifted(2.0);
+        assert_eq!(
+            shifted.coefficient([0, 0]),
+            taylor.coefficient([0, 0]) + 2.0 * taylor.coefficient([1, 0])
+        );
+        assert!(taylor.coefficient([2, 2]).is_nan());
     }
 }

@@ -53,6 +53,41 @@ struct Reads {
     rates: bool,
 }
 
+impl Reads {
+    fn of(mechanism: &Mechanism, slots: Slots, points: &[PointId], rates: bool) -> Self {
+        let stands_on = |is: fn(Body) -> bool| points.iter().any(|id| is(mechanism.body(*id)));
+        Reads {
+            spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
+            centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
+            steering_axis: slots.contain_steering_axis(),
+            strut_upper: slots.contains(Slot::StrutUpper),
+            installation: Installation {
+                spring: mechanism.spring.filter(|_| {
+                    slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate)
+                        || slots.contains(Slot::Spring)
+                }),
+                rocker: mechanism
+                    .spring_rocker()
+                    .filter(|_| slots.contains(Slot::RockerAngle)),
+                anti_roll_bar: mechanism
+                    .anti_roll_bar()
+                    .filter(|_| slots.contain_either(Slot::BarAngle, Slot::BarAngleRate)),
+            },
+            other_points: stands_on(|body| body != Body::Knuckle),
+            rocker_points: stands_on(|body| matches!(body, Body::Rocker(_))),
+            rates,
+        }
+    }
+
+    /// Whether poses in lanes tell all of it.
+    fn are_known(&self, mechanism: &Mechanism, batch: &Batch<'_>) -> bool {
+        (!self.steering_axis || batch.steers_about(mechanism.steering_axis))
+            && mechanism
+                .strut_upper()
+                .is_none_or(|id| !self.strut_upper || mechanism.body(id) == Body::Knuckle)
+    }
+}
+
 /// What is read of spring, rockers and anti-roll bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Installation {
@@ -67,6 +102,14 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Where the points are, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
+}
+
+impl<B> LaneInputs<B> {
+    /// What formulas read.
+    #[inline(always)]
+    pub fn inputs(&self) -> &Inputs<B> {
+        &self.inputs
+    }
 }
 
 /// The designs whose characteristics are read.
@@ -112,41 +155,36 @@ impl<'a> LaneReader<'a> {
             Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
         };
         let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
+        let rates = quantities.iter().any(|q| q.rate_order() > 0);
         let slots = Slots::of(evaluations.iter().map(|evaluation| match evaluation {
             Evaluation::Formula(c) | Evaluation::Slope(c) => c.info().reads,
             Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => &[],
         }));
-        let stands_on = |is: fn(Body) -> bool| points.iter().any(|id| is(mechanism.body(*id)));
-        let reads = Reads {
-            spin_axis: slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
-            centre: slots.contain_either(Slot::Centre, Slot::CentreRate),
-            steering_axis: slots.contain_steering_axis(),
-            strut_upper: slots.contains(Slot::StrutUpper),
-            installation: Installation {
-                spring: mechanism.spring.filter(|_| {
-                    slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate)
-                        || slots.contains(Slot::Spring)
-                }),
-                rocker: mechanism
-                    .spring_rocker()
-                    .filter(|_| slots.contains(Slot::RockerAngle)),
-                anti_roll_bar: mechanism
-                    .anti_roll_bar()
-                    .filter(|_| slots.contain_either(Slot::BarAngle, Slot::BarAngleRate)),
-            },
-            other_points: stands_on(|body| body != Body::Knuckle),
-            rocker_points: stands_on(|body| matches!(body, Body::Rocker(_))),
-            rates: quantities.iter().any(|q| q.rate_order() > 0),
-        };
-        let possible = (!reads.steering_axis || batch.steers_about(mechanism.steering_axis))
-            && mechanism
-                .strut_upper()
-                .is_none_or(|id| !reads.strut_upper || mechanism.body(id) == Body::Knuckle);
-        possible.then_some(LaneReader {
+        let reads = Reads::of(mechanism, slots, &points, rates);
+        reads.are_known(mechanism, batch).then_some(LaneReader {
             mechanism,
             quantities,
             evaluations,
             points,
+            constants,
+            reads,
+        })
+    }
+
+    /// A reader of slots, with their velocities if so wanted, for formulas that are evaluated elsewhere.
+    pub fn of_slots(
+        mechanism: &'a Mechanism,
+        batch: &Batch<'_>,
+        constants: Constants,
+        slots: Slots,
+        rates: bool,
+    ) -> Option<Self> {
+        let reads = Reads::of(mechanism, slots, &[], rates);
+        reads.are_known(mechanism, batch).then_some(LaneReader {
+            mechanism,
+            quantities: Vec::new(),
+            evaluations: Vec::new(),
+            points: Vec::new(),
             constants,
             reads,
         })

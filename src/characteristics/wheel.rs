@@ -134,6 +134,11 @@ impl Slots {
         read.into_iter().fold(Slots::default(), Slots::with)
     }
 
+    /// Those of both.
+    pub fn and(self, other: Slots) -> Self {
+        Slots(self.0 | other.0)
+    }
+
     /// With these slots.
     pub fn with(self, slots: &[Slot]) -> Self {
         Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u32))

@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::report::{Cell, FailureRange, SolveSummary, Table, doubts, remarks, variable_doubts};
 use crate::solve::StationOrder;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep};
-use crate::sweep::{Evaluator, NotInLanes, SweepPlan};
+use crate::sweep::{NotInLanes, SweepPlan};
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
@@ -152,8 +152,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
 /// Why the designs of a sweep do not go through the SIMD lanes, if they do not.
 fn one_by_one(study: &Study, sweep: &Sweep) -> Option<NotInLanes> {
     let plan = SweepPlan::of(study, sweep).ok()?;
-    let evaluator = Evaluator::new(&study.suspension, &plan.stations, &plan.quantities);
-    evaluator.ok()?.not_in_lanes()
+    plan.worker().ok()?.not_in_lanes()
 }
 
 /// The rod of each rocker: how long it is, and what it stands on.

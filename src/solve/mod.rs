@@ -16,7 +16,7 @@ pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
 pub use tracker::{
     Acceptance, Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose,
-    LaneRates, Rejection, Tracked, Visit,
+    LaneRates, PairBatch, PairDrive, PairStations, Rejection, Stand, Tracked, Visit, VisitPair,
 };
 
 /// Whether poses of this mechanism come from a closed form; else from six equations.

@@ -1,23 +1,27 @@
-//! Designs of an axle, one at a time: both wheels of each are moved, and solved at every position of the motion.
+//! Designs of an axle: both wheels of each are moved, and solved at every position of the motion.
 //!
 //! A variable moves the same point of both wheels, one as the mirror image of the other, also where the right
 //! wheel has hardpoints of its own.
 
 use super::Stations;
+use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, FailedStation};
+use super::lanes::NotInLanes;
 use crate::axle::{Axle, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion};
 use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure, LimitCause};
 use crate::model::{Drive, Side};
-use crate::number::Vector3;
+use crate::number::{Vector3, Width};
 
 /// Where and what of an axle a sweep evaluates.
 #[derive(Clone, Debug)]
 pub(super) struct AxleStations<'s> {
     pub axle: &'s Axle,
     pub quantities: Vec<Quantity>,
-    /// Those of the motion, then the design position.
-    placements: Vec<Placement>,
+    /// Those of the motion, then the design position where it is not among them.
+    pub(super) placements: Vec<Placement>,
+    of_motion: usize,
+    design: usize,
     /// The printed value of `over` at each.
     values: Vec<f64>,
 }
@@ -27,27 +31,34 @@ impl<'s> AxleStations<'s> {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
         // On the ground that the motion is on.
-        placements.push(match plan.course.wheels {
+        let designed = match plan.course.wheels {
             WheelMotion::Travels { on_plane: true, .. } => Placement::Travels {
                 travels: [0.0; 2],
                 rack: 0.0,
                 on_plane: true,
             },
             _ => plan.course.design(),
-        });
+        };
+        let of_motion = placements.len();
+        let known = placements.iter().position(|p| *p == designed);
+        let design = known.unwrap_or(of_motion);
+        if known.is_none() {
+            placements.push(designed);
+        }
         let value = |placement: &Placement| over.written(placement.along(over), axle);
         AxleStations {
             axle,
             quantities: plan.quantities.clone(),
             values: placements.iter().map(value).collect(),
             placements,
+            of_motion,
+            design,
         }
     }
 
     /// As the stations of a sweep.
     pub(super) fn stations(&self) -> Stations {
-        let design = self.placements.len() - 1;
-        Stations::listed(&self.values, design)
+        Stations::listed(&self.values, self.of_motion, self.design)
     }
 
     /// The columns of values.
@@ -61,24 +72,31 @@ impl<'s> AxleStations<'s> {
         self.quantities.iter().map(column).collect()
     }
 
-    /// An evaluator of designs.
-    pub(super) fn evaluator(&self) -> Result<Box<dyn AxleEvaluator + '_>, DesignFault> {
-        fn of<'a, const N: usize>(
-            stations: &'a AxleStations<'a>,
-        ) -> Result<Box<dyn AxleEvaluator + 'a>, DesignFault> {
-            let solver = AxleSolver::<N>::new(stations.axle, &stations.quantities, false);
-            Ok(Box::new(OneByOne {
-                stations,
-                solver: solver.map_err(|(_, fault)| fault)?,
-                right: Vec::new(),
-            }))
-        }
+    /// An evaluator of designs, in lanes of a width, or one by one alone.
+    pub(super) fn evaluator(&self, width: Option<Width>) -> Result<AxleEvaluator<'_>, DesignFault> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
-        match orders.max().unwrap_or(0) {
-            0 => of::<1>(self),
-            1 => of::<2>(self),
-            _ => of::<3>(self),
-        }
+        Ok(AxleEvaluator {
+            points: self.axle.left.design.len(),
+            lanes: match width {
+                Some(width) => AxleLanes::new(self, width),
+                None => Err(NotInLanes::Asked),
+            },
+            one_by_one: match orders.max().unwrap_or(0) {
+                0 => self.one_by_one::<1>()?,
+                1 => self.one_by_one::<2>()?,
+                _ => self.one_by_one::<3>()?,
+            },
+            left: Vec::new(),
+        })
+    }
+
+    fn one_by_one<const N: usize>(&self) -> Result<Box<dyn Solves + '_>, DesignFault> {
+        let solver = AxleSolver::<N>::new(self.axle, &self.quantities, false);
+        Ok(Box::new(OneByOne {
+            stations: self,
+            solver: solver.map_err(|(_, fault)| fault)?,
+            right: Vec::new(),
+        }))
     }
 
     /// The right wheel's design where it has one of its own, moved as the left one is.
@@ -94,10 +112,44 @@ impl<'s> AxleStations<'s> {
     }
 }
 
-/// Evaluates designs of an axle.
-pub(super) trait AxleEvaluator: Send {
+/// Evaluates designs of an axle: in lanes where what is asked for can be read there, those that are not plain sailing
+/// and everything else one by one. Which of the two depends on the design alone.
+pub(super) struct AxleEvaluator<'a> {
+    points: usize,
+    lanes: Result<AxleLanes<'a>, NotInLanes>,
+    one_by_one: Box<dyn Solves + 'a>,
+    /// Designs of the block left to be solved one by one, by number.
+    left: Vec<usize>,
+}
+
+impl AxleEvaluator<'_> {
+    /// Why no design is solved in lanes; `None` where most are.
+    pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
+        self.lanes.as_ref().err().copied()
+    }
+
+    /// The designs of the last block that were left to be solved one by one, by rising number.
+    pub(super) fn one_by_one(&self) -> &[usize] {
+        &self.left
+    }
+
     /// Evaluates designs given as the left wheel's points of one after the other.
-    fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block);
+    pub(super) fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
+        let count = designs.len() / self.points;
+        block.clear(count);
+        self.left.clear();
+        match &mut self.lanes {
+            Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
+            Err(_) => self.left.extend(0..count),
+        }
+        self.one_by_one.evaluate(designs, &self.left, block);
+    }
+}
+
+/// Solves designs one at a time.
+trait Solves: Send {
+    /// Evaluates the designs of these numbers.
+    fn evaluate(&mut self, designs: &[Vector3<f64>], numbers: &[usize], block: &mut Block);
 }
 
 struct OneByOne<'a, const N: usize> {
@@ -106,11 +158,11 @@ struct OneByOne<'a, const N: usize> {
     right: Vec<Vector3<f64>>,
 }
 
-impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
+impl<const N: usize> Solves for OneByOne<'_, N> {
+    fn evaluate(&mut self, designs: &[Vector3<f64>], numbers: &[usize], block: &mut Block) {
         let points = self.stations.axle.left.design.len();
-        block.clear(designs.len() / points);
-        for (number, left) in designs.chunks_exact(points).enumerate() {
+        for &number in numbers {
+            let left = &designs[number * points..(number + 1) * points];
             block.forget(number);
             if let Err((_, fault)) = self.evaluate_design(number, left, block) {
                 block.faults.push((number, fault));

@@ -18,6 +18,8 @@ pub enum NotInLanes {
     Stations,
     /// Something that is asked for cannot be read there.
     Reading,
+    /// Both wheels of an axle are moved by travels of their own.
+    Travels,
 }
 
 impl NotInLanes {
@@ -31,6 +33,7 @@ impl NotInLanes {
             }
             NotInLanes::Stations => "since two stations coincide, or one is out of all reach",
             NotInLanes::Reading => "since something that is asked for cannot be read in lanes",
+            NotInLanes::Travels => "since both wheels are moved by travels of their own",
         }
     }
 }

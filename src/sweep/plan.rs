@@ -2,6 +2,7 @@
 
 use super::axle::{AxleEvaluator, AxleStations};
 use super::in_order;
+use super::lanes::NotInLanes;
 use super::rate_slopes::RateSlopes;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
@@ -10,7 +11,7 @@ use crate::characteristics::Quantity;
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::number::Vector3;
+use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
     DesignTable, Designs, FileFormat, Sampled, Sampling, Study, StudyErrors, Sweep,
@@ -140,14 +141,19 @@ impl<'s> SweepPlan<'s> {
 
     /// A worker, one for each thread.
     pub fn worker(&self) -> Result<Worker<'_>, DesignFault> {
+        self.worker_of_width(Some(Width::widest()))
+    }
+
+    /// The same, designs in lanes of a width, or one by one alone.
+    pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
         let suspension = &self.study.suspension;
         Ok(Worker {
             plan: self,
             evaluator: match &self.axle {
-                Some(axle) => Solves::Axles(axle.evaluator()?),
+                Some(axle) => Solves::Axles(Box::new(axle.evaluator(width)?)),
                 None => {
                     let (stations, quantities) = (&self.stations, &self.quantities);
-                    let evaluator = Evaluator::new(suspension, stations, quantities)?;
+                    let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
                     let has_gain = |k: usize| self.gains[k].is_some();
                     let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
                     Solves::Wheels(Box::new((evaluator, slopes)))
@@ -327,7 +333,7 @@ enum Solves<'p> {
     /// Of one wheel.
     Wheels(Box<(Evaluator<'p>, Option<RateSlopes<'p>>)>),
     /// Of both.
-    Axles(Box<dyn AxleEvaluator + 'p>),
+    Axles(Box<AxleEvaluator<'p>>),
 }
 
 /// Turns blocks of designs into rows. One for each thread.
@@ -368,6 +374,22 @@ impl Worker<'_> {
         }
         self.evaluate();
         &self.rows
+    }
+
+    /// The designs of the last block that were left to be solved one by one, by rising number.
+    pub fn one_by_one(&self) -> &[usize] {
+        match &self.evaluator {
+            Solves::Wheels(wheels) => wheels.0.one_by_one(),
+            Solves::Axles(axles) => axles.one_by_one(),
+        }
+    }
+
+    /// Why no design is solved in SIMD lanes; `None` where most are.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        match &self.evaluator {
+            Solves::Wheels(wheels) => wheels.0.not_in_lanes(),
+            Solves::Axles(axles) => axles.not_in_lanes(),
+        }
     }
 
     /// The values the rows last asked for were made of.

@@ -59,14 +59,14 @@ impl Stations {
         }
     }
 
-    /// Stations that are a list, named by these values; the last one is not of the motion, and is this one: the design
+    /// Stations that are a list, named by these values, the first so many of the motion, one of them the design
     /// position.
-    pub(super) fn listed(values: &[f64], design: usize) -> Self {
+    pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
             drive: Drive::Travel,
             station_order: StationOrder::through(values),
             racks: vec![0.0],
-            of_motion: design,
+            of_motion,
             racks_of_motion: 1,
             home: 0,
             design,

@@ -2,6 +2,7 @@
 
 mod commands;
 mod gradients;
+mod lanes;
 mod limits;
 mod own;
 mod reference;

@@ -6,7 +6,7 @@ use hardpoint::axle::{
 };
 use hardpoint::characteristics::Characteristic as C;
 use hardpoint::model::Side::{Left, Right};
-use hardpoint::number::{Jet, Vector3};
+use hardpoint::number::Vector3;
 use serde_json::Value;
 
 pub fn read(name: &str) -> Value {
@@ -211,7 +211,7 @@ fn derivatives_along_motions_are_the_reference_s() {
                 if state[key].is_null() {
                     continue;
                 }
-                let moving: State<Jet<f64, 2>> = read.state.moving(motion);
+                let moving = read.state.moving(motion);
                 let names = case["names"][key].as_array().unwrap();
                 for (name, expected) in names.iter().zip(state[key].as_array().unwrap()) {
                     let name = name.as_str().unwrap();

@@ -15,113 +15,137 @@
 //!
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
-use super::wheel;
+use crate::axle::reading::WheelParts;
 use crate::axle::state::{Motion, State};
+use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::{Real, Scalar};
+use crate::number::Real;
 
 /// Load gained per side force inboard.
-pub(crate) fn jacking_coefficient<T: Scalar>(state: &State<T>, side: Side) -> T {
-    let wheel = wheel(state, side);
+#[inline(always)]
+pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+    let wheel = state.wheel(side);
     let velocity = wheel.contact_velocity();
     velocity.dot(wheel.ground.outboard()) / velocity.dot(wheel.ground.normal())
 }
 
 /// The same for a force across the wheel instead of across the vehicle.
-pub(crate) fn side_force_jacking<T: Scalar>(state: &State<T>, side: Side) -> T {
-    let wheel = wheel(state, side);
+#[inline(always)]
+pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+    let wheel = state.wheel(side);
     let (velocity, normal) = (wheel.contact_velocity(), wheel.ground.normal());
     let a = wheel.reading.spin_axis();
     let across = (a - normal * a.dot(normal)).normalised();
     velocity.dot(across) / velocity.dot(normal)
 }
 
-fn jacking<T: Scalar>(state: &State<T>) -> [T; 2] {
-    [Side::Left, Side::Right].map(|side| jacking_coefficient(state, side))
+#[inline(always)]
+pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
+    [
+        jacking_coefficient(state, Side::Left),
+        jacking_coefficient(state, Side::Right),
+    ]
 }
 
 /// Track at the ground.
-pub(crate) fn track<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     state.track()
 }
 
 /// Track less that of the design position.
-pub(crate) fn track_change<T: Scalar>(state: &State<T>) -> T {
-    let radius = state.setup.wheel_radius.unwrap_or(f64::NAN);
-    let level = crate::axle::Ground::level(state.like());
-    let [left, right] = state.readings.map(|reading| {
-        reading.design_centre().y + level.contact_lever(reading.design_spin_axis(), radius).y
-    });
-    state.track() - (left + right)
+#[inline(always)]
+pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+    let designed = |side: Side| {
+        let wheel = state.wheel(side);
+        let level = Ground::level(state.like());
+        let lever = level.contact_lever(wheel.reading.design_spin_axis(), wheel.radius);
+        wheel.reading.design_centre().y + lever.y
+    };
+    state.track() - (designed(Side::Left) + designed(Side::Right))
 }
 
 /// Roll angle of the body.
-pub(crate) fn roll_angle<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     state.roll
 }
 
 /// Height of the kinematic roll centre above the ground; on pads above the mean of both.
-pub(crate) fn roll_centre_height<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let [left, right] = jacking(state);
     let higher = state.mismatch().scaled(0.5);
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
 }
 
 /// The kinematic roll centre along the ground, from midway between the contact points.
-pub(crate) fn roll_centre_lateral<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let [left, right] = jacking(state);
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
 /// Height at which equal side forces roll the body.
-pub(crate) fn force_roll_centre_height<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let [left, right] = jacking(state);
     (state.track() * (left + right)).scaled(0.25)
 }
 
 /// Lift per side force to the left, shared equally.
-pub(crate) fn jacking_force_ratio<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let [left, right] = jacking(state);
     (right - left).scaled(0.5)
 }
 
 /// How the kinematic roll centre rises in roll.
-pub(crate) fn roll_centre_migration_vertical<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
 /// How it moves sideways in roll.
-pub(crate) fn roll_centre_migration_lateral<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
 /// How the force-based height changes in roll.
-pub(crate) fn force_roll_centre_migration<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Whether the normals through both contact points are so nearly parallel that their meeting point says
-/// nothing: further than a hundred tracks to the side.
+/// How far to the side the normals through both contact points may meet, in halves of the track: beyond a hundred
+/// tracks they are so nearly parallel that their meeting point says nothing.
+pub(crate) const FARTHEST_MEETING: f64 = 200.0;
+
+/// Whether they meet farther.
 pub(crate) fn normals_are_parallel(state: &State<f64>) -> bool {
     let [left, right] = jacking(state);
     // Written so that NaN is parallel.
-    !((left - right).abs() <= 200.0 * (left + right).abs() && left + right != 0.0)
+    !((left - right).abs() < FARTHEST_MEETING * (left + right).abs())
 }
 
 /// Camber against the normal of the ground.
-pub(crate) fn camber_to_road<T: Scalar>(state: &State<T>, side: Side) -> T {
-    let wheel = wheel(state, side);
+#[inline(always)]
+pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+    let wheel = state.wheel(side);
     -wheel.reading.spin_axis().dot(wheel.ground.normal()).asin()
 }
 
 /// Camber by the roll angle.
-pub(crate) fn roll_camber<T: Scalar>(state: &State<T>, side: Side) -> T {
+#[inline(always)]
+pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
     let rolling = state.moving(Motion::Roll);
-    let a = wheel(&rolling, side).reading.spin_axis();
+    let a = rolling.wheel(side).reading.spin_axis();
     (-a.z.asin())[1]
 }
 
 /// Camber to the road by the roll angle.
-pub(crate) fn roll_camber_to_road<T: Scalar>(state: &State<T>, side: Side) -> T {
+#[inline(always)]
+pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
     camber_to_road(&state.moving(Motion::Roll), side)[1]
 }

@@ -12,18 +12,19 @@
 //! A steered rear axle is the front axle of the vehicle driven backwards: forward and the sense of steer
 //! change sign.
 
-use super::wheel;
+use crate::axle::reading::WheelParts;
 use crate::axle::state::{Motion, State};
 use crate::model::{AxlePosition, Side};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Real, Vector3};
 use std::f64::consts::PI;
 
 /// Mean steer below which percentages, quotients of two small angles, are left empty (rad).
 pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer of a wheel to the left.
-pub(crate) fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
-    let a = wheel(state, side).reading.spin_axis();
+#[inline(always)]
+pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+    let a = state.wheel(side).reading.spin_axis();
     match side {
         Side::Left => -a.x.atan2(a.y),
         Side::Right => a.x.atan2(a.y),
@@ -31,23 +32,26 @@ pub(crate) fn steer<T: Scalar>(state: &State<T>, side: Side) -> T {
 }
 
 /// The mean of both.
-pub(crate) fn mean_steer<T: Scalar>(state: &State<T>) -> T {
-    let [left, right] = [Side::Left, Side::Right].map(|side| steer(state, side));
-    (left + right).scaled(0.5)
+#[inline(always)]
+pub(crate) fn mean_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+    (steer(state, Side::Left) + steer(state, Side::Right)).scaled(0.5)
 }
 
 /// Steer by the roll angle.
-pub(crate) fn roll_steer<T: Scalar>(state: &State<T>, side: Side) -> T {
+#[inline(always)]
+pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
 /// Mean steer by the roll angle.
-pub(crate) fn axle_roll_steer<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
 /// Angle of the steering wheel by mean steer.
-pub(crate) fn steering_ratio<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
     let by_rack = mean_steer(&state.moving(Motion::Rack))[1];
     by_rack.one() / by_rack.scaled(per_angle)
@@ -69,73 +73,97 @@ struct Turn<T> {
     outer_contact: [T; 2],
 }
 
-impl<T: Scalar> Turn<T> {
-    fn of(state: &State<T>) -> Self {
-        let wheelbase = state.setup.wheelbase.unwrap_or(f64::NAN);
+/// A number of the left wheel and one of the right, as those of the inner and the outer wheel; `side` is 1 where the
+/// left one is the inner one, else -1.
+#[inline(always)]
+fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
+    let is_left = (side.one() + side).scaled(0.5);
+    let is_right = side.one() - is_left;
+    [
+        left * is_left + right * is_right,
+        left * is_right + right * is_left,
+    ]
+}
+
+impl<T: Real> Turn<T> {
+    #[inline(always)]
+    fn of<W: WheelParts<T>>(state: &State<T, W>) -> Self {
+        let like = state.like();
+        let wheelbase = match state.setup.wheelbase {
+            Some(wheelbase) => wheelbase,
+            None => f64::NAN,
+        };
         let forward = match state.setup.position {
             Some(AxlePosition::Rear) => -1.0,
             Some(AxlePosition::Front) | None => 1.0,
         };
-        let wheels = state.wheels();
-        let centres = wheels.map(|wheel| wheel.reading.centre());
-        let design = wheels.map(|wheel| wheel.reading.design_centre());
-        let left_is_inner = mean_steer(state).value() * forward >= 0.0;
-        let (inner, outer) = match left_is_inner {
-            true => (0, 1),
-            false => (1, 0),
-        };
+        let side = mean_steer(state).scaled(forward).sign();
+        let [left, right] = state.wheels();
+        let [left_design, right_design] =
+            [left.reading.design_centre(), right.reading.design_centre()];
         // The wheels of the other axle are a wheelbase behind the design positions of these.
-        let middle = (design[0].x + design[1].x).scaled(0.5);
-        let ahead =
-            |centre: Vector3<T>| (centre.x - middle).scaled(forward) + middle.lit(wheelbase);
-        // Outboard of the inner wheel is the inside of the turn, of the outer wheel it is not.
-        let inside = |wheel: usize| {
-            let a = wheels[wheel].reading.spin_axis();
-            let towards = if wheel == inner { -forward } else { forward };
-            [a.x.scaled(towards), a.y]
-        };
-        let lever = wheels[outer].contact_lever();
+        let middle = (left_design.x + right_design.x).scaled(0.5);
+        let (left_centre, right_centre) = (left.reading.centre(), right.reading.centre());
+        let [inner_x, outer_x] = inner_and_outer(side, left_centre.x, right_centre.x);
+        let (left_axis, right_axis) = (left.reading.spin_axis(), right.reading.spin_axis());
+        let [inner_axis_x, outer_axis_x] = inner_and_outer(side, left_axis.x, right_axis.x);
+        let [inner_axis_y, outer_axis_y] = inner_and_outer(side, left_axis.y, right_axis.y);
+        let (left_lever, right_lever) = (left.contact_lever(), right.contact_lever());
+        let [_, lever_x] = inner_and_outer(side, left_lever.x, right_lever.x);
+        let [_, lever_y] = inner_and_outer(side, left_lever.y, right_lever.y);
         Turn {
-            inner: inside(inner),
-            outer: inside(outer),
-            ahead: [ahead(centres[inner]), ahead(centres[outer])],
-            across: centres[0].y + centres[1].y,
-            design_across: design[0].y + design[1].y,
-            outer_contact: [lever.x.scaled(forward), lever.y],
+            // Outboard of the inner wheel is the inside of the turn, of the outer wheel it is not.
+            inner: [inner_axis_x.scaled(-forward), inner_axis_y],
+            outer: [outer_axis_x.scaled(forward), outer_axis_y],
+            ahead: [
+                (inner_x - middle).scaled(forward) + like.lit(wheelbase),
+                (outer_x - middle).scaled(forward) + like.lit(wheelbase),
+            ],
+            across: left_centre.y + right_centre.y,
+            design_across: left_design.y + right_design.y,
+            outer_contact: [lever_x.scaled(forward), lever_y],
         }
     }
 
+    #[inline(always)]
     fn angles(&self) -> [T; 2] {
-        [self.inner, self.outer].map(|[sine, cosine]| sine.atan2(cosine))
+        let ([inner, inner_cosine], [outer, outer_cosine]) = (self.inner, self.outer);
+        [inner.atan2(inner_cosine), outer.atan2(outer_cosine)]
     }
 
+    #[inline(always)]
     fn ideal_outer(&self) -> T {
         let [sine, cosine] = self.inner;
         let [inner, outer] = self.ahead;
         (outer * sine).atan2(inner * cosine + self.across * sine)
     }
 
+    #[inline(always)]
     fn cotangents(&self) -> [T; 2] {
-        [self.inner, self.outer].map(|[sine, cosine]| cosine / sine)
+        let ([inner, inner_cosine], [outer, outer_cosine]) = (self.inner, self.outer);
+        [inner_cosine / inner, outer_cosine / outer]
     }
 }
 
 /// Steer of the outer wheel beyond the ideal one.
-pub(crate) fn ackermann_error<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let turn = Turn::of(state);
     let [_, outer] = turn.angles();
     outer - turn.ideal_outer()
 }
 
 /// Difference of the steer angles in percent of the ideal difference.
-pub(crate) fn ackermann<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
 /// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
-pub(crate) fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     let [sine, cosine] = turn.outer;
@@ -145,7 +173,8 @@ pub(crate) fn ackermann_by_inner<T: Scalar>(state: &State<T>) -> T {
 }
 
 /// Difference of the cotangents in percent of the ideal one.
-pub(crate) fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let length = inner.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
@@ -154,7 +183,8 @@ pub(crate) fn ackermann_by_cotangents<T: Scalar>(state: &State<T>) -> T {
 
 /// Diameter of the circle that the contact point of the outer wheel runs on, about the middle between the
 /// points where the spin axes meet the line of the other axle.
-pub(crate) fn turning_circle<T: Scalar>(state: &State<T>) -> T {
+#[inline(always)]
+pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let lateral = (turn.ahead[0] * inner + turn.across + turn.ahead[1] * outer).scaled(0.5);

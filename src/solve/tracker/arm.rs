@@ -1,5 +1,6 @@
 //! One unknown: the tangent of half the angle of the lower arm, by the closed form.
 
+use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
@@ -277,9 +278,7 @@ impl ByArm {
                 } else {
                     let before = last[place.leg.side()];
                     let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
-                    let ahead = watch.rate + (watch.rate - before.rate);
-                    let is_flat = ahead.abs().less(like.lit(self.steepest));
-                    accepted.require(is_flat, Rejection::FoldNear);
+                    watch.check_slope(&before, self.steepest, &mut accepted);
                     watch.check_step(&before, &mut accepted);
                     last[place.leg.side()] = watch;
                 }
@@ -304,7 +303,7 @@ impl ByArm {
 
 /// What is watched along the path.
 #[derive(Clone, Copy)]
-struct BranchGuard<B> {
+pub(super) struct BranchGuard<B> {
     tangent: B,
     /// Slope of the tangent by the drive over the last step.
     rate: B,
@@ -338,6 +337,14 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_near, Rejection::TurnedFar);
     }
 
+    /// Accepts lanes where the arm is not going to be steep.
+    #[inline(always)]
+    fn check_slope(&self, before: &Self, steepest: f64, accepted: &mut Acceptance<B>) {
+        let ahead = self.rate + (self.rate - before.rate);
+        let is_flat = ahead.abs().less(ahead.lit(steepest));
+        accepted.require(is_flat, Rejection::FoldNear);
+    }
+
     /// Accepts lanes where nothing changed so much since the place before that it could have vanished on the
     /// way.
     #[inline(always)]
@@ -348,5 +355,153 @@ impl<B: SimdReal> BranchGuard<B> {
         let step = (self.tangent - before.tangent).abs();
         let is_short = step.less(self.tangent.lit(LONGEST));
         accepted.require(is_short, Rejection::TurnedFar);
+    }
+}
+
+/// A wheel of a pair.
+pub(super) struct ArmWheel<'w, 'd, B> {
+    way: &'w ByArm,
+    design: &'w ArmDesign<'d, B>,
+    on_knuckle: WheelOnKnuckle<B>,
+    tolerance: f64,
+    /// The last state looked at.
+    state: State<B>,
+    /// Of the last linearisation: how far it was from the travel wanted, and the tangent by the travel.
+    missed: B,
+    by_travel: B,
+}
+
+impl ByArm {
+    /// A wheel of a pair, of a design of this batch.
+    #[inline(always)]
+    pub(super) fn wheel<'w, 'd, B: SimdReal>(
+        &'w self,
+        design: &'w ArmDesign<'d, B>,
+        on_knuckle: WheelOnKnuckle<B>,
+        tolerance: f64,
+    ) -> ArmWheel<'w, 'd, B> {
+        let zero = design.form.like().zero();
+        ArmWheel {
+            way: self,
+            design,
+            on_knuckle,
+            tolerance,
+            state: design.form.at_half_tangent(zero, zero),
+            missed: zero,
+            by_travel: zero,
+        }
+    }
+}
+
+impl<B: SimdReal> ArmWheel<'_, '_, B> {
+    /// Centre and spin axis in the state.
+    #[inline(always)]
+    fn carried(&self) -> (Vector3<B>, Vector3<B>) {
+        let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
+        let (InKnuckle::Carried(centre), InKnuckle::Carried(axis)) = (&centre.0.0, &axis.0) else {
+            unreachable!("a wheel of a design with a closed form")
+        };
+        let from_joint = self.state.carry(centre);
+        (self.state.ball_joint() + from_joint, self.state.carry(axis))
+    }
+}
+
+impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn slopes(&self) -> [[f64; 1]; 2] {
+        [[self.way.slope], [0.0]]
+    }
+
+    #[inline(always)]
+    fn start(&self) -> BranchGuard<B> {
+        let zero = self.missed.zero();
+        BranchGuard {
+            tangent: zero,
+            rate: zero.lit(self.way.slope),
+            margin: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn linear(&mut self, &[tangent]: &[B; 1], rack: B, travel: B, _: B::Mask) -> Linear<B> {
+        let form = &self.design.form;
+        self.state = form.at_half_tangent(tangent, rack);
+        self.missed = form.travel(&self.state) - travel;
+        let velocity = form.velocity(&self.state, tangent);
+        let per_travel = tangent.one() / velocity.rise;
+        let half = tangent.lit(0.5);
+        // The tangent of half an angle by the angle is (1 + tangent^2)/2.
+        self.by_travel =
+            velocity.arm_angle * half.plus_product(half, tangent * tangent) * per_travel;
+        let (centre, axis) = self.carried();
+        let turn = velocity.turn * per_travel;
+        let lever = centre - self.state.ball_joint();
+        let rate = velocity.ball_joint * per_travel + turn.cross(lever);
+        Linear {
+            centre,
+            axis,
+            rest: [-(rate * self.missed), -(turn * self.missed)],
+            rate: [rate, turn],
+            is_near: tangent.everywhere(),
+        }
+    }
+
+    #[inline(always)]
+    fn moved(&self, &[tangent]: &[B; 1], further: B) -> [B; 1] {
+        [tangent.plus_product(self.by_travel, further - self.missed)]
+    }
+
+    #[inline(always)]
+    fn corrected(&mut self, unknowns: &[B; 1], rack: B, travel: B) -> Corrected<B, 1> {
+        let form = &self.design.form;
+        self.state = form.at_half_tangent(unknowns[0], rack);
+        let missed = form.travel(&self.state) - travel;
+        let (centre, axis) = self.carried();
+        Corrected {
+            is_settled: missed.abs().less(missed.lit(self.tolerance)),
+            unknowns: *unknowns,
+            centre,
+            axis,
+        }
+    }
+
+    #[inline(always)]
+    fn check(
+        &self,
+        &[tangent]: &[B; 1],
+        before: Option<&BranchGuard<B>>,
+        step: Option<B>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        let state = &self.state;
+        BranchGuard::check(state, tangent, accepted);
+        match (before, step) {
+            (Some(before), Some(step)) => {
+                let watch = before.next(state, tangent, tangent.one() / step);
+                watch.check_slope(before, self.way.steepest, accepted);
+                watch.check_step(before, accepted);
+                watch
+            }
+            (before, _) => {
+                let watch = BranchGuard::start(state, tangent, tangent.lit(self.way.slope));
+                if let Some(before) = before {
+                    watch.check_step(before, accepted);
+                }
+                watch
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn pose<'p>(&'p self, &[tangent]: &[B; 1], _: B, _: B) -> impl LanePose<B> + 'p {
+        ArmPose {
+            roles: &self.way.roles,
+            design: self.design,
+            state: self.state,
+            tangent,
+            drive: Drive::Travel,
+        }
     }
 }

@@ -30,6 +30,7 @@
     reason = "the closures of iterators may be left as calls, compiled for no lanes"
 )]
 
+use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
@@ -669,6 +670,187 @@ impl ByLinkage {
     }
 }
 
+/// A wheel of a pair.
+pub(super) struct LinkageWheel<'w, 'd, B> {
+    way: &'w ByLinkage,
+    linkage: &'w LinkageDesign<'d, B>,
+    on_knuckle: WheelOnKnuckle<B>,
+    tolerance: f64,
+    /// The equations about the last unknowns they were formed at.
+    linear: RefCell<Linear<B>>,
+    /// Of the linearisation with which each lane settled.
+    determinants: [B; 2],
+    /// Of the last linearisation: the way to the travel wanted, and that by the travel.
+    rest: Twist<B>,
+    by_travel: Twist<B>,
+}
+
+impl ByLinkage {
+    /// A wheel of a pair, of a design of this batch.
+    #[inline(always)]
+    pub(super) fn wheel<'w, 'd, B: SimdReal>(
+        &'w self,
+        linkage: &'w LinkageDesign<'d, B>,
+        on_knuckle: WheelOnKnuckle<B>,
+        tolerance: f64,
+    ) -> LinkageWheel<'w, 'd, B> {
+        let zero = linkage.design[0].x.zero();
+        let null = Vector3::new(zero, zero, zero);
+        let rest = Twist {
+            shift: null,
+            turn: null,
+        };
+        LinkageWheel {
+            way: self,
+            linkage,
+            on_knuckle,
+            tolerance,
+            linear: RefCell::new(Linear::unformed(self, zero)),
+            determinants: [zero; 2],
+            rest,
+            by_travel: rest,
+        }
+    }
+}
+
+impl<B: SimdReal> LinkageWheel<'_, '_, B> {
+    /// Centre, from the origin of the knuckle, and spin axis.
+    #[inline(always)]
+    fn carried(&self, rotation: &Matrix3<B>) -> (Vector3<B>, Vector3<B>) {
+        let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
+        let (InKnuckle::Designed(centre), InKnuckle::Designed(axis)) = (&centre.0.0, &axis.0)
+        else {
+            unreachable!("a wheel of a linkage")
+        };
+        (rotation.apply(*centre), rotation.apply(*axis))
+    }
+}
+
+impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn slopes(&self) -> [[f64; UNKNOWNS]; 2] {
+        [self.way.by_travel, self.way.by_rack]
+    }
+
+    #[inline(always)]
+    fn start(&self) -> BranchGuard<B> {
+        let zero = self.rest.shift.x.zero();
+        BranchGuard {
+            turned: Vector3::new(zero, zero, zero),
+            determinants: [zero; 2],
+        }
+    }
+
+    #[inline(always)]
+    fn linear(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        rack: B,
+        travel: B,
+        settled: B::Mask,
+    ) -> Motion<B> {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let linear = self.linear.get_mut();
+        travel.outlined(Linearising {
+            linkage: self.linkage,
+            at: &at,
+            travel,
+            linear,
+        });
+        let mut driven = [travel.zero(); 6];
+        driven[5] = travel.one();
+        let now = linear.blocks.determinants();
+        for (known, now) in self.determinants.iter_mut().zip(now) {
+            *known = B::select(settled, *known, now);
+        }
+        self.rest = -linear.blocks.solve(linear.residuals);
+        self.by_travel = linear.blocks.solve(driven);
+        let (lever, axis) = self.carried(&at.pose.rotation);
+        let largest = travel.lit(LARGEST_CORRECTION);
+        let inverse_size = travel.lit(1.0 / self.way.size);
+        Motion {
+            centre: at.pose.origin + lever,
+            axis,
+            rest: [
+                self.rest.shift + self.rest.turn.cross(lever),
+                self.rest.turn,
+            ],
+            rate: [
+                self.by_travel.shift + self.by_travel.turn.cross(lever),
+                self.by_travel.turn,
+            ],
+            is_near: is_less(self.rest.shift * inverse_size, largest)
+                & is_less(self.rest.turn, largest),
+        }
+    }
+
+    #[inline(always)]
+    fn moved(&self, unknowns: &[B; UNKNOWNS], further: B) -> [B; UNKNOWNS] {
+        let twist = Twist {
+            shift: self.rest.shift.plus_scaled(self.by_travel.shift, further),
+            turn: self.rest.turn.plus_scaled(self.by_travel.turn, further),
+        };
+        moved(*unknowns, &twist)
+    }
+
+    #[inline(always)]
+    fn corrected(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        rack: B,
+        travel: B,
+    ) -> Corrected<B, UNKNOWNS> {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let missed = self
+            .linkage
+            .closure
+            .residuals_inlined(&at, Driver::Travel(travel));
+        let [a, b, c, d, e, g] = missed;
+        let tolerance = travel.lit(self.tolerance);
+        let (lever, axis) = self.carried(&at.pose.rotation);
+        Corrected {
+            is_settled: is_less(Vector3::new(a, b, c), tolerance)
+                & is_less(Vector3::new(d, e, g), tolerance),
+            unknowns: moved(*unknowns, &-self.linear.get_mut().blocks.solve(missed)),
+            centre: at.pose.origin + lever,
+            axis,
+        }
+    }
+
+    #[inline(always)]
+    fn check(
+        &self,
+        unknowns: &[B; UNKNOWNS],
+        before: Option<&BranchGuard<B>>,
+        _: Option<B>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        let [_, _, _, x, y, z] = *unknowns;
+        let watch = BranchGuard {
+            turned: Vector3::new(x, y, z),
+            determinants: self.determinants,
+        };
+        watch.check(&self.way.determinants, accepted);
+        if let Some(before) = before {
+            watch.check_step(before, accepted);
+        }
+        watch
+    }
+
+    #[inline(always)]
+    fn pose<'p>(&'p self, unknowns: &[B; UNKNOWNS], rack: B, travel: B) -> impl LanePose<B> + 'p {
+        LinkagePose {
+            linkage: self.linkage,
+            at: self.linkage.configuration(*unknowns, rack),
+            travel,
+            linear: &self.linear,
+            is_linear: Cell::new(false),
+        }
+    }
+}
+
 impl Order {
     /// The order of complete pivoting, moments divided by the size; `None` where the matrix is singular
     /// or as good as that.
@@ -709,7 +891,7 @@ impl Order {
 
 /// What is watched along the path.
 #[derive(Clone, Copy)]
-struct BranchGuard<B> {
+pub(super) struct BranchGuard<B> {
     /// The knuckle's turn, as tan(angle/2) times the axis.
     turned: Vector3<B>,
     determinants: [B; 2],

@@ -25,6 +25,7 @@
 mod acceptance;
 mod arm;
 mod linkage;
+mod pair;
 mod poses;
 mod route;
 
@@ -39,6 +40,7 @@ pub use acceptance::{Acceptance, Rejection};
 use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
 use linkage::{ByLinkage, LinkageDesign};
+pub use pair::{PairBatch, PairDrive, PairStations, Stand, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
 use route::{Leg, Route, Stencil};
 
@@ -299,11 +301,15 @@ impl<'a> Batch<'a> {
     /// Room for the history of [`Batch::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
-        let unknowns = match self.way {
+        vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
+    }
+
+    /// Of one wheel.
+    fn unknowns(&self) -> usize {
+        match self.way {
             Method::Arm(_) => 1,
             Method::Linkage(_) => linkage::UNKNOWNS,
-        };
-        vec![like.zero(); unknowns * places.max().unwrap_or(0)]
+        }
     }
 
     /// The constants of designs, a point of all lanes after another.

@@ -20,7 +20,7 @@ pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 /// Where a place lies from the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
-    /// At zero travel, the rack on its way.
+    /// At zero drive, the rack on its way, and the heave at which both wheels are to roll.
     Rack,
     /// Above the design position.
     Up,
@@ -43,6 +43,8 @@ pub(crate) struct RouteStep {
     pub value: f64,
     /// Displacement of the rack.
     pub rack: f64,
+    /// Mean travel of both wheels where these roll; else 0.
+    pub heave: f64,
     /// The station that lies here; none where a long step is broken up.
     pub station: Option<usize>,
     pub leg: Leg,
@@ -53,8 +55,10 @@ pub(crate) struct RouteStep {
     /// ... together with this much of the drive along the slope of the base design: the first step has
     /// nothing else to go by.
     pub along_slope: f64,
-    /// ... and this much of the rack along the slope by the rack.
+    /// ... and this much of the rack along the slope by the rack,
     pub along_rack: f64,
+    /// and of the heave along that by the travel.
+    pub along_heave: f64,
     /// Predicts the slope by the drive here; none where there is but one place to go by.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
@@ -76,6 +80,17 @@ impl Route {
         rack: f64,
         longest: f64,
         longest_of_rack: f64,
+    ) -> Route {
+        Route::with_lead(station_order, [rack, 0.0], longest, longest_of_rack)
+    }
+
+    /// The same with rack and heave going to their places first, in steps of either no longer than
+    /// `longest_of_lead`.
+    pub(crate) fn with_lead(
+        station_order: &StationOrder,
+        [rack, heave]: [f64; 2],
+        longest: f64,
+        longest_of_lead: f64,
     ) -> Route {
         let mut is_complete = true;
         let mut design_station = None;
@@ -106,29 +121,35 @@ impl Route {
         }
         stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
 
-        let at_zero = |rack: f64, step: f64, number: usize| RouteStep {
+        let at_zero = |rack: f64, heave: f64, number: usize| RouteStep {
             value: 0.0,
             rack,
+            heave,
             station: None,
             leg: Leg::Rack,
-            step,
+            step: 0.0,
             prediction: straight_on(number),
             along_slope: 0.0,
             slope: None,
             along_rack: if number == 1 { rack } else { 0.0 },
+            along_heave: if number == 1 { heave } else { 0.0 },
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
-        if rack != 0.0 {
-            let Some(steps) = steps(0.0, rack, longest_of_rack) else {
+        if rack != 0.0 || heave != 0.0 {
+            // Along the longer of both ways.
+            let way = rack.abs().max(heave.abs());
+            let Some(steps) = steps(0.0, way, longest_of_lead) else {
                 return Route {
                     places,
                     is_complete: false,
                 };
             };
-            let step = rack / steps.len() as f64;
-            for (k, displaced) in steps.into_iter().enumerate() {
-                places.push(at_zero(displaced, step, k + 1));
+            let last = steps.len();
+            for k in 1..last {
+                let part = k as f64 / last as f64;
+                places.push(at_zero(rack * part, heave * part, k));
             }
+            places.push(at_zero(rack, heave, last));
         }
         let first = places.len() - 1;
         places[first].station = design_station;
@@ -140,6 +161,7 @@ impl Route {
             places.push(RouteStep {
                 value,
                 rack,
+                heave,
                 station,
                 leg,
                 step,
@@ -147,6 +169,7 @@ impl Route {
                 along_slope: if is_first { value } else { 0.0 },
                 slope: (!is_first).then_some(slope),
                 along_rack: 0.0,
+                along_heave: 0.0,
             });
             visited.add(value);
         }

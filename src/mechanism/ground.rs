@@ -23,6 +23,7 @@ pub struct Ground<T> {
 
 impl<T: Real> Ground<T> {
     /// Level ground, in the shape of `like`.
+    #[inline(always)]
     pub fn level(like: T) -> Self {
         Ground {
             sine: like.zero(),
@@ -31,6 +32,7 @@ impl<T: Real> Ground<T> {
     }
 
     /// The same ground as the other wheel's frame has it.
+    #[inline(always)]
     pub fn mirrored(self) -> Self {
         Ground {
             sine: -self.sine,
@@ -39,17 +41,20 @@ impl<T: Real> Ground<T> {
     }
 
     /// Unit normal, upward.
+    #[inline(always)]
     pub fn normal(self) -> Vector3<T> {
         Vector3::new(self.sine.zero(), self.sine, self.cosine)
     }
 
     /// Unit vector in the ground across the vehicle, outboard.
+    #[inline(always)]
     pub fn outboard(self) -> Vector3<T> {
         Vector3::new(self.sine.zero(), self.cosine, -self.sine)
     }
 
     /// From the wheel centre to the contact point, the lowest point over the ground of the disc of this
     /// radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
+    #[inline(always)]
     pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         let n = self.normal();
         let along = n.dot(a);

@@ -1,0 +1,183 @@
+//! Quantities of many axles at a time, one in each lane.
+
+use super::formulas::{roll, steering};
+use super::reading::{
+    BAR_ANGLE, CENTRE, DESIGN_CENTRE, DESIGN_SPIN_AXIS, ROCKER_ANGLE, SPIN_AXIS, SPRING,
+    SPRING_LENGTH, STEERING_DIRECTION, STEERING_POINT, STRUT_UPPER, WheelParts,
+};
+use super::state::{Hold, State};
+use super::{AxleQuantity, Need, Quantity, Void, WheelQuantity};
+use crate::characteristics::{Characteristic, Constants, Inputs, Slot, Slots};
+use crate::model::Side;
+use crate::number::{Outlined, SimdReal, Vector3};
+
+/// What is read of a wheel in lanes: its parts and their first derivatives by travel.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneWheel<'i, B>(pub &'i Inputs<B>);
+
+impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
+    #[inline(always)]
+    fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
+        let inputs = self.0;
+        let wheel = match powers {
+            [0, 0] => &inputs.now,
+            [1, 0] => &inputs.rate,
+            _ => return inputs.turn.x.lit(f64::NAN),
+        };
+        let of = |first: usize, vector: Vector3<B>| match part - first {
+            0 => vector.x,
+            1 => vector.y,
+            _ => vector.z,
+        };
+        match part {
+            CENTRE..3 => of(CENTRE, wheel.centre),
+            SPIN_AXIS..STEERING_POINT => of(SPIN_AXIS, wheel.spin_axis),
+            STEERING_POINT..STEERING_DIRECTION => of(STEERING_POINT, wheel.steering_point),
+            STEERING_DIRECTION..SPRING => of(STEERING_DIRECTION, wheel.steering_direction),
+            SPRING..STRUT_UPPER => of(SPRING, wheel.spring),
+            STRUT_UPPER..SPRING_LENGTH => of(STRUT_UPPER, wheel.strut_upper),
+            SPRING_LENGTH => wheel.spring_length,
+            ROCKER_ANGLE => wheel.rocker_angle,
+            BAR_ANGLE => wheel.bar_angle,
+            DESIGN_SPIN_AXIS..DESIGN_CENTRE => of(DESIGN_SPIN_AXIS, inputs.design.spin_axis),
+            DESIGN_CENTRE.. => of(DESIGN_CENTRE, inputs.design.centre),
+            _ => inputs.turn.x.lit(f64::NAN),
+        }
+    }
+
+    #[inline(always)]
+    fn twist(&self, powers: [usize; 2]) -> [Vector3<B>; 2] {
+        let inputs = self.0;
+        match powers {
+            [1, 0] => [inputs.rate.centre, inputs.turn],
+            _ => {
+                let unknown = inputs.turn.x.lit(f64::NAN);
+                [Vector3::new(unknown, unknown, unknown); 2]
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn inputs(&self, constants: Constants) -> Inputs<B> {
+        Inputs {
+            constants,
+            ..*self.0
+        }
+    }
+}
+
+impl Quantity {
+    /// Whether it can be had in lanes: not what takes accelerations, derivatives by the rack, or the laws of springs.
+    pub fn is_for_lanes(self) -> bool {
+        let is_elastic = |need: &Need| matches!(need, Need::Spring | Need::AntiRollBar);
+        self.rate_order() < 2 && !self.takes_rack() && !self.needs().iter().any(is_elastic)
+    }
+
+    /// What it reads of a wheel in lanes.
+    pub fn lane_slots(self, side: Side) -> Slots {
+        const BOTH: &[Slot] = &[Slot::SpinAxis, Slot::Centre];
+        match self {
+            Quantity::Corner(own, _) if own != side => Slots::default(),
+            Quantity::Corner(_, c) => Slots::default().with(c.info().reads),
+            Quantity::Wheel(..) | Quantity::Axle(_) => Slots::default().with(BOTH),
+        }
+    }
+
+    /// The value in lanes; NaN where it has none, as [`Quantity::value`] has it.
+    #[inline(always)]
+    pub fn value_in_lanes<B: SimdReal>(self, state: &State<B, LaneWheel<B>>) -> B {
+        let like = state.like();
+        let value = match self {
+            Quantity::Corner(side, characteristic) => like.outlined(OfCorner {
+                characteristic,
+                constants: state.setup.constants,
+                wheel: state.readings[side as usize],
+            }),
+            _ => like.outlined(OfAxle {
+                quantity: self,
+                state,
+            }),
+        };
+        value.finite()
+    }
+}
+
+struct OfCorner<'i, B> {
+    characteristic: Characteristic,
+    constants: Constants,
+    wheel: LaneWheel<'i, B>,
+}
+
+impl<B: SimdReal> Outlined for OfCorner<'_, B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        self.characteristic
+            .evaluate(&self.wheel.inputs(self.constants))
+    }
+}
+
+struct OfAxle<'s, 'i, B> {
+    quantity: Quantity,
+    state: &'s State<'s, B, LaneWheel<'i, B>>,
+}
+
+impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        use AxleQuantity as A;
+        use WheelQuantity as W;
+        let OfAxle { quantity, state } = self;
+        let unknown = state.like().lit(f64::NAN);
+        let value = match quantity {
+            Quantity::Wheel(side, W::Steer) => steering::steer(state, side),
+            Quantity::Wheel(side, W::CamberToRoad) => roll::camber_to_road(state, side),
+            Quantity::Wheel(side, W::JackingCoefficient) => roll::jacking_coefficient(state, side),
+            Quantity::Wheel(side, W::SideForceJacking) => roll::side_force_jacking(state, side),
+            Quantity::Wheel(side, W::RollCamber) => roll::roll_camber(state, side),
+            Quantity::Wheel(side, W::RollCamberToRoad) => roll::roll_camber_to_road(state, side),
+            Quantity::Wheel(side, W::WheelRollSteer) => steering::roll_steer(state, side),
+            Quantity::Axle(A::Track) => roll::track(state),
+            Quantity::Axle(A::TrackChange) => roll::track_change(state),
+            Quantity::Axle(A::RollAngle) => roll::roll_angle(state),
+            Quantity::Axle(A::RollCentreHeight) => roll::roll_centre_height(state),
+            Quantity::Axle(A::RollCentreLateral) => roll::roll_centre_lateral(state),
+            Quantity::Axle(A::ForceRollCentreHeight) => roll::force_roll_centre_height(state),
+            Quantity::Axle(A::JackingForceRatio) => roll::jacking_force_ratio(state),
+            Quantity::Axle(A::MeanSteer) => steering::mean_steer(state),
+            Quantity::Axle(A::AckermannError) => steering::ackermann_error(state),
+            Quantity::Axle(A::Ackermann) => steering::ackermann(state),
+            Quantity::Axle(A::AckermannByInner) => steering::ackermann_by_inner(state),
+            Quantity::Axle(A::AckermannByCotangents) => steering::ackermann_by_cotangents(state),
+            Quantity::Axle(A::TurningCircle) => steering::turning_circle(state),
+            Quantity::Axle(A::RollSteer) => steering::axle_roll_steer(state),
+            // Not for lanes.
+            _ => unknown,
+        };
+        let mut has_value = unknown.everywhere();
+        if quantity.is_of_the_plane() && state.hold == Hold::TravelsOnPads {
+            let apart = state.mismatch().abs();
+            has_value = !(state.track().scaled(Quantity::SAME_PLANE)).less(apart);
+        }
+        let void = match quantity {
+            Quantity::Axle(q) => q.possible_void(),
+            _ => None,
+        };
+        let has_value = match void {
+            Some(Void::StraightAhead) => {
+                let steer = steering::mean_steer(state).abs();
+                has_value & !steer.less(steer.lit(steering::STRAIGHT_AHEAD))
+            }
+            Some(Void::ParallelNormals) => {
+                let [left, right] = roll::jacking(state);
+                let sum = (left + right).abs();
+                let across = (left - right).abs();
+                let meet = across.less(sum.scaled(roll::FARTHEST_MEETING));
+                has_value & meet
+            }
+            _ => has_value,
+        };
+        B::select(has_value, value, unknown)
+    }
+}

@@ -1,0 +1,277 @@
+//! Axles in SIMD lanes.
+
+use super::axle::AxleStations;
+use super::evaluate::{Block, SIDE_BY_SIDE};
+use super::lanes::{NotInLanes, gather};
+use crate::axle::{Hold, LaneWheel, Placement, Quantity, Setup, State};
+use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
+use crate::model::Side;
+use crate::number::{SimdReal, SimdTask, Vector3, Width};
+use crate::solve::{
+    Acceptance, LanePose, PairBatch, PairDrive, PairStations, Stand, StationOrder, VisitPair,
+};
+
+/// Solves as many axles at a time as the processor has lanes.
+pub(super) struct AxleLanes<'a> {
+    width: Width,
+    batch: PairBatch<'a>,
+    readers: [LaneReader<'a>; 2],
+    groups: Vec<Group>,
+    rates: bool,
+    hold: Hold,
+    quantities: &'a [Quantity],
+    setup: &'a Setup,
+    stations: &'a AxleStations<'a>,
+    /// The right wheels of a block's designs, where they have hardpoints of their own.
+    rights: Vec<Vector3<f64>>,
+    right: Vec<Vector3<f64>>,
+}
+
+/// Stations that are visited in one go.
+struct Group {
+    rack: f64,
+    /// By their order in the batch.
+    numbers: Vec<usize>,
+}
+
+/// Heave, rack and what moves of a placement; `None` of one that is not for lanes.
+fn parts(placement: &Placement) -> Option<[f64; 3]> {
+    match *placement {
+        Placement::Roll { heave, roll, rack } => Some([heave, rack, roll]),
+        Placement::Travels {
+            travels: [left, right],
+            rack,
+            on_plane: false,
+        } if left == right => Some([0.0, rack, left]),
+        Placement::Travels { .. } => None,
+    }
+}
+
+impl<'a> AxleLanes<'a> {
+    /// A solver of these stations, or why they cannot be had in lanes.
+    pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
+        let axle = stations.axle;
+        let quantities = &stations.quantities[..];
+        if !quantities.iter().all(|q| q.is_for_lanes()) {
+            return Err(NotInLanes::Reading);
+        }
+        let mut grouped: Vec<([f64; 2], Vec<f64>, Vec<usize>)> = Vec::new();
+        for (number, placement) in stations.placements.iter().enumerate() {
+            let [heave, rack, value] = parts(placement).ok_or(NotInLanes::Travels)?;
+            let known = grouped.iter_mut().find(|g| g.0 == [heave, rack]);
+            match known {
+                Some((_, values, numbers)) => {
+                    values.push(value);
+                    numbers.push(number);
+                }
+                None => grouped.push(([heave, rack], vec![value], vec![number])),
+            }
+        }
+        let hold = stations.placements[0].hold();
+        let suspensions = [Side::Left, Side::Right].map(|side| axle.suspension(side));
+        let half_track = suspensions
+            .iter()
+            .map(|s| 0.5 * s.design[s.mechanism.wheel_centre.0].y)
+            .sum();
+        let drive = match (hold, axle.setup.wheel_radius) {
+            (Hold::MeanTravel, Some(radius)) => PairDrive::Roll { half_track, radius },
+            (Hold::MeanTravel, None) => return Err(NotInLanes::Mechanism),
+            _ => PairDrive::Heave,
+        };
+        let visits: Vec<_> = grouped
+            .iter()
+            .map(|([heave, rack], values, _)| PairStations {
+                heave: *heave,
+                rack: *rack,
+                order: StationOrder::through(values),
+            })
+            .collect();
+        let mechanisms = suspensions.map(|s| &s.mechanism);
+        let bases = suspensions.map(|s| &s.design[..]);
+        let batch = PairBatch::new(mechanisms, bases, drive, &visits);
+        let batch = batch.ok_or(NotInLanes::Mechanism)?;
+        if !batch.is_complete() {
+            return Err(NotInLanes::Stations);
+        }
+        let rates = quantities.iter().any(|q| q.rate_order() > 0);
+        let reader = |side: Side| {
+            let slots = quantities.iter().map(|q| q.lane_slots(side));
+            let slots = slots.fold(Slots::default(), Slots::and);
+            let mechanism = &axle.suspension(side).mechanism;
+            let wheel = batch.wheel(side as usize);
+            LaneReader::of_slots(mechanism, wheel, axle.setup.constants, slots, rates)
+                .ok_or(NotInLanes::Reading)
+        };
+        let groups = grouped.into_iter();
+        Ok(AxleLanes {
+            width,
+            readers: [reader(Side::Left)?, reader(Side::Right)?],
+            groups: groups
+                .map(|([_, rack], _, numbers)| Group { rack, numbers })
+                .collect(),
+            batch,
+            rates,
+            hold,
+            quantities,
+            setup: &axle.setup,
+            stations,
+            rights: Vec::new(),
+            right: Vec::new(),
+        })
+    }
+
+    /// Evaluates designs given as the left wheel's points; the numbers of those left to be solved one by one are
+    /// added to `left`.
+    pub(super) fn evaluate(
+        &mut self,
+        designs: &[Vector3<f64>],
+        block: &mut Block,
+        left: &mut Vec<usize>,
+    ) {
+        self.rights.clear();
+        let points = self.stations.axle.left.design.len();
+        for design in designs.chunks_exact(points) {
+            if self.stations.right_design(design, &mut self.right) {
+                self.rights.extend_from_slice(&self.right);
+            }
+        }
+        self.width.run(Evaluation {
+            solver: self,
+            designs,
+            block,
+            left,
+        });
+    }
+}
+
+struct Evaluation<'s, 'a> {
+    solver: &'s AxleLanes<'a>,
+    designs: &'s [Vector3<f64>],
+    block: &'s mut Block,
+    left: &'s mut Vec<usize>,
+}
+
+impl SimdTask for Evaluation<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let Evaluation {
+            solver,
+            designs,
+            block,
+            left,
+        } = self;
+        let AxleLanes { batch, readers, .. } = solver;
+        let points = solver.stations.axle.left.design.len();
+        let rights = match solver.rights.is_empty() {
+            true => designs,
+            false => &solver.rights[..],
+        };
+        let mut history = batch.history(like);
+        let mut group_left = vec![Vector3::new(like, like, like); points];
+        let mut group_right = group_left.clone();
+        let count = designs.len() / points;
+        let mut first = 0;
+        while first < count {
+            let lanes = (count - first).min(B::LANES);
+            gather(designs, points, first, lanes, &mut group_left);
+            gather(rights, points, first, lanes, &mut group_right);
+            let left_design = batch.wheel(0).design(&group_left);
+            let right_design = batch.wheel(1).design(&group_right);
+            let left_wheels = readers[0].wheels(&left_design, &group_left);
+            let right_wheels = readers[1].wheels(&right_design, &group_right);
+            let (values, _) = block.from(first);
+            let mut reading = Reading {
+                solver,
+                left_inputs: readers[0].inputs(&left_wheels),
+                right_inputs: readers[1].inputs(&right_wheels),
+                wheels: [&left_wheels, &right_wheels],
+                numbers: &[],
+                rack: like,
+                right: like.everywhere(),
+                values,
+            };
+            let mut number = 0;
+            while number < solver.groups.len() {
+                let group = &solver.groups[number];
+                reading.numbers = &group.numbers;
+                reading.rack = like.lit(group.rack);
+                let solved = batch.solve(
+                    [&left_design, &right_design],
+                    [&group_left, &group_right],
+                    number,
+                    &mut history,
+                    &mut reading,
+                );
+                reading.right = reading.right & solved.everywhere();
+                number += 1;
+            }
+            let solved = reading.right;
+            for lane in 0..lanes {
+                if !B::lane(solved, lane) {
+                    left.push(first + lane);
+                }
+            }
+            first += lanes;
+        }
+    }
+}
+
+/// Reads the quantities off the poses of a group.
+struct Reading<'r, 'a, B: SimdReal> {
+    solver: &'r AxleLanes<'a>,
+    wheels: [&'r LaneWheels<B>; 2],
+    left_inputs: LaneInputs<B>,
+    right_inputs: LaneInputs<B>,
+    /// Of the block's stations, those of the batch.
+    numbers: &'r [usize],
+    rack: B,
+    /// Lanes that are right so far.
+    right: B::Mask,
+    /// Where to, as [`Block::from`] has it.
+    values: &'r mut [f64],
+}
+
+impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
+    #[inline(always)]
+    fn pair<P: LanePose<B>>(
+        &mut self,
+        station: usize,
+        [left, right]: [&P; 2],
+        stand: Stand<B>,
+        _: Acceptance<B>,
+    ) {
+        let AxleLanes {
+            readers,
+            rates,
+            hold,
+            quantities,
+            setup,
+            stations,
+            ..
+        } = self.solver;
+        let [left_wheels, right_wheels] = self.wheels;
+        let (rack, inputs) = (self.rack, &mut self.left_inputs);
+        let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
+        let inputs = &mut self.right_inputs;
+        let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
+        self.right = self.right & left_known & right_known;
+        let state = State {
+            readings: [
+                LaneWheel(self.left_inputs.inputs()),
+                LaneWheel(self.right_inputs.inputs()),
+            ],
+            ground: stand.ground,
+            roll: stand.roll,
+            hold: *hold,
+            setup,
+        };
+        let count = stations.placements.len();
+        let values = &mut self.values[self.numbers[station] * SIDE_BY_SIDE..];
+        for (k, quantity) in quantities.iter().enumerate() {
+            let value = quantity.value_in_lanes(&state);
+            value.store(&mut values[k * count * SIDE_BY_SIDE..]);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Axles in SIMD lanes against the same one by one: same values, same refusals, the same bits at every width.
+
+use hardpoint::axle::Quantity;
+use hardpoint::number::Width;
+use hardpoint::study::Study;
+use hardpoint::sweep::{NotInLanes, SweepPlan, Worker};
+use std::path::Path;
+
+const DESIGNS: usize = 40;
+const STRUT: &str = "macpherson_axle_front.toml";
+const FIVE_LINK: &str = "five_link_axle_rear.toml";
+
+/// A sample's axle with every quantity of lanes that it has, some of its points scattered.
+fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    let text = std::fs::read_to_string(path).unwrap();
+    let head = text.split("[motion]").next().unwrap();
+    let head = head.replace("right = \"mirrored\"", right);
+    let points: &[(&str, &str)] = match name {
+        STRUT => &[
+            ("tie_rod_outer", "z"),
+            ("tie_rod_inner", "x"),
+            ("lower_ball_joint", "y"),
+            ("lower_arm_rear", "z"),
+            ("wheel_centre", "y"),
+            ("strut_top", "x"),
+        ],
+        _ => &[
+            ("toe_link_inner", "z"),
+            ("toe_link_outer", "y"),
+            ("wheel_centre", "y"),
+            ("toe_link_inner", "x"),
+        ],
+    };
+    let variables: Vec<String> = points
+        .iter()
+        .map(|(point, axis)| {
+            format!("{{ hardpoint = \"{point}\", axis = \"{axis}\", range = [-{by}, {by}] }}")
+        })
+        .collect();
+    let text = format!(
+        "{head}\n[motion]\n{motion}\n[outputs]\ncharacteristics = [\"toe\"]\n[sweep]\nmethod = \"random\"\n\
+         samples = {DESIGNS}\nseed = 5\nvariables = [{}]\n",
+        variables.join(", ")
+    );
+    let mut study =
+        Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let both = study.axle.as_mut().unwrap();
+    let setup = &both.axle.setup;
+    let has = |quantity: &Quantity| {
+        use hardpoint::axle::Need;
+        let given = |need: &Need| match need {
+            Need::WheelRadius => setup.wheel_radius.is_some(),
+            Need::Wheelbase => setup.wheelbase.is_some(),
+            _ => false,
+        };
+        match quantity {
+            Quantity::Corner(_, c) => c.info().needs.iter().all(|n| n.met_by(&study.suspension)),
+            _ => quantity.needs().iter().all(given),
+        }
+    };
+    let names = Quantity::names();
+    let all = names.iter().flat_map(|name| Quantity::named(name));
+    both.plan.quantities = all.filter(|q| q.is_for_lanes()).filter(has).collect();
+    study
+}
+
+fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
+    let plan: &'static SweepPlan<'static> = Box::leak(Box::new(plan.clone()));
+    plan.worker_of_width(width).unwrap()
+}
+
+const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [0.0, 30.0]";
+const STEERED: &str =
+    "roll = { from = -3.0, to = 3.0, steps = 5 }\nheave = [15.0]\nrack = [-35.0, 12.0]";
+const HEAVE: &str = "heave = { from = -60.0, to = 60.0, steps = 5 }\nrack = [0.0, 20.0]";
+const OWN_STRUT: &str = "[axle.right.hardpoints]\ntie_rod_outer = [-131.0, -688.0, 243.0]";
+const OWN_FIVE_LINK: &str = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
+
+/// In lanes every quantity has the value that it has one by one, of all designs; hardly any is left to the latter.
+#[test]
+fn lanes_have_the_values_of_designs_one_by_one() {
+    let mirrored = "right = \"mirrored\"";
+    for (name, right, motion) in [
+        (STRUT, mirrored, ROLL),
+        (STRUT, OWN_STRUT, STEERED),
+        (STRUT, mirrored, HEAVE),
+        (FIVE_LINK, OWN_FIVE_LINK, ROLL),
+        (FIVE_LINK, mirrored, "heave = [-40.0, 0.0, 30.0]"),
+    ] {
+        let study: &'static Study = Box::leak(Box::new(study(name, right, motion, 8.0)));
+        let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
+        let quantities = &study.axle.as_ref().unwrap().plan.quantities;
+        let mut alone = worker(&plan, None);
+        assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
+        alone.rows(0);
+        let mut first: Option<Vec<u64>> = None;
+        for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+            let mut lanes = worker(&plan, Some(width));
+            assert_eq!(lanes.not_in_lanes(), None, "{name} {motion}");
+            lanes.rows(0);
+            let left = lanes.one_by_one();
+            assert!(
+                left.len() <= DESIGNS / 10,
+                "{name} {motion}: {} left",
+                left.len()
+            );
+            let mut bits = Vec::new();
+            for design in 0..DESIGNS {
+                for (k, quantity) in quantities.iter().enumerate() {
+                    let pairs = lanes
+                        .block()
+                        .values(design, k)
+                        .zip(alone.block().values(design, k));
+                    for (station, (found, expected)) in pairs.enumerate() {
+                        bits.push(found.to_bits());
+                        let what = || {
+                            format!("{name} {motion}: {quantity:?} {station} {found} {expected}")
+                        };
+                        assert_eq!(found.is_nan(), expected.is_nan(), "{}", what());
+                        // Quotients whose denominator is small are as uncertain as they are large.
+                        let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
+                        assert!(
+                            expected.is_nan() || (found - expected).abs() < 1e-9 * scale,
+                            "{}",
+                            what()
+                        );
+                    }
+                }
+            }
+            match &first {
+                None => first = Some(bits),
+                Some(first) => assert!(*first == bits, "{name} {motion}: bits of {width:?}"),
+            }
+        }
+    }
+}
+
+/// What is not for lanes is said with its reason.
+#[test]
+fn what_is_not_for_lanes_is_said() {
+    let of = |motion: &str, name: &str| {
+        let mut study = study(STRUT, "right = \"mirrored\"", motion, 1.0);
+        study.axle.as_mut().unwrap().plan.quantities = Quantity::named(name);
+        let study: &'static Study = Box::leak(Box::new(study));
+        let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
+        worker(&plan, Some(Width::widest())).not_in_lanes()
+    };
+    assert_eq!(of(HEAVE, "toe"), None);
+    assert_eq!(of(HEAVE, "steering_ratio"), Some(NotInLanes::Reading));
+    assert_eq!(
+        of(ROLL, "roll_centre_migration_vertical"),
+        Some(NotInLanes::Reading)
+    );
+    let singly = "travel_left = [0.0, 10.0]\ntravel_right = [0.0]";
+    assert_eq!(of(singly, "toe"), Some(NotInLanes::Travels));
+}

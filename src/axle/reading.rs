@@ -409,7 +409,7 @@ pub trait WheelParts<T: Real>: Copy {
 
 /// Of the corner's catalogue, a wheel or its derivatives.
 #[inline(always)]
-fn wheel<T: Real>(parts: &(impl WheelParts<T> + ?Sized), powers: [usize; 2]) -> Wheel<T> {
+fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
     Wheel {
         spin_axis: parts.vector(SPIN_AXIS, powers),
         centre: parts.vector(CENTRE, powers),
@@ -432,19 +432,19 @@ impl<T: Real> WheelParts<T> for Reading<T> {
 
 /// A wheel that moves: its parts are formed as they are read.
 #[derive(Debug)]
-pub struct Moving<'w, W: ?Sized, T> {
+pub struct Moving<'w, W, T> {
     of: &'w W,
     travel: T,
     rack: Option<T>,
 }
 
-impl<W: ?Sized, T: Copy> Clone for Moving<'_, W, T> {
+impl<W, T: Copy> Clone for Moving<'_, W, T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<W: ?Sized, T: Copy> Copy for Moving<'_, W, T> {}
+impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
     #[inline(always)]

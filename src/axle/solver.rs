@@ -154,6 +154,8 @@ struct Corner<'a, const N: usize> {
     /// 1, or -1 at the right wheel, whose own frame has the rack move the other way.
     rack_sign: f64,
     toggles: Toggles,
+    /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
+    begun: Option<f64>,
     side: Side,
 }
 
@@ -255,6 +257,7 @@ impl<'a, const N: usize> Corner<'a, N> {
                 Side::Right => -1.0,
             },
             toggles: Toggles::of(mechanism, rockers.iter().copied()),
+            begun: None,
             side,
         })
     }
@@ -263,6 +266,19 @@ impl<'a, const N: usize> Corner<'a, N> {
         self.solver.prepare(design)?;
         self.slopes.prepare(self.mechanism, design);
         self.series.prepare(self.mechanism, design);
+        self.begun = None;
+        Ok(())
+    }
+
+    /// Makes ready to look for toggles with the rack here.
+    fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
+        match self.begun == Some(rack) {
+            true => self.toggles.begin_again(),
+            false => {
+                self.toggles.begin(&mut self.solver, Drive::Travel, rack)?;
+                self.begun = Some(rack);
+            }
+        }
         Ok(())
     }
 
@@ -452,8 +468,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let corner = |side| {
             let rockers = axle.rockers(side, quantities);
             let mut corner = Corner::new(axle, side, &parts, &rockers).map_err(|f| (side, f))?;
-            let begun = corner.toggles.begin(&mut corner.solver, Drive::Travel, 0.0);
-            begun.map_err(|fault| (side, fault))?;
+            corner.begin(0.0).map_err(|fault| (side, fault))?;
             Ok(corner)
         };
         let corners = [corner(Side::Left)?, corner(Side::Right)?];
@@ -735,10 +750,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let corner = &mut self.corners[side as usize];
             let (travel, pose) = (placed.travels[side as usize], &placed.poses[side as usize]);
             let rack = placed.rack * corner.rack_sign;
-            let begun = corner
-                .toggles
-                .begin(&mut corner.solver, Drive::Travel, rack);
-            let found = begun.map_err(|_| Failure::Singular);
+            let found = corner.begin(rack).map_err(|_| Failure::Singular);
             let found = found.and_then(|()| corner.read(pose, travel, rack, (lines, &parts)));
             found.map_err(|failure| AxleFailure::Wheel {
                 side,
@@ -759,14 +771,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         rack: f64,
     ) -> Vec<Result<WheelRead, AxleFailure>> {
         let (lines, parts) = (self.lines, self.parts);
-        let Corner {
-            solver,
-            series,
-            rack_sign,
-            toggles,
-            ..
-        } = &mut self.corners[side as usize];
-        let rack = rack * *rack_sign;
+        let corner = &mut self.corners[side as usize];
+        let rack = rack * corner.rack_sign;
         let fails = |travel: f64, failure| AxleFailure::Wheel {
             side,
             travel,
@@ -775,9 +781,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
         // The design position was looked at when the solver was made; what cannot be visited keeps its failure.
-        if toggles.begin(solver, Drive::Travel, rack).is_err() {
+        if corner.begin(rack).is_err() {
             return found;
         }
+        let Corner {
+            solver,
+            series,
+            toggles,
+            ..
+        } = corner;
         let order = StationOrder::through(travels);
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];

@@ -158,10 +158,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
                 Side::Left => self.ground,
                 Side::Right => self.ground.mirrored(),
             },
-            radius: match self.setup.wheel_radius {
-                Some(radius) => radius,
-                None => f64::NAN,
-            },
+            radius: self.setup.wheel_radius.unwrap_or(f64::NAN),
         }
     }
 
@@ -259,14 +256,10 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
         let Rates { travel, rack, roll } = self.rates(motion);
         let [left, right] = &self.readings;
         let Ground { sine, cosine } = self.ground;
-        let opposite = match rack {
-            Some(rack) => Some(-rack),
-            None => None,
-        };
         State {
             readings: [
                 left.moving(travel[0], rack),
-                right.moving(travel[1], opposite),
+                right.moving(travel[1], rack.map(|rack| -rack)),
             ],
             ground: Ground {
                 sine: Jet([sine, cosine * roll]),

@@ -385,6 +385,11 @@ impl Toggles {
         Ok(())
     }
 
+    /// Makes ready for another march that begins where the last one did.
+    pub fn begin_again(&self) {
+        self.begin_with(self.at_start.get());
+    }
+
     /// Makes ready for a march that begins in this pose.
     pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         self.begin_with(self.stuck(at, 0, |c| c[0]));

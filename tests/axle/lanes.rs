@@ -6,7 +6,7 @@ use hardpoint::study::Study;
 use hardpoint::sweep::{NotInLanes, SweepPlan, Worker};
 use std::path::Path;
 
-const DESIGNS: usize = 40;
+const DESIGNS: usize = 20;
 const STRUT: &str = "macpherson_axle_front.toml";
 const FIVE_LINK: &str = "five_link_axle_rear.toml";
 

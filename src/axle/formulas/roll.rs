@@ -125,8 +125,9 @@ pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 /// Whether they meet farther.
 pub(crate) fn normals_are_parallel(state: &State<f64>) -> bool {
     let [left, right] = jacking(state);
-    // Written so that NaN is parallel.
-    !((left - right).abs() < FARTHEST_MEETING * (left + right).abs())
+    let meet = (left - right).abs() < FARTHEST_MEETING * (left + right).abs();
+    // NaN is parallel.
+    !meet
 }
 
 /// Camber against the normal of the ground.

@@ -89,10 +89,7 @@ impl<T: Real> Turn<T> {
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &State<T, W>) -> Self {
         let like = state.like();
-        let wheelbase = match state.setup.wheelbase {
-            Some(wheelbase) => wheelbase,
-            None => f64::NAN,
-        };
+        let wheelbase = state.setup.wheelbase.unwrap_or(f64::NAN);
         let forward = match state.setup.position {
             Some(AxlePosition::Rear) => -1.0,
             Some(AxlePosition::Front) | None => 1.0,

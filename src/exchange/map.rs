@@ -1,11 +1,14 @@
-//! Points in JSON: a map from names to coordinates, nested as it likes.
+//! Points in JSON or YAML: a map from names to coordinates, nested as it likes.
 //!
 //! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and
 //! `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]` are all the same point: the name is made of the keys on
 //! the way to three numbers. So the suspensions of Project Chrono are read, whose points are such lists under
-//! `Upper Control Arm`, `Location Chassis Front` and the like (in metres, x forward, y left, z up). Lists of
-//! other lengths, texts and truth values are passed over; a number alone is a figure with a name.
+//! `Upper Control Arm`, `Location Chassis Front` and the like (in metres, x forward, y left, z up). A key that
+//! is a side, `left` or `RH`, says whose points are below it. Lists of other lengths, texts and truth values are
+//! passed over; a number alone is a figure with a name.
 
+use super::hub_face;
+use super::names::side_of;
 use super::points::{NamedPoint, PointTable, unit_of};
 use crate::model::FrameConvention;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -15,7 +18,8 @@ use std::fmt;
 const MOST_POINTS: usize = 50_000;
 
 /// A value with its keys as they stand there, repeated ones too.
-enum Node {
+#[derive(Debug, PartialEq)]
+pub(super) enum Node {
     Number(f64),
     Text(String),
     List(Vec<Node>),
@@ -78,16 +82,22 @@ impl<'de> Deserialize<'de> for Node {
 }
 
 /// Whether a text is JSON.
-pub(super) fn is_map(text: &str) -> bool {
+pub(super) fn is_json(text: &str) -> bool {
     text.trim_start().starts_with(['{', '['])
 }
 
-/// Reads the points of a JSON text; `None` where it has none.
-pub(super) fn read(text: &str) -> Result<Option<PointTable>, String> {
-    let root: Node = serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
+/// The map of a JSON text.
+pub(super) fn of_json(text: &str) -> Result<Node, String> {
+    serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))
+}
+
+/// The points of a map; `None` where it has none.
+pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let mut reader = Reader::default();
-    reader.visit(&root, &mut Vec::new())?;
-    Ok((!reader.table.points.is_empty()).then_some(reader.table))
+    reader.visit(root, &mut Vec::new())?;
+    let mut table = reader.table;
+    hub_face::add_wheel_centres(&mut table)?;
+    Ok((!table.points.is_empty()).then_some(table))
 }
 
 #[derive(Default)]
@@ -141,9 +151,12 @@ impl Reader {
         if points.len() == MOST_POINTS {
             return Err(format!("it has more than {MOST_POINTS} points"));
         }
+        let is_side = |key: &&&str| side_of(key).is_some();
+        let side = keys.iter().find(is_side).and_then(|key| side_of(key));
+        let words: Vec<&str> = keys.iter().filter(|key| !is_side(key)).copied().collect();
         points.push(NamedPoint {
-            name: keys.join(" "),
-            side: None,
+            name: words.join(" "),
+            side,
             mirrored: false,
             position: Ok(position),
             body: None,
@@ -220,7 +233,7 @@ mod tests {
             r#"[{"name": "lower arm front", "x": 1, "y": 2.5, "z": -30, "note": "?"}]"#,
             r#"{"lower": {"arm": {"front": [1, 2.5, -30]}, "inertia": [1, 2], "fixed": true}}"#,
         ] {
-            let table = read(text).unwrap().unwrap();
+            let table = points_of(&of_json(text).unwrap()).unwrap().unwrap();
             let [point] = &table.points[..] else {
                 panic!("{text}: {table:?}")
             };
@@ -231,6 +244,7 @@ mod tests {
 
     #[test]
     fn repeated_keys_stay_two_points_and_what_is_no_map_is_refused() {
+        let read = |text: &str| points_of(&of_json(text)?);
         let table = read(r#"{"units": "mm", "a": [1, 2, 3], "a": [1, 2, 4], "mass": 3}"#);
         let table = table.unwrap().unwrap();
         assert_eq!((table.points.len(), table.figures.len()), (2, 1));

@@ -1,7 +1,7 @@
 //! Other tools' files: points in, points and curves out.
 //!
-//! Data comes from a table of text, a workbook, a map in JSON or an Adams/Car subsystem as named points in the file's own
-//! axes and unit ([`read_points`]), becomes the wheel of a topology ([`import()`]) and then a study
+//! Data comes from a table of text, a workbook, a map in JSON or YAML or an Adams/Car subsystem as named points
+//! in the file's own axes and unit ([`read_points`]), becomes the wheel of a topology ([`import()`]) and then a study
 //! ([`Imported::study`]). The study keeps the file's axes and unit, so that every coordinate is the double
 //! that was written.
 
@@ -10,6 +10,7 @@ mod cell;
 mod compose;
 mod delimited;
 mod export;
+mod hub_face;
 mod import;
 mod map;
 mod names;
@@ -18,6 +19,7 @@ mod points;
 mod rounding;
 mod source;
 mod workbook;
+mod yaml;
 
 pub use export::{Written, csv, into_subsystem, page_of_csv, point_rows, subsystem};
 pub use import::{Hardpoint, Imported, Wishes, import};

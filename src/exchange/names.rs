@@ -86,6 +86,7 @@ const SPELT: &[(&[&str], &str)] = &[
             "pt",
             "hp",
             "hardpoint",
+            "hardpoints",
             "hard",
             "pivot",
             "pickup",
@@ -156,7 +157,7 @@ const PATTERNS: &[(&str, &[&str])] = &[
         &[
             "spindle inner ?axis ?wheel",
             "hub inner ?axis",
-            "wheel axis inner",
+            "axis inner ?wheel",
         ],
     ),
     (

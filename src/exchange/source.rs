@@ -1,8 +1,9 @@
-//! A file of points, whatever it is: a table of text, a workbook, a map in JSON or an Adams/Car subsystem.
+//! A file of points, whatever it is: a table of text, a workbook, a map in JSON or YAML or an Adams/Car
+//! subsystem.
 
 use super::adams::{self, Symmetry};
 use super::points::{self, NamedPoint, PointTable};
-use super::{delimited, map, workbook};
+use super::{delimited, map, workbook, yaml};
 use crate::model::{FrameConvention, Side};
 use std::io::Read;
 use std::path::Path;
@@ -30,15 +31,18 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
     if adams::is_subsystem(&text) {
         return of_subsystem(&text);
     }
-    if map::is_map(&text) {
-        return map::read(&text)?.ok_or_else(|| NO_POINTS.to_owned());
+    if yaml::is_named(path) {
+        return map::points_of(&yaml::read(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
+    }
+    if map::is_json(&text) {
+        return map::points_of(&map::of_json(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
     }
     let table = points::read(&delimited::read(&text)?)?;
     table.ok_or_else(|| NO_POINTS.to_owned())
 }
 
 const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
-                         or lines of a name and three numbers, or names with three numbers in JSON";
+                         or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, String> {
     if path.is_dir() {

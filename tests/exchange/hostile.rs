@@ -301,3 +301,68 @@ fn suspensions_of_chrono_are_read() {
     let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
     assert!(curves.are_complete());
 }
+
+/// A geometry file as Suspension Explorer documents it: the hub's face and the wheel's offset instead of the
+/// wheel centre, the tyre's size instead of a radius, both wheels under their sides.
+#[test]
+fn geometry_files_of_suspension_explorer_are_read() {
+    let corner = |sign: f64| {
+        let point = |name: &str, [x, y, z]: [f64; 3]| {
+            format!("    {name}: {{x: {x}, y: {}, z: {z}}}\n", sign * y)
+        };
+        [
+            point("lower_wishbone_inboard_front", [210.0, 310.0, 140.0]),
+            point("lower_wishbone_inboard_rear", [-190.0, 320.0, 145.0]),
+            point("lower_wishbone_outboard", [5.0, 705.0, 135.0]),
+            point("upper_wishbone_inboard_front", [160.0, 340.0, 330.0]),
+            point("upper_wishbone_inboard_rear", [-170.0, 345.0, 325.0]),
+            point("upper_wishbone_outboard", [-10.0, 665.0, 375.0]),
+            point("trackrod_inboard", [-85.0, 300.0, 170.0]),
+            point("trackrod_outboard", [-95.0, 690.0, 175.0]),
+            point("axle_inboard", [0.0, 600.0, 260.0]),
+            point("axle_outboard", [0.0, 780.0, 256.0]),
+        ]
+        .concat()
+    };
+    let text = format!(
+        "type: double_wishbone\nscope: axle\nname: made up\nunits: millimeters\n\
+         vehicle_config:\n  cg_position: {{x: 1100, y: 0, z: 300}}\n  wheelbase: 1600\n\
+         axle_config:\n  steering: {{type: rack}}\n  wheel:\n    offset: 30 # inboard\n    tire:\n\
+         \x20     aspect_ratio: 0.4\n      section_width: 180\n      rim_diameter: 13\n\
+         hardpoints:\n  left:\n{}  right:\n{}",
+        corner(1.0),
+        corner(-1.0)
+    );
+    let directory = tempfile::tempdir().unwrap();
+    for (side, sign) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+        let said = Said {
+            side: Some(side),
+            ..Said::default()
+        };
+        let path = file(&directory, "geometry.yaml", text.as_bytes());
+        let read = imported(&path, "double_wishbone", &said).unwrap();
+        assert_eq!((read.side, read.unit), (side, LengthUnit::Millimetre));
+        let at = |name: &str| {
+            let found = read.hardpoints.iter().find(|h| h.name == name);
+            found.unwrap_or_else(|| panic!("{name}")).position
+        };
+        assert_eq!(at("tie_rod_outer"), [-95.0, sign * 690.0, 175.0]);
+        assert_eq!(at("spindle_inner"), [0.0, sign * 600.0, 260.0]);
+        // 30 mm back along the axis, whose length is the root of 180 squared and 4 squared.
+        let length = 180.0_f64.hypot(4.0);
+        let wanted = [
+            0.0,
+            sign * (780.0 - 30.0 * 180.0 / length),
+            256.0 + 120.0 / length,
+        ];
+        for (found, wanted) in at("wheel_centre").into_iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-12 * 780.0, "{found} {wanted}");
+        }
+        assert_eq!(read.wheel_radius, Some(0.5 * 25.4 * 13.0 + 0.4 * 180.0));
+        let study = read.study("made up", "geometry.yaml").unwrap();
+        let study = hardpoint::study::Study::from_text("s.toml", &study, directory.path()).unwrap();
+        let plan = hardpoint::plan::Plan::of(&study);
+        let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+        assert!(curves.are_complete());
+    }
+}

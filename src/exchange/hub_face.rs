@@ -1,0 +1,86 @@
+//! Wheels given by the hub instead of the wheel centre, as in the geometry files of Suspension Explorer.
+//!
+//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of
+//! the spin axis, `axle_inboard` and `axle_outboard`; the second is the hub's mounting face. The wheel's centre
+//! lies `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis, and the tyre's nominal radius is
+//! half the rim's diameter (inches) and the side wall, `aspect_ratio` times `section_width` (millimetres).
+
+use super::points::{NamedPoint, PointTable};
+use crate::model::LengthUnit;
+
+/// The figures of a wheel by the ends of their names.
+const OFFSET: &str = "wheel offset";
+const RIM_DIAMETER: &str = "tire rim_diameter";
+const SECTION_WIDTH: &str = "tire section_width";
+const ASPECT_RATIO: &str = "tire aspect_ratio";
+
+/// Adds the wheel centre of each hub face, and the tyre's nominal radius, where the table speaks of them.
+///
+/// # Errors
+/// Both points of the axis are the same, or the offset is none of a wheel.
+pub(super) fn add_wheel_centres(table: &mut PointTable) -> Result<(), String> {
+    let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
+    let figure = |end: &str| {
+        let mut found = table
+            .figures
+            .iter()
+            .filter(|(name, ..)| ends_with(name, end));
+        found.next().map(|(_, value, _)| *value)
+    };
+    let Some(offset) = figure(OFFSET) else {
+        return Ok(());
+    };
+    let in_file = match table.unit.unwrap_or(LengthUnit::Millimetre) {
+        LengthUnit::Millimetre => 1.0,
+        LengthUnit::Metre => 1e-3,
+        LengthUnit::Inch => 1.0 / 25.4,
+    };
+    let of_axle = |end: &str| {
+        let points = table
+            .points
+            .iter()
+            .filter(|point| ends_with(&point.name, end));
+        points.cloned().collect::<Vec<NamedPoint>>()
+    };
+    let (inboard, faces) = (of_axle("axle_inboard"), of_axle("axle_outboard"));
+    for face in faces {
+        let same_wheel = inboard.iter().find(|point| point.side == face.side);
+        let (Some(inner), Ok(outer)) = (same_wheel, face.position.clone()) else {
+            continue;
+        };
+        let Ok(inner) = inner.position.clone() else {
+            continue;
+        };
+        let axis: [f64; 3] = std::array::from_fn(|k| outer[k] - inner[k]);
+        let length = axis[0].hypot(axis[1]).hypot(axis[2]);
+        let inward = offset * in_file / length;
+        if !inward.is_finite() {
+            return Err(format!(
+                "{}: the hub face and axle_inboard are one point, so there is no spin axis",
+                face.place
+            ));
+        }
+        table.points.push(NamedPoint {
+            name: "wheel_centre".to_owned(),
+            position: Ok(std::array::from_fn(|k| outer[k] - inward * axis[k])),
+            place: format!("{}, {offset} mm inboard of the hub face", face.place),
+            ..face
+        });
+    }
+    if let (Some(rim), Some(width), Some(ratio)) = (
+        figure(RIM_DIAMETER),
+        figure(SECTION_WIDTH),
+        figure(ASPECT_RATIO),
+    ) {
+        let radius = (0.5 * 25.4 * rim + ratio * width) * in_file;
+        table.figures.push((
+            "wheel radius".to_owned(),
+            radius,
+            "the tyre's size".to_owned(),
+        ));
+        table.notes.push(format!(
+            "[wheel] radius: {radius} is the nominal radius of the tyre's size, not the loaded one"
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! YAML as a map: what `map` reads, from the events of the parser.
+//!
+//! Of YAML 1.2 everything is read but aliases, whose text may stand for gigabytes: they are refused with their
+//! line. A plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted
+//! numbers too. Of several documents each is read.
+
+use super::map::Node;
+use saphyr_parser::{Event, Parser, ScalarStyle};
+use std::path::Path;
+
+/// The deepest nesting; no file of points has a tenth of it.
+const DEEPEST: usize = 100;
+
+/// Whether a file says by its name that it is YAML.
+pub(super) fn is_named(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| {
+        extension.eq_ignore_ascii_case("yaml") || extension.eq_ignore_ascii_case("yml")
+    })
+}
+
+/// A list or a table that is not yet complete.
+enum Open {
+    List(Vec<Node>),
+    /// With the key whose value comes next.
+    Table(Vec<(String, Node)>, Option<String>),
+}
+
+/// Reads a text: a list of its documents, or the one document.
+pub(super) fn read(text: &str) -> Result<Node, String> {
+    let mut documents = Vec::new();
+    let mut open: Vec<Open> = Vec::new();
+    for event in Parser::new_from_str(text) {
+        let (event, span) = event.map_err(|error| {
+            let (line, column) = (error.marker().line(), error.marker().col() + 1);
+            format!("not YAML: line {line}, column {column}: {}", error.info())
+        })?;
+        let line = span.start.line();
+        let complete = match event {
+            Event::Scalar(text, style, ..) => scalar(&text, style),
+            Event::SequenceStart(..) => {
+                open.push(Open::List(Vec::new()));
+                continue;
+            }
+            Event::MappingStart(..) => {
+                open.push(Open::Table(Vec::new(), None));
+                continue;
+            }
+            Event::SequenceEnd | Event::MappingEnd => match open.pop() {
+                Some(Open::List(nodes)) => Node::List(nodes),
+                Some(Open::Table(entries, _)) => Node::Table(entries),
+                None => return Err(format!("not YAML: line {line}: an end without a start")),
+            },
+            Event::Alias(_) => {
+                return Err(format!(
+                    "line {line}: an alias (*name); write out what it stands for"
+                ));
+            }
+            Event::Nothing
+            | Event::StreamStart
+            | Event::StreamEnd
+            | Event::DocumentStart(_)
+            | Event::DocumentEnd => continue,
+        };
+        if open.len() > DEEPEST {
+            return Err(format!("line {line}: nested deeper than {DEEPEST} levels"));
+        }
+        match open.last_mut() {
+            None => documents.push(complete),
+            Some(Open::List(nodes)) => nodes.push(complete),
+            Some(Open::Table(entries, key)) => match key.take() {
+                Some(key) => entries.push((key, complete)),
+                None => *key = Some(key_of(complete, line)?),
+            },
+        }
+    }
+    Ok(match documents.len() {
+        1 => documents.remove(0),
+        _ => Node::List(documents),
+    })
+}
+
+/// A key as it stands there, a number as the number's text.
+fn key_of(node: Node, line: usize) -> Result<String, String> {
+    match node {
+        Node::Text(text) => Ok(text),
+        Node::Number(number) => Ok(number.to_string()),
+        Node::Other => Ok(String::new()),
+        Node::List(_) | Node::Table(_) => Err(format!(
+            "line {line}: a list or a map as a key, which no name of a point is"
+        )),
+    }
+}
+
+fn scalar(text: &str, style: ScalarStyle) -> Node {
+    if style != ScalarStyle::Plain {
+        return Node::Text(text.to_owned());
+    }
+    // Rust's reader also takes `inf` and `nan`, which are words here.
+    let is_decimal = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+        && text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+    match text.parse::<f64>() {
+        Ok(number) if is_decimal && number.is_finite() => Node::Number(number),
+        _ if matches!(text, "" | "~" | "null" | "true" | "false") => Node::Other,
+        _ => Node::Text(text.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::map::of_json;
+
+    #[test]
+    fn a_map_is_the_same_in_yaml_and_in_json() {
+        let block = "\
+# a comment
+units: millimeters
+lower arm:
+  front: {x: 1, y: 2.5, z: -3e1}
+  rear: [1., +2, .5]
+list:
+  - name: 'a'
+    at: [0, 1, 2]
+  - \"1.5\"
+nothing: ~
+true: yes
+";
+        let json = r#"{"units": "millimeters",
+            "lower arm": {"front": {"x": 1, "y": 2.5, "z": -30}, "rear": [1, 2, 0.5]},
+            "list": [{"name": "a", "at": [0, 1, 2]}, "1.5"], "nothing": null, "": "yes"}"#;
+        assert_eq!(read(block).unwrap(), of_json(json).unwrap());
+        // What is JSON is YAML, too.
+        assert_eq!(read(json).unwrap(), of_json(json).unwrap());
+    }
+
+    #[test]
+    fn what_is_no_map_of_points_is_refused_with_its_line() {
+        for (text, said) in [
+            ("a: &p [1, 2, 3]\nb: *p\n", "line 2: an alias"),
+            ("a: [1, 2\nb: 3", "not YAML: line 2"),
+            ("? [1, 2]\n: 3\n", "line 1: a list or a map as a key"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(said), "{text:?}: {message}");
+        }
+        let deep = "[".repeat(100_000) + &"]".repeat(100_000);
+        assert!(read(&deep).is_err());
+        for word in [".inf", "nan", "1e999", "0x10", "1_000", "infinity", "-"] {
+            assert_eq!(read(word).unwrap(), Node::Text(word.to_owned()));
+        }
+    }
+}

@@ -74,7 +74,7 @@ enum Command {
     Bench(BenchArguments),
     /// Make one HTML page of a finished run, or pictures of its curves
     Report(ReportArguments),
-    /// Print a study of points from a table (.csv, .xlsx), JSON or an Adams/Car subsystem
+    /// Print a study of points from a table (.csv, .xlsx), JSON, YAML or an Adams/Car subsystem
     Import(import::ImportArguments),
     /// Points and curves for other tools: CSV, XLSX, Adams/Car
     Export(export::ExportArguments),

@@ -160,6 +160,35 @@ impl Imported {
     }
 }
 
+/// Where the ends of springs and rods are taken to stand that the file says nothing of.
+pub(super) fn assumed_bodies(imported: &Imported) -> Option<String> {
+    let names: Vec<&'static str> = imported.hardpoints.iter().map(|h| h.name).collect();
+    let mechanism = (imported.topology.build)(imported.topology, &names);
+    let assumed = imported.hardpoints.iter().filter_map(|hardpoint| {
+        let id = mechanism.point(hardpoint.name)?;
+        let possible = mechanism.possible_bodies(id);
+        let is_said = |name: &str| hardpoint.body.as_deref() == Some(name);
+        if possible.len() < 2 || possible.iter().any(|(name, _)| is_said(name)) {
+            return None;
+        }
+        let (usual, _) = possible
+            .iter()
+            .find(|(_, body)| *body == mechanism.body(id))?;
+        Some(format!(
+            "{} on the {}",
+            hardpoint.name,
+            usual.replace('_', " ")
+        ))
+    });
+    let assumed: Vec<String> = assumed.collect();
+    (!assumed.is_empty()).then(|| {
+        format!(
+            "bodies: {} is assumed, since the file says none; [suspension.bodies] says others",
+            assumed.join(", ")
+        )
+    })
+}
+
 /// A text for a comment.
 fn one_line(text: &str) -> String {
     text.chars()

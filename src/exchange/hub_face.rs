@@ -14,11 +14,11 @@ const RIM_DIAMETER: &str = "tire rim_diameter";
 const SECTION_WIDTH: &str = "tire section_width";
 const ASPECT_RATIO: &str = "tire aspect_ratio";
 
-/// Adds the wheel centre of each hub face, and the tyre's nominal radius, where the table speaks of them.
+/// Moves each hub face to the wheel centre, and adds the tyre's nominal radius, where the table speaks of them.
 ///
 /// # Errors
 /// Both points of the axis are the same, or the offset is none of a wheel.
-pub(super) fn add_wheel_centres(table: &mut PointTable) -> Result<(), String> {
+pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
     let figure = |end: &str| {
         let mut found = table
@@ -30,54 +30,46 @@ pub(super) fn add_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let Some(offset) = figure(OFFSET) else {
         return Ok(());
     };
-    let in_file = match table.unit.unwrap_or(LengthUnit::Millimetre) {
+    let millimetre = match table.unit.unwrap_or(LengthUnit::Millimetre) {
         LengthUnit::Millimetre => 1.0,
         LengthUnit::Metre => 1e-3,
         LengthUnit::Inch => 1.0 / 25.4,
     };
-    let of_axle = |end: &str| {
-        let points = table
-            .points
-            .iter()
-            .filter(|point| ends_with(&point.name, end));
-        points.cloned().collect::<Vec<NamedPoint>>()
-    };
-    let (inboard, faces) = (of_axle("axle_inboard"), of_axle("axle_outboard"));
-    for face in faces {
+    let tyre = (
+        figure(RIM_DIAMETER),
+        figure(SECTION_WIDTH),
+        figure(ASPECT_RATIO),
+    );
+    let inboard = |point: &&NamedPoint| ends_with(&point.name, "axle_inboard");
+    let inboard: Vec<NamedPoint> = table.points.iter().filter(inboard).cloned().collect();
+    let faces = table.points.iter_mut();
+    for face in faces.filter(|point| ends_with(&point.name, "axle_outboard")) {
         let same_wheel = inboard.iter().find(|point| point.side == face.side);
-        let (Some(inner), Ok(outer)) = (same_wheel, face.position.clone()) else {
-            continue;
-        };
-        let Ok(inner) = inner.position.clone() else {
+        let (Some(Ok(inner)), Ok(outer)) = (same_wheel.map(|p| &p.position), &face.position) else {
             continue;
         };
         let axis: [f64; 3] = std::array::from_fn(|k| outer[k] - inner[k]);
         let length = axis[0].hypot(axis[1]).hypot(axis[2]);
-        let inward = offset * in_file / length;
+        let inward = offset * millimetre / length;
         if !inward.is_finite() {
             return Err(format!(
                 "{}: the hub face and axle_inboard are one point, so there is no spin axis",
                 face.place
             ));
         }
-        table.points.push(NamedPoint {
-            name: "wheel_centre".to_owned(),
-            position: Ok(std::array::from_fn(|k| outer[k] - inward * axis[k])),
-            place: format!("{}, {offset} mm inboard of the hub face", face.place),
-            ..face
-        });
-    }
-    if let (Some(rim), Some(width), Some(ratio)) = (
-        figure(RIM_DIAMETER),
-        figure(SECTION_WIDTH),
-        figure(ASPECT_RATIO),
-    ) {
-        let radius = (0.5 * 25.4 * rim + ratio * width) * in_file;
-        table.figures.push((
-            "wheel radius".to_owned(),
-            radius,
-            "the tyre's size".to_owned(),
+        table.notes.push(format!(
+            "wheel_centre: {offset} mm inboard of the hub face {:?} along the spin axis",
+            face.name
         ));
+        face.position = Ok(std::array::from_fn(|k| outer[k] - inward * axis[k]));
+        face.name = "wheel_centre".to_owned();
+    }
+    if let (Some(rim), Some(width), Some(ratio)) = tyre {
+        let radius = (0.5 * 25.4 * rim + ratio * width) * millimetre;
+        let place = "the tyre's size".to_owned();
+        table
+            .figures
+            .push(("wheel radius".to_owned(), radius, place));
         table.notes.push(format!(
             "[wheel] radius: {radius} is the nominal radius of the tyre's size, not the loaded one"
         ));

@@ -96,7 +96,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let mut reader = Reader::default();
     reader.visit(root, &mut Vec::new())?;
     let mut table = reader.table;
-    hub_face::add_wheel_centres(&mut table)?;
+    hub_face::to_wheel_centres(&mut table)?;
     Ok((!table.points.is_empty()).then_some(table))
 }
 

@@ -146,7 +146,7 @@ true: yes
         }
         let deep = "[".repeat(100_000) + &"]".repeat(100_000);
         assert!(read(&deep).is_err());
-        for word in [".inf", "nan", "1e999", "0x10", "1_000", "infinity", "-"] {
+        for word in [".inf", "nan", "1e999", "0x10", "1_000", "infinity"] {
             assert_eq!(read(word).unwrap(), Node::Text(word.to_owned()));
         }
     }

@@ -130,6 +130,7 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
+    const IS_NESTED: bool = size_of::<T>() > 8 && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline]

@@ -198,8 +198,24 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 }
 
+impl<T: Real, const N: usize> Jet<T, N> {
+    #[inline(always)]
+    fn arc_sine(self) -> Self {
+        let rate = self.differentiated() / (self.one() - self.squared()).sqrt();
+        Jet::integrated(self.0[0].asin(), rate)
+    }
+
+    #[inline(always)]
+    fn angle_from(self, x: Self) -> Self {
+        let turned = x * self.differentiated() - self * x.differentiated();
+        let rate = turned / (x.squared() + self.squared());
+        Jet::integrated(self.0[0].atan2(x.0[0]), rate)
+    }
+}
+
 impl<T: Real, const N: usize> Real for Jet<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
+    const IS_NESTED: bool = size_of::<T>() > 8 && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]
@@ -229,8 +245,10 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
         }
-        let rate = self.differentiated() / (self.one() - self.squared()).sqrt();
-        Jet::integrated(self.0[0].asin(), rate)
+        match Self::LARGE {
+            true => called(self, Self::arc_sine),
+            false => self.arc_sine(),
+        }
     }
 
     #[inline(always)]
@@ -238,9 +256,10 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
-        let turned = x * self.differentiated() - self * x.differentiated();
-        let rate = turned / (x.squared() + self.squared());
-        Jet::integrated(self.0[0].atan2(x.0[0]), rate)
+        match Self::LARGE {
+            true => called((self, x), |(y, x)| y.angle_from(x)),
+            false => self.angle_from(x),
+        }
     }
 
     #[inline]

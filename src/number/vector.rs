@@ -3,7 +3,7 @@
 //! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
 //! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
 
-use super::{Jet, Real};
+use super::{Jet, Real, called};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector of three numbers.
@@ -46,18 +46,18 @@ impl<T> From<[T; 3]> for Vector3<T> {
     }
 }
 
+/// The arithmetic itself. What runs in SIMD registers must be inlined, and closures are not by themselves: there these
+/// are what is done, and calls of them only for nested derivatives.
 impl<T: Real> Vector3<T> {
-    /// Scalar product.
     #[inline(always)]
-    pub fn dot(self, other: Self) -> T {
+    fn dot_here(self, other: Self) -> T {
         (self.x * other.x)
             .plus_product(self.y, other.y)
             .plus_product(self.z, other.z)
     }
 
-    /// Vector product.
     #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
+    fn cross_here(self, other: Self) -> Self {
         Vector3::new(
             (self.y * other.z).minus_product(self.z, other.y),
             (self.z * other.x).minus_product(self.x, other.z),
@@ -65,14 +65,62 @@ impl<T: Real> Vector3<T> {
         )
     }
 
-    /// This vector and a multiple of another.
     #[inline(always)]
-    pub fn plus_scaled(self, other: Self, factor: T) -> Self {
+    fn plus_scaled_here(self, other: Self, factor: T) -> Self {
         Vector3::new(
             self.x.plus_product(other.x, factor),
             self.y.plus_product(other.y, factor),
             self.z.plus_product(other.z, factor),
         )
+    }
+
+    #[inline(always)]
+    fn normalised_here(self) -> Self {
+        self * (self.x.one() / self.norm())
+    }
+
+    #[inline(always)]
+    fn plus_here(self, other: Self) -> Self {
+        Vector3::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+
+    #[inline(always)]
+    fn minus_here(self, other: Self) -> Self {
+        Vector3::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+
+    #[inline(always)]
+    fn times_here(self, factor: T) -> Self {
+        Vector3::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+}
+
+impl<T: Real> Vector3<T> {
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> T {
+        match T::IS_NESTED {
+            true => called((self, other), |(a, b)| a.dot_here(b)),
+            false => self.dot_here(other),
+        }
+    }
+
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        match T::IS_NESTED {
+            true => called((self, other), |(a, b)| a.cross_here(b)),
+            false => self.cross_here(other),
+        }
+    }
+
+    /// This vector and a multiple of another.
+    #[inline(always)]
+    pub fn plus_scaled(self, other: Self, factor: T) -> Self {
+        match T::IS_NESTED {
+            true => called((self, other, factor), |(a, b, f)| a.plus_scaled_here(b, f)),
+            false => self.plus_scaled_here(other, factor),
+        }
     }
 
     /// The vector as a series, from its derivative.
@@ -100,7 +148,10 @@ impl<T: Real> Vector3<T> {
     /// The vector of length one in this direction.
     #[inline(always)]
     pub fn normalised(self) -> Self {
-        self * (self.x.one() / self.norm())
+        match T::IS_NESTED {
+            true => called(self, Self::normalised_here),
+            false => self.normalised_here(),
+        }
     }
 
     /// A constant vector, in the shape of this one's components.
@@ -125,7 +176,10 @@ impl<T: Real> Add for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Vector3::new(self.x + other.x, self.y + other.y, self.z + other.z)
+        match T::IS_NESTED {
+            true => called((self, other), |(a, b)| a.plus_here(b)),
+            false => self.plus_here(other),
+        }
     }
 }
 
@@ -133,7 +187,10 @@ impl<T: Real> Sub for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Vector3::new(self.x - other.x, self.y - other.y, self.z - other.z)
+        match T::IS_NESTED {
+            true => called((self, other), |(a, b)| a.minus_here(b)),
+            false => self.minus_here(other),
+        }
     }
 }
 
@@ -149,7 +206,10 @@ impl<T: Real> Mul<T> for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: T) -> Self {
-        Vector3::new(self.x * factor, self.y * factor, self.z * factor)
+        match T::IS_NESTED {
+            true => called((self, factor), |(v, factor)| v.times_here(factor)),
+            false => self.times_here(factor),
+        }
     }
 }
 

@@ -7,27 +7,46 @@ use super::reading::{
 };
 use super::state::{Hold, State};
 use super::{AxleQuantity, Need, Quantity, Void, WheelQuantity};
-use crate::characteristics::{Characteristic, Constants, Inputs, Slot, Slots};
+use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slot, Slots};
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3};
 
-/// What is read of a wheel in lanes: its parts and their first derivatives by travel.
+/// What is read of a wheel in lanes: its parts and their first derivatives, by the rack those of the carrier alone.
 #[derive(Clone, Copy, Debug)]
-pub struct LaneWheel<'i, B>(pub &'i Inputs<B>);
+pub struct LaneWheel<'i, B> {
+    inputs: &'i Inputs<B>,
+    by_rack: &'i [Vector3<B>; 2],
+}
+
+impl<'i, B> LaneWheel<'i, B> {
+    /// Of what has been read.
+    #[inline(always)]
+    pub fn of(read: &'i LaneInputs<B>) -> Self {
+        LaneWheel {
+            inputs: read.inputs(),
+            by_rack: read.by_rack(),
+        }
+    }
+}
 
 impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
     #[inline(always)]
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
-        let inputs = self.0;
-        let wheel = match powers {
-            [0, 0] => &inputs.now,
-            [1, 0] => &inputs.rate,
-            _ => return inputs.turn.x.lit(f64::NAN),
-        };
+        let inputs = self.inputs;
+        let unknown = inputs.turn.x.lit(f64::NAN);
         let of = |first: usize, vector: Vector3<B>| match part - first {
             0 => vector.x,
             1 => vector.y,
             _ => vector.z,
+        };
+        let wheel = match (powers, part) {
+            ([0, 0], _) => &inputs.now,
+            ([1, 0], _) => &inputs.rate,
+            ([0, 1], CENTRE..3) => return of(CENTRE, self.by_rack[0]),
+            ([0, 1], SPIN_AXIS..STEERING_POINT) => {
+                return of(SPIN_AXIS, self.by_rack[1].cross(inputs.now.spin_axis));
+            }
+            _ => return unknown,
         };
         match part {
             CENTRE..3 => of(CENTRE, wheel.centre),
@@ -41,15 +60,16 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
             BAR_ANGLE => wheel.bar_angle,
             DESIGN_SPIN_AXIS..DESIGN_CENTRE => of(DESIGN_SPIN_AXIS, inputs.design.spin_axis),
             DESIGN_CENTRE.. => of(DESIGN_CENTRE, inputs.design.centre),
-            _ => inputs.turn.x.lit(f64::NAN),
+            _ => unknown,
         }
     }
 
     #[inline(always)]
     fn twist(&self, powers: [usize; 2]) -> [Vector3<B>; 2] {
-        let inputs = self.0;
+        let inputs = self.inputs;
         match powers {
             [1, 0] => [inputs.rate.centre, inputs.turn],
+            [0, 1] => *self.by_rack,
             _ => {
                 let unknown = inputs.turn.x.lit(f64::NAN);
                 [Vector3::new(unknown, unknown, unknown); 2]
@@ -61,16 +81,16 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
     fn inputs(&self, constants: Constants) -> Inputs<B> {
         Inputs {
             constants,
-            ..*self.0
+            ..*self.inputs
         }
     }
 }
 
 impl Quantity {
-    /// Whether it can be had in lanes: not what takes accelerations, derivatives by the rack, or the laws of springs.
+    /// Whether it can be had in lanes: not what takes accelerations or the laws of springs.
     pub fn is_for_lanes(self) -> bool {
         let is_elastic = |need: &Need| matches!(need, Need::Spring | Need::AntiRollBar);
-        self.rate_order() < 2 && !self.takes_rack() && !self.needs().iter().any(is_elastic)
+        self.rate_order() < 2 && !self.needs().iter().any(is_elastic)
     }
 
     /// What it reads of a wheel in lanes.
@@ -151,6 +171,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
             Quantity::Axle(A::AckermannByInner) => steering::ackermann_by_inner(state),
             Quantity::Axle(A::AckermannByCotangents) => steering::ackermann_by_cotangents(state),
             Quantity::Axle(A::TurningCircle) => steering::turning_circle(state),
+            Quantity::Axle(A::SteeringRatio) => steering::steering_ratio(state),
             Quantity::Axle(A::RollSteer) => steering::axle_roll_steer(state),
             // Not for lanes.
             _ => unknown,

@@ -39,6 +39,7 @@ pub use unit::Unit;
 
 use crate::characteristics::Slot;
 use crate::model::{RockerId, Side, Suspension};
+use crate::number::Vector3;
 
 /// An axle.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +60,23 @@ impl Axle {
             (Side::Right, Some(right)) => right,
             _ => &self.left,
         }
+    }
+
+    /// The points of a right wheel with hardpoints of its own, where the left wheel's are moved here: each goes the
+    /// way of the left one, and one that is its mirror image stays so to the last digit. `None` of mirror images.
+    pub fn right_design(
+        &self,
+        left: &[Vector3<f64>],
+    ) -> Option<impl Iterator<Item = Vector3<f64>>> {
+        let own = self.right.as_ref()?.design.iter();
+        let ways = self.left.design.iter().zip(left);
+        Some(
+            own.zip(ways)
+                .map(|(own, (before, now))| match own == before {
+                    true => *now,
+                    false => *own + (*now - *before),
+                }),
+        )
     }
 
     /// The rockers that quantities move with, on one side.

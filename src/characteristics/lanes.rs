@@ -51,6 +51,8 @@ struct Reads {
     /// Points on rockers: their places take velocities.
     rocker_points: bool,
     rates: bool,
+    /// Derivatives by the rack as well.
+    by_rack: bool,
 }
 
 impl Reads {
@@ -76,6 +78,7 @@ impl Reads {
             other_points: stands_on(|body| body != Body::Knuckle),
             rocker_points: stands_on(|body| matches!(body, Body::Rocker(_))),
             rates,
+            by_rack: false,
         }
     }
 
@@ -102,6 +105,8 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Where the points are, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
+    /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
+    by_rack: [Vector3<B>; 2],
 }
 
 impl<B> LaneInputs<B> {
@@ -109,6 +114,12 @@ impl<B> LaneInputs<B> {
     #[inline(always)]
     pub fn inputs(&self) -> &Inputs<B> {
         &self.inputs
+    }
+
+    /// Velocity of the wheel centre and angular velocity by the rack, the travel held; NaN where it was not asked for.
+    #[inline(always)]
+    pub fn by_rack(&self) -> &[Vector3<B>; 2] {
+        &self.by_rack
     }
 }
 
@@ -190,6 +201,13 @@ impl<'a> LaneReader<'a> {
         })
     }
 
+    /// With the velocities by the rack; needs those by the drive, and the wheel centre.
+    #[must_use]
+    pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
+        self.reads.by_rack = is_wanted && self.reads.rates && self.reads.centre;
+        self
+    }
+
     /// The quantities, in the order of the values.
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
@@ -244,6 +262,7 @@ impl<'a> LaneReader<'a> {
                 constants: self.constants,
             },
             points: vec![[nothing.centre; 2]; self.points.len()],
+            by_rack: [nothing.centre; 2],
         }
     }
 
@@ -265,7 +284,11 @@ impl<'a> LaneReader<'a> {
     ) -> B::Mask {
         let reads = self.reads;
         let mut right = rack.everywhere();
-        let LaneInputs { inputs, points } = into;
+        let LaneInputs {
+            inputs,
+            points,
+            by_rack,
+        } = into;
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
@@ -301,6 +324,10 @@ impl<'a> LaneReader<'a> {
         let rates = at.rates();
         right = right & at.knows(&rates);
         inputs.turn = rates.turn();
+        if reads.by_rack {
+            let Twist { shift, turn } = at.by_rack(&rates);
+            *by_rack = [shift + turn.cross(now.centre - at.origin()), turn];
+        }
         if is_installed || reads.other_points {
             let installing = Installing {
                 installation: reads.installation,

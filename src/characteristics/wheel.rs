@@ -1,5 +1,6 @@
 //! What the formulas read: the wheel, its steering axis and their rates.
 
+use crate::mechanism::Ground;
 use crate::number::{Dual, Real, Vector3};
 
 /// Wheel and steering axis in one position, or their rates.
@@ -254,13 +255,10 @@ impl<T: Real> Wheel<T> {
         }
     }
 
-    /// From the wheel centre to the contact point: in the wheel plane, straight down, as long as the
-    /// loaded radius. C - W = -r (z - (z.a) a)/|z - (z.a) a|
+    /// From the wheel centre to the contact point on level ground.
     #[inline(always)]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
-        let a = self.spin_axis;
-        let down = Vector3::new(a.z * a.x, a.z * a.y, a.z * a.z - a.z.one());
-        down.normalised() * a.x.lit(radius)
+        Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
     }
 
     /// The contact point C.

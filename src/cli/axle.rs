@@ -273,6 +273,9 @@ pub(super) fn check(
             optimise.starts
         ))?;
     }
+    if let Some(sweep) = &study.sweep {
+        out.say(&format!("{}\n\n", super::check::swept(study, sweep)))?;
+    }
     out.table("outputs", summary.table())?;
     out.finish()?;
     Ok(match curves.are_complete() {

@@ -106,22 +106,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
     if let Some(sweep) = &study.sweep {
-        text += &match &sweep.designs {
-            Designs::Sampled(sampled) => format!(
-                " Sweep (sweep only): {}, {} designs of {} variables.",
-                sampled.method.name(),
-                sampled.designs(),
-                sampled.variables.len()
-            ),
-            Designs::File(path) => format!(" Sweep (sweep only): the rows of {}.", path.display()),
-            Designs::Given(table) => format!(" Sweep (sweep only): {} designs.", table.designs()),
-        };
-        if let Some(why) = one_by_one(study, sweep) {
-            text += &format!(
-                " Its designs are solved one by one, not in SIMD lanes, {}.",
-                why.describe()
-            );
-        }
+        text += &format!(" {}", swept(study, sweep));
     }
     if let Some(optimise) = &study.optimise {
         text += &format!(
@@ -149,10 +134,40 @@ fn motion(study: &Study, plan: &Plan) -> String {
     text
 }
 
-/// Why the designs of a sweep do not go through the SIMD lanes, if they do not.
-fn one_by_one(study: &Study, sweep: &Sweep) -> Option<NotInLanes> {
-    let plan = SweepPlan::of(study, sweep).ok()?;
-    plan.worker().ok()?.not_in_lanes()
+/// What a sweep is of, and why its designs do not go through the SIMD lanes, if they do not.
+pub(super) fn swept(study: &Study, sweep: &Sweep) -> String {
+    let mut text = match &sweep.designs {
+        Designs::Sampled(sampled) => format!(
+            "Sweep (sweep only): {}, {} designs of {} variables.",
+            sampled.method.name(),
+            sampled.designs(),
+            sampled.variables.len()
+        ),
+        Designs::File(path) => format!("Sweep (sweep only): the rows of {}.", path.display()),
+        Designs::Given(table) => format!("Sweep (sweep only): {} designs.", table.designs()),
+    };
+    let plan = SweepPlan::of(study, sweep).ok();
+    if let Some(why) = plan.and_then(|plan| one_by_one(study, &plan)) {
+        text += &format!(" {why}");
+    }
+    text
+}
+
+/// Why the designs of a sweep do not go through the SIMD lanes, as a sentence, if they do not.
+pub(super) fn one_by_one(study: &Study, plan: &SweepPlan) -> Option<String> {
+    let why = plan.worker().ok()?.not_in_lanes()?;
+    let mut text = format!(
+        "Its designs are solved one by one, not in SIMD lanes, {}",
+        why.describe()
+    );
+    let of_axle = study.axle.as_ref().filter(|_| why == NotInLanes::Reading);
+    let quantities = of_axle.iter().flat_map(|both| &both.plan.quantities);
+    let names = quantities.filter(|q| !q.is_for_lanes()).map(|q| q.name());
+    let names: Vec<String> = names.collect();
+    if !names.is_empty() {
+        text += &format!(": {}", names.join(", "));
+    }
+    Some(text + ".")
 }
 
 /// The rod of each rocker: how long it is, and what it stands on.

@@ -59,6 +59,9 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             left_out.join(", ")
         ));
     }
+    if let Some(why) = super::check::one_by_one(&study, &plan) {
+        terminal::note(&format!("{why}\n"));
+    }
     let text = SweepText::of(&plan, &study, !to_stdout);
     let Some(claimed) = output.directory() else {
         let statistics = pool

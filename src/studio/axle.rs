@@ -25,15 +25,8 @@ use std::time::Instant;
 pub(super) fn moved(axle: &Axle, left: &Suspension) -> Axle {
     let mut moved = axle.clone();
     moved.left = left.clone();
-    if let Some(right) = &mut moved.right {
-        let ways = axle.left.design.iter().zip(&left.design);
-        for (point, (old, new)) in right.design.iter_mut().zip(ways) {
-            // What is the mirror image stays so to the last digit.
-            *point = match *point == *old {
-                true => *new,
-                false => *point + (*new - *old),
-            };
-        }
+    if let (Some(right), Some(design)) = (&mut moved.right, axle.right_design(&left.design)) {
+        right.design = design.collect();
     }
     moved
 }

@@ -101,14 +101,11 @@ impl<'s> AxleStations<'s> {
 
     /// The right wheel's design where it has one of its own, moved as the left one is.
     pub(super) fn right_design(&self, left: &[Vector3<f64>], into: &mut Vec<Vector3<f64>>) -> bool {
-        let Some(own) = &self.axle.right else {
-            return false;
-        };
         into.clear();
-        let moved = left.iter().zip(&self.axle.left.design);
-        let moved = own.design.iter().zip(moved);
-        into.extend(moved.map(|(own, (now, before))| *own + (*now - *before)));
-        true
+        let design = self.axle.right_design(left);
+        let is_own = design.is_some();
+        into.extend(design.into_iter().flatten());
+        is_own
     }
 }
 

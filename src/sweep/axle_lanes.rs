@@ -94,12 +94,14 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
+        let by_rack = quantities.iter().any(|q| q.takes_rack());
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
             let slots = slots.fold(Slots::default(), Slots::and);
             let mechanism = &axle.suspension(side).mechanism;
             let wheel = batch.wheel(side as usize);
             LaneReader::of_slots(mechanism, wheel, axle.setup.constants, slots, rates)
+                .map(|reader| reader.with_derivatives_by_rack(by_rack))
                 .ok_or(NotInLanes::Reading)
         };
         let groups = grouped.into_iter();
@@ -259,8 +261,8 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         self.right = self.right & left_known & right_known;
         let state = State {
             readings: [
-                LaneWheel(self.left_inputs.inputs()),
-                LaneWheel(self.right_inputs.inputs()),
+                LaneWheel::of(&self.left_inputs),
+                LaneWheel::of(&self.right_inputs),
             ],
             ground: stand.ground,
             roll: stand.roll,

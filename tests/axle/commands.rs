@@ -290,6 +290,15 @@ fn axles_are_swept() {
     assert!(out.join("report.html").is_file());
     let (text, _) = swept(&["--design", "149"]);
     assert!(text.contains("-110.0"), "{text}");
+    let (said, _) = run(&["check", file, "--set", few[0]], 0);
+    assert!(
+        said.contains("150 designs") && !said.contains("one by one"),
+        "{said}"
+    );
+    let further = "outputs.characteristics=[\"roll_centre_migration_lateral\", \"steer\"]";
+    let (said, _) = run(&["check", file, "--set", further], 0);
+    let words = "one by one, not in SIMD lanes, since something that is asked for cannot be read in lanes: roll_centre_migration_lateral.";
+    assert!(said.contains(words), "{said}");
     let (_, said) = run(&["check", file, "--set", "sweep.curves=true"], 2);
     assert!(
         said.contains("curves of every design are not there"),

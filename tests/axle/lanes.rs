@@ -54,6 +54,7 @@ fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
         let given = |need: &Need| match need {
             Need::WheelRadius => setup.wheel_radius.is_some(),
             Need::Wheelbase => setup.wheelbase.is_some(),
+            Need::CFactor => setup.c_factor.is_some(),
             _ => false,
         };
         match quantity {
@@ -149,7 +150,7 @@ fn what_is_not_for_lanes_is_said() {
         worker(&plan, Some(Width::widest())).not_in_lanes()
     };
     assert_eq!(of(HEAVE, "toe"), None);
-    assert_eq!(of(HEAVE, "steering_ratio"), Some(NotInLanes::Reading));
+    assert_eq!(of(HEAVE, "steering_ratio"), None);
     assert_eq!(
         of(ROLL, "roll_centre_migration_vertical"),
         Some(NotInLanes::Reading)

@@ -94,6 +94,19 @@ impl<T: Real> ClosedForm<T> {
     }
 }
 
+impl<T: Real> ClosedForm<T> {
+    /// Angular velocity of the knuckle by the displacement of the rack with the arm at rest, and how fast the wheel
+    /// centre rises. It turns by k about d: l.(k d x t) = l.y.
+    #[inline(always)]
+    pub(crate) fn steered(&self, state: &State<T>) -> (Vector3<T>, T) {
+        let rod = state.tie_rod_outer() - state.g;
+        let turn = state.d * (rod.y / (state.ga * state.gram));
+        let wheel_centre = state.carry(&self.wheel_centre);
+        let rise = (turn.x * wheel_centre.y).minus_product(turn.y, wheel_centre.x);
+        (turn, rise)
+    }
+}
+
 impl<T: Real> Circle<T> {
     /// Derivative of the joint's position by the arm angle, times 1 + tangent^2.
     #[inline(always)]

@@ -7,7 +7,7 @@ use super::{
     Tracked, Visit, weighted, within_half,
 };
 use crate::derive::Gradient;
-use crate::mechanism::{Configuration, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Drive, Mechanism, SteeringAxis};
 use crate::number::Jet;
 use crate::number::SimdReal;
@@ -77,6 +77,17 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
             origin: velocity.ball_joint,
             turn: velocity.turn,
             steering_axis: velocity.steering_axis,
+        }
+    }
+
+    /// What turning about the steering axis lifts the wheel by, the travel takes back.
+    #[inline(always)]
+    fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
+        let (turn, rise) = self.design.form.steered(&self.state);
+        let back = -rise;
+        Twist {
+            shift: rates.origin * back,
+            turn: turn.plus_scaled(rates.turn, back),
         }
     }
 

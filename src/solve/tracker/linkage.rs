@@ -446,6 +446,11 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
+    fn by_rack(&self, _: &LaneRates<B>) -> Twist<B> {
+        self.linear().steering()
+    }
+
+    #[inline(always)]
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask {
         let fastest = self.linear().blocks.per_size(FASTEST_TURN);
         rates.turn.norm_squared().less(fastest)

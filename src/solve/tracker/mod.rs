@@ -169,6 +169,9 @@ pub trait LanePose<B: SimdReal> {
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// The derivatives by the drive.
     fn rates(&self) -> LaneRates<B>;
+    /// Velocity of the knuckle's origin and angular velocity by the rack's displacement, the travel held, from the
+    /// rates of this pose.
+    fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
     /// Where velocities are well known: the knuckle does not turn fast, as it does beside a fold.
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.

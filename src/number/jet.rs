@@ -245,7 +245,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if N == 1 {
             return Jet::constant(self.0[0].asin());
         }
-        match Self::LARGE {
+        match Self::IS_NESTED {
             true => called(self, Self::arc_sine),
             false => self.arc_sine(),
         }
@@ -256,7 +256,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if N == 1 {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
-        match Self::LARGE {
+        match Self::IS_NESTED {
             true => called((self, x), |(y, x)| y.angle_from(x)),
             false => self.angle_from(x),
         }

@@ -1084,10 +1084,14 @@ fn fronts_and_price_lists_are_written_and_shown() {
     assert!(summary["prices"].as_array().unwrap().len() >= 10);
 }
 
-/// What front and scatter need is said, with the line.
+/// What front, scatter and constraints need is said, with the line.
 #[test]
-fn mistakes_in_front_and_scatter_are_refused() {
+fn mistakes_in_front_scatter_and_constraints_are_refused() {
     for (edit, wanted) in [
+        (
+            "optimise.constraints=[{ point = \"wheel_centre\", inside = { rim = 150.0 } }]",
+            "wheel_centre lies on the spin axis",
+        ),
         ("optimise.front=[\"camber\"]", "two or three targets"),
         (
             "optimise.front=[\"camber\", \"cambre\"]",

@@ -357,6 +357,15 @@ impl Reader<'_> {
             problems.add(end.span.clone(), "from and to belong to rim");
             return None;
         }
+        let spin_axis = ["wheel_centre", "spindle_inner"];
+        if shape.rim.is_some() && spin_axis.contains(&name.get_ref().as_str()) {
+            let message = format!(
+                "{} lies on the spin axis, so nothing moves it out of the rim; expected a point that may come near it",
+                name.get_ref()
+            );
+            problems.add(name.span(), message);
+            return None;
+        }
         let (what, parts) = match is_inside {
             true => self.inside(id, shape, region.span(), gap, problems)?,
             false => self.outside(id, shape, region.span(), gap, problems)?,

@@ -6,6 +6,9 @@
 //! names, offsets in the study's length unit and axes. What has no value is NaN, with a status that says why;
 //! nothing is dropped.
 
+mod axle;
+
+use self::axle::{AxleCourse, AxleEvaluator};
 use crate::characteristics::Quantity;
 use crate::evaluate::{Evaluated, GradientEvaluator, Unsolved};
 use crate::mechanism::{DesignFault, Failure};
@@ -28,11 +31,6 @@ pub enum FunctionError {
         "a study with formulation = \"point_coordinates\" or drive = \"paper_theta\" is no function of the design"
     )]
     Formulation,
-    /// The study is of both wheels.
-    #[error(
-        "a study with [axle] is of both wheels; as a function of the design there is only one wheel yet"
-    )]
-    Axle,
     /// The study asks for nothing that is a function of position.
     #[error("the study asks for no characteristic and no point")]
     NoOutputs,
@@ -170,6 +168,8 @@ pub struct DesignFunction {
     of_motion: Vec<usize>,
     /// The points that move.
     moved: Vec<PointId>,
+    /// Of an axle, instead of outputs, quantities and stations.
+    axle: Option<Arc<AxleCourse>>,
 }
 
 /// What came of a design.
@@ -195,20 +195,19 @@ impl DesignFunction {
         study: &Study,
         names: Vec<DesignVariable>,
     ) -> Result<Self, FunctionError> {
-        if study.axle.is_some() {
-            return Err(FunctionError::Axle);
-        }
         let is_own_drive = study.motion.drive != crate::study::Drive::PaperTheta;
         if study.formulation != Formulation::KnucklePose || !is_own_drive {
             return Err(FunctionError::Formulation);
         }
+        let axle = study.axle.as_ref();
+        let axle = axle.map(|both| Arc::new(AxleCourse::of(both)));
         let plan = Plan::of(study);
         let outputs: Vec<Output> = plan
             .outputs
             .into_iter()
             .filter(|o| !matches!(o.quantity, Quantity::AngularVelocity(_)))
             .collect();
-        if outputs.is_empty() {
+        if outputs.is_empty() && axle.is_none() {
             return Err(FunctionError::NoOutputs);
         }
         let stations = Stations::of(&study.motion, &study.suspension.frame, &[]);
@@ -229,7 +228,20 @@ impl DesignFunction {
             stations,
             of_motion,
             moved,
+            axle,
         };
+        if let Some(course) = &function.axle {
+            let sound = course.evaluator(true).map(drop);
+            return match sound {
+                Ok(()) => Ok(function),
+                Err((side, fault)) => {
+                    let mechanism = &course.both.axle.suspension(side).mechanism;
+                    let reason = fault.describe(mechanism);
+                    let reason = format!("{} wheel: {reason}", side.name());
+                    Err(FunctionError::Design(reason))
+                }
+            };
+        }
         // From here on workspaces can be made.
         let sound = function.values().map(drop);
         let sound = sound.and_then(|()| function.gradients().map(drop));
@@ -249,6 +261,9 @@ impl DesignFunction {
 
     /// Names of the outputs with their units, as columns have them.
     pub fn outputs(&self) -> Vec<String> {
+        if let Some(course) = &self.axle {
+            return course.outputs();
+        }
         let name = |o: &Output| match o.unit.is_empty() {
             true => o.name.clone(),
             false => format!("{}_{}", o.name, o.unit),
@@ -256,8 +271,11 @@ impl DesignFunction {
         self.outputs.iter().map(name).collect()
     }
 
-    /// Drive value and rack displacement of each station, as results print them.
+    /// Drive value (of an axle, of what moves first) and rack displacement of each station, as results print them.
     pub fn motion(&self) -> Vec<[f64; 2]> {
+        if let Some(course) = &self.axle {
+            return course.motion();
+        }
         let sign = self.suspension.frame.sign(Axis::Y);
         let printed = |v: f64| match self.stations.drive {
             Drive::Travel => v,
@@ -273,12 +291,13 @@ impl DesignFunction {
 
     /// Number of stations.
     pub fn stations(&self) -> usize {
-        self.of_motion.len()
+        let of_axle = self.axle.as_ref().map(|course| course.placements.len());
+        of_axle.unwrap_or(self.of_motion.len())
     }
 
     /// Numbers of an evaluation of one design: outputs times stations.
     pub fn len(&self) -> usize {
-        self.outputs.len() * self.stations()
+        self.outputs().len() * self.stations()
     }
 
     /// Whether there is nothing to evaluate; there always is.
@@ -293,6 +312,7 @@ impl DesignFunction {
             function: self,
             values: None,
             gradients: None,
+            of_axle: None,
             designs: Vec::new(),
             offsets: DVector::zeros(self.variables.len()),
             ways: Vec::new(),
@@ -323,6 +343,7 @@ pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
     gradients: Option<Gradients<'f>>,
+    of_axle: Option<OfAxle<'f>>,
     designs: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
     ways: Vec<Way>,
@@ -338,7 +359,16 @@ struct Gradients<'f> {
     found: Evaluated,
 }
 
-impl Evaluation<'_> {
+/// Of an axle: whether derivatives are found, what finds them, and design and ways of a right wheel with hardpoints of
+/// its own.
+struct OfAxle<'f> {
+    differentiates: bool,
+    evaluator: Box<dyn AxleEvaluator + 'f>,
+    right: Vec<Vector3<f64>>,
+    right_ways: Vec<Way>,
+}
+
+impl<'f> Evaluation<'f> {
     /// The values of several designs, in SIMD lanes: `x` has a row of variables for each, `values` gets
     /// `[design][output][station]`, `status` an entry for each.
     ///
@@ -350,6 +380,9 @@ impl Evaluation<'_> {
         let count = status.len();
         assert_eq!(x.len(), count * width, "a row of variables for each design");
         assert_eq!(values.len(), count * f.len(), "room for each design");
+        if let Some(course) = &f.axle {
+            return self.evaluate_axles(course, x, values, None, status);
+        }
         let mut first = 0;
         while first < count {
             let now = (count - first).min(BLOCK);
@@ -403,6 +436,9 @@ impl Evaluation<'_> {
             values.len() * width,
             "room for each derivative"
         );
+        if let Some(course) = &f.axle {
+            return self.evaluate_axles(course, x, values, Some(jacobian), status);
+        }
         let make = || f.gradients().expect("the function was made with one");
         let mut gradients = self.gradients.take().unwrap_or_else(make);
         let at_once = gradients.evaluator.at_once();
@@ -425,6 +461,56 @@ impl Evaluation<'_> {
             }
         }
         self.gradients = Some(gradients);
+    }
+
+    /// The same of an axle, with derivatives where there is room for them.
+    fn evaluate_axles(
+        &mut self,
+        course: &'f AxleCourse,
+        x: &[f64],
+        values: &mut [f64],
+        mut jacobian: Option<&mut [f64]>,
+        status: &mut [DesignStatus],
+    ) {
+        let f = self.function;
+        let (width, row) = (f.variables.len(), f.len());
+        let differentiates = jacobian.is_some();
+        let known = self.of_axle.take();
+        let known = known.filter(|known| known.differentiates == differentiates);
+        let mut of_axle = known.unwrap_or_else(|| {
+            let evaluator = course.evaluator(differentiates);
+            let evaluator = evaluator.map_err(|(_, fault)| fault);
+            OfAxle {
+                differentiates,
+                evaluator: evaluator.expect("the function was made with one"),
+                right: Vec::new(),
+                right_ways: Vec::new(),
+            }
+        });
+        for (number, status) in status.iter_mut().enumerate() {
+            let x = &x[number * width..(number + 1) * width];
+            self.place(x, 1);
+            self.differentiate(x);
+            let OfAxle {
+                evaluator,
+                right,
+                right_ways,
+                ..
+            } = &mut of_axle;
+            let left = (&self.designs[..], &self.ways[..]);
+            let mut sides = [left; 2];
+            if let Some(own) = &course.both.axle.right {
+                f.right_design(own, &self.offsets, &self.designs, right);
+                let (frame, offsets) = (&f.suspension.frame, &self.offsets);
+                ways(&own.design, frame, &f.variables, offsets, right_ways);
+                sides[1] = (right, right_ways);
+            }
+            let values = &mut values[number * row..(number + 1) * row];
+            let at = number * row * width..(number + 1) * row * width;
+            let jacobian = jacobian.as_mut().map(|jacobian| &mut jacobian[at]);
+            *status = evaluator.evaluate(sides, values, jacobian);
+        }
+        self.of_axle = Some(of_axle);
     }
 
     /// Puts so many designs in place.
@@ -502,6 +588,26 @@ impl DesignFunction {
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
+        }
+    }
+
+    /// The design of a right wheel with hardpoints of its own, moved as the left one is.
+    fn right_design(
+        &self,
+        own: &Suspension,
+        offsets: &DVector<f64>,
+        left: &[Vector3<f64>],
+        into: &mut Vec<Vector3<f64>>,
+    ) {
+        let Suspension { design, frame, .. } = &*self.suspension;
+        into.clone_from(&own.design);
+        moved_design(&own.design, frame, &self.variables, offsets, into);
+        for variable in self.names.iter().filter(|v| v.absolute) {
+            for m in &variable.moved.moves {
+                let (point, axis) = (m.point.0, m.axis);
+                into[point][axis] =
+                    own.design[point][axis] + (left[point][axis] - design[point][axis]);
+            }
         }
     }
 

@@ -662,3 +662,121 @@ fn nothing_comes_back_from_beyond_a_toggle() {
     }
     assert!(by_rack > 10 && by_rack < 81);
 }
+
+/// The sample with a short rocker whose rod is too short over a part of the travel: its outer end goes along an arc, and
+/// the rocker is beyond the centre of that arc, so that it is farthest from the rod's end at the travel `at`, by so
+/// much more than rod and lever together are long. Not so in the design position, nor at twice that travel.
+fn rod_short_at(at: f64, by: f64) -> String {
+    let sample = read(&sample()).unwrap().suspension;
+    let outer = |travel: f64| {
+        let [_, y, z] = sample
+            .pose_at(travel, 0.0)
+            .unwrap()
+            .point("pushrod_outer")
+            .unwrap();
+        nalgebra::Vector2::new(y, z)
+    };
+    let [before, there, after] = [at - 10.0, at, at + 10.0].map(outer);
+    // The centre of the arc through three places is as far from each.
+    let chords =
+        nalgebra::Matrix2::from_rows(&[(there - before).transpose(), (after - there).transpose()]);
+    let halves = nalgebra::Vector2::new(
+        0.5 * (there.norm_squared() - before.norm_squared()),
+        0.5 * (after.norm_squared() - there.norm_squared()),
+    );
+    let centre = chords.lu().solve(&halves).unwrap();
+    let pivot = there + (centre - there) * 2.0;
+    let farthest = (there - pivot).norm();
+    let lever = 12.0;
+    let rod = farthest - lever - by;
+    // Where circles of both lengths meet in the design position.
+    let to = outer(0.0) - pivot;
+    let (d, along) = (to.norm(), to.normalize());
+    assert!(d < lever + rod, "{d}");
+    let x = (d * d + lever * lever - rod * rod) / (2.0 * d);
+    let across = nalgebra::Vector2::new(-along.y, along.x);
+    let inner = pivot + along * x + across * (lever * lever - x * x).sqrt();
+    let line = |name: &str, x: f64, p: nalgebra::Vector2<f64>| {
+        format!("{name} = [{x:?}, {:?}, {:?}]", p.x, p.y)
+    };
+    let x = sample
+        .pose_at(0.0, 0.0)
+        .unwrap()
+        .point("pushrod_outer")
+        .unwrap()[0];
+    let lower = pivot + nalgebra::Vector2::new(-40.0, 30.0);
+    let lines = [
+        (
+            "rocker_pivot_front ",
+            line("rocker_pivot_front", x + 20.0, pivot),
+        ),
+        (
+            "rocker_pivot_rear ",
+            line("rocker_pivot_rear", x - 20.0, pivot),
+        ),
+        ("pushrod_inner ", line("pushrod_inner", x, inner)),
+        ("spring_lower ", line("spring_lower", x, lower)),
+    ];
+    let lines: Vec<(&str, &str)> = lines.iter().map(|(a, b)| (*a, b.as_str())).collect();
+    with_lines(&[&lines[..], &[OUTPUTS]].concat())
+}
+
+/// A toggle that comes and goes between two stations is seen, in curves and in sweeps: what lies beyond it is
+/// not reached, however coarse the stations are.
+#[test]
+fn a_toggle_between_two_stations_is_seen() {
+    for (at, by) in [(28.0, 0.02), (28.0, 0.1), (-25.0, 0.1)] {
+        let text = rod_short_at(at, by);
+        let statuses = |travel: &str| {
+            let set = [format!("motion.travel={travel}")];
+            let study = read(&text)
+                .unwrap()
+                .with_overrides("study.toml", &set)
+                .unwrap();
+            let found = curves(&study.suspension, &Plan::of(&study)).unwrap();
+            let stations = found.stations.iter();
+            stations
+                .map(|s| (s.travel.unwrap(), s.status))
+                .collect::<Vec<_>>()
+        };
+        let far = 2.0 * at;
+        let range = |from: f64, to: f64| format!("{{ from = {from:?}, to = {to:?}, steps = 401 }}");
+        let mut fine = statuses(&range(far.min(0.0), far.max(0.0)));
+        if far < 0.0 {
+            fine.reverse();
+        }
+        let toggle = Status::Toggle(Rod::Pushrod);
+        assert_eq!((fine[0].1, fine[400].1), (Status::Ok, toggle), "{at} {by}");
+        let coarse = statuses(&format!("[0.0, {far:?}]"));
+        assert_eq!(coarse, [fine[0], fine[400]], "{at} {by}");
+        let sweep = "sweep={ method = \"grid\", variables = [{ hardpoint = \"tie_rod_inner\", axis = \"z\", \
+                     range = [-0.001, 0.001], steps = 3 }] }";
+        let set = [format!("motion.travel=[0.0, {far:?}]"), sweep.to_owned()];
+        let study = read(&text)
+            .unwrap()
+            .with_overrides("study.toml", &set)
+            .unwrap();
+        let mut failing = 0;
+        study
+            .sweep(Default::default(), |rows| {
+                failing += rows
+                    .failing
+                    .iter()
+                    .flatten()
+                    .filter(|f| f.at == Some(far))
+                    .count();
+                std::ops::ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(failing, 3, "{at} {by}");
+        // Without the shortage the same places are reached.
+        let text = rod_short_at(at, -0.2);
+        let set = [format!("motion.travel=[0.0, {far:?}]")];
+        let study = read(&text)
+            .unwrap()
+            .with_overrides("study.toml", &set)
+            .unwrap();
+        let found = curves(&study.suspension, &Plan::of(&study)).unwrap();
+        assert!(found.are_complete(), "{at} {by}");
+    }
+}

@@ -1,8 +1,10 @@
-//! Curves of both wheels.
+//! Curves and limits of both wheels.
 
 use crate::errors::failure;
-use hardpoint::axle::axle_curves;
-use hardpoint::model::Side;
+use crate::study::{cause_of, ends};
+use hardpoint::axle::{Axle, AxleEnd, AxleSolver, axle_curves};
+use hardpoint::mechanism::DesignFault;
+use hardpoint::model::{Axis, Side};
 use hardpoint::report::axle_motion;
 use hardpoint::study::AxleStudy;
 use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
@@ -17,14 +19,7 @@ pub(crate) fn solve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = py
         .detach(|| axle_curves(axle, plan))
-        .map_err(|(side, fault)| {
-            let mechanism = &axle.suspension(side).mechanism;
-            failure(format!(
-                "{} wheel: {}",
-                side.name(),
-                fault.describe(mechanism)
-            ))
-        })?;
+        .map_err(|(side, found)| fault(axle, side, &found))?;
     let array = |values: Vec<f64>| -> Bound<'py, PyArray1<f64>> { values.into_pyarray(py) };
     let stations = &found.stations;
     let (columns, info) = (PyDict::new(py), PyDict::new(py));
@@ -65,5 +60,53 @@ pub(crate) fn solve<'py>(
         result.set_item("sensitivities", sensitivities)?;
         result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
     }
+    Ok(result)
+}
+
+/// A fault of the design of one wheel.
+pub(crate) fn fault(axle: &Axle, side: Side, fault: &DesignFault) -> PyErr {
+    let mechanism = &axle.suspension(side).mechanism;
+    failure(format!(
+        "{} wheel: {}",
+        side.name(),
+        fault.describe(mechanism)
+    ))
+}
+
+/// How far both travels, the rack and roll go: (lower, upper) with their causes.
+pub(crate) fn limits<'py>(
+    py: Python<'py>,
+    AxleStudy { axle, .. }: &AxleStudy,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = py.detach(|| {
+        let mut solver = AxleSolver::<1>::new(axle, &[], false)?;
+        solver.limits()
+    });
+    let found = found.map_err(|(side, found)| fault(axle, side, &found))?;
+    let result = PyDict::new(py);
+    for (name, range) in ["left_travel", "right_travel"]
+        .into_iter()
+        .zip(&found.travels)
+    {
+        result.set_item(name, ends([&range.lower, &range.upper].map(cause_of), 1.0))?;
+    }
+    let end = |end: &AxleEnd| {
+        let (_, cause) = cause_of(&end.end);
+        (end.value, format!("{} wheel: {cause}", end.side.name()))
+    };
+    let sign = axle.left.frame.sign(Axis::Y);
+    let rack = found.rack.as_ref();
+    result.set_item(
+        "rack",
+        rack.map(|both| ends(both.each_ref().map(end), sign)),
+    )?;
+    let roll = match &found.roll {
+        [Some(lower), Some(upper)] => Some([lower, upper].map(end)),
+        _ => None,
+    };
+    result.set_item(
+        "roll_deg",
+        roll.map(|both| ends(both, 1.0_f64.to_degrees())),
+    )?;
     Ok(result)
 }

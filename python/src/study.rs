@@ -148,16 +148,6 @@ impl Study {
         format!("{}.toml", self.study.name)
     }
 
-    /// The study of one wheel; one of an axle is refused, by the name of what it was asked for.
-    pub(crate) fn corner(&self, what: &str) -> PyResult<&hardpoint::study::Study> {
-        match self.study.axle {
-            None => Ok(&self.study),
-            Some(_) => Err(failure(format!(
-                "axle: {what} is not yet there for an axle; without [axle] the study is of one wheel"
-            ))),
-        }
-    }
-
     /// A fault of the study's own design.
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
         failure(fault.describe(&self.study.suspension.mechanism))
@@ -253,33 +243,16 @@ pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
 /// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let suspension = &study.corner("limits")?.suspension;
+    if let Some(axle) = &study.study.axle {
+        return crate::axle::limits(py, axle);
+    }
+    let suspension = &study.study.suspension;
     let found = py.detach(|| {
         Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
     });
     let found = found.map_err(|fault| study.fault(&fault))?;
-    let end = |end: &RangeEnd, factor: f64, sign: f64| {
-        let cause = match end {
-            RangeEnd::Fold(limit) => limit.cause.to_string(),
-            RangeEnd::FullTurn => "turns right round".to_owned(),
-            RangeEnd::Unresolved(_) => "the path could not be followed any further".to_owned(),
-        };
-        let value = match end {
-            RangeEnd::FullTurn => sign * std::f64::consts::PI,
-            end => end.value(),
-        };
-        (value * factor, cause)
-    };
-    let range = |range: &Range, factor: f64| {
-        let ends = [
-            end(&range.lower, factor, -1.0),
-            end(&range.upper, factor, 1.0),
-        ];
-        match factor < 0.0 {
-            true => [ends[1].clone(), ends[0].clone()],
-            false => ends,
-        }
-    };
+    let range =
+        |range: &Range, factor: f64| ends([&range.lower, &range.upper].map(cause_of), factor);
     let result = PyDict::new(py);
     result.set_item("travel", range(&found.travel, 1.0))?;
     let rack_sign = suspension.frame.sign(Axis::Y);
@@ -291,12 +264,44 @@ pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py,
     Ok(result)
 }
 
+/// An end of a range and its cause; of one that turns right round there is half a turn on either side.
+pub(crate) type End = (f64, String);
+
+/// The value of an end, NaN where there is none, and its cause.
+pub(crate) fn cause_of(end: &RangeEnd) -> End {
+    match end {
+        RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
+        RangeEnd::FullTurn => (f64::NAN, "turns right round".to_owned()),
+        RangeEnd::Unresolved(_) => {
+            let cause = "the path could not be followed any further";
+            (end.value(), cause.to_owned())
+        }
+    }
+}
+
+/// Both ends as they are printed, the lower one first.
+pub(crate) fn ends([lower, upper]: [End; 2], factor: f64) -> [End; 2] {
+    let half_turn = std::f64::consts::PI;
+    let printed = |(value, cause): End, otherwise: f64| {
+        let value = if value.is_nan() { otherwise } else { value };
+        (value * factor, cause)
+    };
+    let [lower, upper] = [printed(lower, -half_turn), printed(upper, half_turn)];
+    match factor < 0.0 {
+        true => [upper, lower],
+        false => [lower, upper],
+    }
+}
+
 /// Solves the design position and says what is doubtful about it, in words.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<Vec<String>> {
-    let suspension = &study.study.suspension;
-    let doubts = py.detach(|| hardpoint::report::doubts(suspension));
-    doubts.map_err(|fault| study.fault(&fault))
+    let own = &study.study;
+    let doubts = py.detach(|| hardpoint::report::study_doubts(own));
+    doubts.map_err(|(side, fault)| match &own.axle {
+        Some(both) => crate::axle::fault(&both.axle, side, &fault),
+        None => study.fault(&fault),
+    })
 }
 
 /// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code. As the program

@@ -25,7 +25,7 @@ fn not_begun(study: &Study, error: NotBegun) -> PyErr {
 
 /// The designs of a study's own `[sweep]`.
 fn own_sweep(study: &Study) -> PyResult<&Sweep> {
-    let sweep = study.corner("sweep")?.sweep.as_ref();
+    let sweep = study.study.sweep.as_ref();
     sweep.ok_or_else(|| {
         failure("the study has no [sweep], which says which designs there are; give them as x")
     })
@@ -37,7 +37,7 @@ fn given(
     x: &PyReadonlyArray2<'_, f64>,
     variables: Option<Vec<String>>,
 ) -> PyResult<Sweep> {
-    let own = study.corner("sweep")?;
+    let own = &study.study;
     let variables: Result<Vec<_>, _> = match variables {
         None => Ok(DesignVariable::of(own)),
         Some(names) => names

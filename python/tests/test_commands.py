@@ -69,6 +69,7 @@ def test_a_sweep_is_read_back_and_merged(sweep_study, tmp_path):
     rows = hp.sweep(sweep_study)
     for run in (hp.open(tmp_path / "run"), hp.merge([tmp_path / "run"], tmp_path / "one")):
         assert run.command == "sweep"
+        assert run.study.text == sweep_study.text
         for name in rows:
             np.testing.assert_array_equal(run["designs"][name], rows[name])
     page = hp.report(tmp_path / "run")

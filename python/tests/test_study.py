@@ -103,9 +103,46 @@ def test_curves_of_an_axle_are_those_of_the_program_to_the_bit(name, tmp_path):
         for column, values in columns.items():
             np.testing.assert_array_equal(table[column], values, err_msg=column)
     assert table["status"] == curves.status
-    for refused in (study.function, hp.limits, hp.sweep):
-        with pytest.raises(hp.HardpointError, match="axle"):
-            refused() if refused == study.function else refused(study)
+
+
+def test_an_axle_is_a_function_and_swept_and_limited(tmp_path):
+    fields = {"motion": {"roll": [-1.0, 0.0, 2.0]}, "outputs.characteristics": ["camber", "roll_centre_height"]}
+    variable = {"hardpoint": "tie_rod_inner", "axis": "z", "range": [-5.0, 5.0]}
+    fields["sweep"] = {"method": "sobol", "samples": 12, "variables": [variable]}
+    study = hp.load(STUDIES / "macpherson_axle.toml", fields)
+    f, curves = study.function(["tie_rod_inner_dz", "strut_top_dy"]), hp.solve(study)
+    assert f.outputs == list(curves)
+    np.testing.assert_allclose(f([0.0, 0.0]), np.array(list(curves.values())), rtol=1e-9, atol=1e-9)
+    x = np.array([[1.0, -2.0], [0.5, 3.0]])
+    y, jacobian = f.value_and_jacobian(x)
+    np.testing.assert_allclose(y, f(x), rtol=1e-9, atol=1e-9)
+    h = 1e-3
+    for k, e in enumerate(h * np.eye(2)):
+        difference = (8 * (f(x + e) - f(x - e)) - (f(x + 2 * e) - f(x - 2 * e))) / (12 * h)
+        np.testing.assert_allclose(jacobian[..., k], difference, rtol=1e-5, atol=1e-6)
+    # A sweep: the rows of the program, to the bit; of an array those of the same designs.
+    path = tmp_path / "axle.toml"
+    path.write_text(study.text)
+    assert hp.run(["--quiet", "sweep", path, "--out", tmp_path / "run"]) in (0, 1)
+    table, rows = hp.open(tmp_path / "run")["designs"], hp.sweep(study)
+    for name in rows:
+        np.testing.assert_array_equal(table[name], rows[name])
+    again = hp.sweep(study, np.c_[rows["tie_rod_inner_dz_mm"]], variables=["tie_rod_inner_dz"])
+    np.testing.assert_array_equal(again["left_camber_max_deg"], rows["left_camber_max_deg"])
+    limits = hp.limits(study)
+    assert {"left_travel", "right_travel", "rack", "roll_deg"} == set(limits)
+    for (lower, why), (upper, _) in limits.values():
+        assert lower < 0.0 < upper and why
+    assert limits["left_travel"][0][0] == limits["right_travel"][0][0]
+
+
+def test_doubts_are_about_both_wheels():
+    study = hp.load(STUDIES / "macpherson_axle.toml")
+    assert not any("right wheel" in doubt for doubt in hp.check(study))
+    points = dict(zip(study.points, study.design * [1.0, -1.0, 1.0]))
+    swapped = {"lower_arm_front": points["lower_arm_rear"].tolist(), "lower_arm_rear": points["lower_arm_front"].tolist()}
+    doubts = hp.check(study.replace(set={"axle.right": {"hardpoints": swapped}}))
+    assert any("right wheel" in doubt for doubt in doubts), doubts
 
 
 def test_a_study_of_a_mapping_is_that_of_its_text(front):

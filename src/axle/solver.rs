@@ -407,7 +407,7 @@ fn read_wheel<const N: usize>(
         condition = condition.max(conditioning.number);
         snapshots[number] = Snapshot::of(&at, parts);
         if number == 0 {
-            toggled = toggles.note(&at, travel).is_some();
+            toggled = toggles.note(Some(solver), &at, travel).is_some();
         }
     }
     Ok(WheelRead {

@@ -6,7 +6,7 @@
 use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots, Wheel};
 use crate::derive::{DesignedSpinAxis, Gradient, Seeds};
-use crate::mechanism::{Configuration, Twist};
+use crate::mechanism::{Configuration, RodReach, Twist};
 use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId, Spring, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign, LanePose};
@@ -21,6 +21,8 @@ pub struct LaneReader<'a> {
     evaluations: Vec<Evaluation>,
     /// The points whose coordinates are read.
     points: Vec<PointId>,
+    /// The rockers that what is read moves with.
+    rockers: Vec<RockerId>,
     constants: Constants,
     reads: Reads,
 }
@@ -56,6 +58,27 @@ struct Reads {
 }
 
 impl Reads {
+    /// The rockers that what is read moves with, and those that turn them.
+    fn rockers(&self, mechanism: &Mechanism, points: &[PointId]) -> Vec<RockerId> {
+        let Installation {
+            spring,
+            rocker,
+            anti_roll_bar,
+        } = self.installation;
+        let ends = spring
+            .iter()
+            .flat_map(|spring| [spring.upper, spring.lower]);
+        let turned = [rocker, anti_roll_bar].into_iter().flatten();
+        let turned: Vec<PointId> = turned.map(|id| mechanism.rocker(id).inner).collect();
+        let all = ends.chain(points.iter().copied()).chain(turned);
+        let mut rockers: Vec<RockerId> = all
+            .flat_map(|point| mechanism.rockers_moving(point))
+            .collect();
+        rockers.sort_unstable_by_key(|id| id.0);
+        rockers.dedup();
+        rockers
+    }
+
     fn of(mechanism: &Mechanism, slots: Slots, points: &[PointId], rates: bool) -> Self {
         let stands_on = |is: fn(Body) -> bool| points.iter().any(|id| is(mechanism.body(*id)));
         Reads {
@@ -107,9 +130,19 @@ pub struct LaneInputs<B> {
     points: Vec<[Vector3<B>; 2]>,
     /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
     by_rack: [Vector3<B>; 2],
+    /// Where the rods of the rockers were at the first station, and at the last.
+    rods: Vec<[RodReach<B>; 2]>,
+    /// Whether there has been one with the rack in its place.
+    has_begun: bool,
 }
 
 impl<B> LaneInputs<B> {
+    /// Makes ready for the stations with the rack in another place, outward from the design position.
+    #[inline(always)]
+    pub fn begin(&mut self) {
+        self.has_begun = false;
+    }
+
     /// What formulas read.
     #[inline(always)]
     pub fn inputs(&self) -> &Inputs<B> {
@@ -173,6 +206,7 @@ impl<'a> LaneReader<'a> {
         }));
         let reads = Reads::of(mechanism, slots, &points, rates);
         reads.are_known(mechanism, batch).then_some(LaneReader {
+            rockers: reads.rockers(mechanism, &points),
             mechanism,
             quantities,
             evaluations,
@@ -192,6 +226,7 @@ impl<'a> LaneReader<'a> {
     ) -> Option<Self> {
         let reads = Reads::of(mechanism, slots, &[], rates);
         reads.are_known(mechanism, batch).then_some(LaneReader {
+            rockers: reads.rockers(mechanism, &[]),
             mechanism,
             quantities: Vec::new(),
             evaluations: Vec::new(),
@@ -263,6 +298,8 @@ impl<'a> LaneReader<'a> {
             },
             points: vec![[nothing.centre; 2]; self.points.len()],
             by_rack: [nothing.centre; 2],
+            rods: vec![[RodReach::filled(unknown); 2]; self.rockers.len()],
+            has_begun: false,
         }
     }
 
@@ -272,7 +309,8 @@ impl<'a> LaneReader<'a> {
     }
 
     /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
-    /// Says which lanes are right: those where all of it is well known (the module of [`Batch`] has the list).
+    /// Says which lanes are right: those where all of it is well known (the module of [`Batch`] has the list), and
+    /// no rod can have come to a toggle since the station before.
     #[inline(always)]
     pub fn read<B: SimdReal>(
         &self,
@@ -288,11 +326,22 @@ impl<'a> LaneReader<'a> {
             inputs,
             points,
             by_rack,
+            rods,
+            has_begun,
         } = into;
+        if !rods.is_empty() {
+            right = rack.outlined(Watching {
+                rockers: &self.rockers,
+                at: &at.configuration(rack),
+                motion: &at.rates().twist(),
+                rods,
+                has_begun,
+            });
+        }
         let now = &mut inputs.now;
         if reads.spin_axis {
             now.spin_axis = at.vector(&wheels.spin_axis);
-            right = now.spin_axis.z.abs().less(rack.lit(STEEPEST_SPIN_AXIS));
+            right = right & now.spin_axis.z.abs().less(rack.lit(STEEPEST_SPIN_AXIS));
         }
         if reads.centre {
             now.centre = at.point(&wheels.centre);
@@ -610,6 +659,39 @@ impl<B: SimdReal> Outlined for Installing<'_, B> {
                 *place = [point.now, point.rate];
             }
         }
+        right
+    }
+}
+
+/// Watches the rods of rockers on their way from station to station.
+struct Watching<'i, B: SimdReal> {
+    rockers: &'i [RockerId],
+    at: &'i Configuration<'i, B>,
+    motion: &'i Twist<B>,
+    rods: &'i mut [[RodReach<B>; 2]],
+    has_begun: &'i mut bool,
+}
+
+impl<B: SimdReal> Outlined for Watching<'_, B> {
+    type Output = B::Mask;
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let mut right = self.at.rack.everywhere();
+        for ([first, last], id) in self.rods.iter_mut().zip(self.rockers) {
+            let rod = self.at.moving_rod(*id, self.motion);
+            let before = match *self.has_begun {
+                // The rack has gone to its place in between.
+                false => {
+                    *first = rod;
+                    self.at.designed_rod(*id)
+                }
+                // The march may have turned to the other side of where it began.
+                true => rod.nearer(first, last),
+            };
+            right = right & before.keeps_leverage_to(&rod);
+            *last = rod;
+        }
+        *self.has_begun = true;
         right
     }
 }

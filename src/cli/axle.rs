@@ -14,7 +14,7 @@ use crate::model::Side;
 use crate::optimise::{Best, moved_design};
 use crate::report::{
     AxleSummary, PriceRecord, Record, SolvedAxle, TuningSummary, axle_curves_csv, axle_doubts,
-    axle_sensitivities_csv, doubts, history_csv, variable_doubts,
+    axle_sensitivities_csv, history_csv, variable_doubts, wheel_doubts,
 };
 use crate::study::{About, AxleStudy, Optimise, Study};
 use nalgebra::DVector;
@@ -44,14 +44,12 @@ pub(super) fn fault(path: &Path, axle: &Axle, (side, fault): (Side, DesignFault)
 }
 
 fn said(
-    study: &Study,
     path: &Path,
     axle: &Axle,
     plan: &AxlePlan,
     curves: &AxleCurves,
 ) -> Result<Vec<String>, Stop> {
-    let left = |f| fault(path, axle, (Side::Left, f));
-    let mut said = doubts(&study.suspension).map_err(left)?;
+    let mut said = wheel_doubts(axle).map_err(|f| fault(path, axle, f))?;
     said.extend(axle_doubts(axle, curves, axle.turns_against(plan)));
     Ok(said)
 }
@@ -110,7 +108,7 @@ pub(super) fn solve(
     )?);
     output.say(&format!("{}\n\n", summary.headline()))?;
     output.table("outputs", &summary.table())?;
-    let remarks = said(study, path, axle, plan, &curves)?;
+    let remarks = said(path, axle, plan, &curves)?;
     for remark in remarks.into_iter().chain(summary.remarks()) {
         output.say(&format!("\n{remark}\n"))?;
     }
@@ -204,11 +202,7 @@ pub(super) fn optimise(
         refused = Study::from_text("optimised.toml", &text, directory).err();
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
         let curves = AxleSummary::of(&study.name, tuned, &plan, after, &design);
-        let own = Study {
-            suspension: tuned.left.clone(),
-            ..study.clone()
-        };
-        let remarks = said(&own, path, tuned, &plan, after)?;
+        let remarks = said(path, tuned, &plan, after)?;
         for remark in remarks.into_iter().chain(curves.remarks()) {
             output.say(&format!("\n{remark}\n"))?;
         }
@@ -257,7 +251,8 @@ pub(super) fn check(
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
-    let remarks = said(study, path, axle, plan, &curves)?;
+    let mut remarks = said(path, axle, plan, &curves)?;
+    remarks.extend(variable_doubts(study));
     for remark in remarks.into_iter().chain(summary.remarks()) {
         out.remark(&format!("{remark}\n\n"))?;
     }

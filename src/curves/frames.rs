@@ -104,7 +104,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                 let motion = drive_law.motion::<1>(values[number], rack);
                 let placed = pose.and_then(|pose| {
                     let at = solver.configuration_series(&still, pose, &motion)?;
-                    if let Some(rod) = toggles.note(&at, motion.value[0]) {
+                    if let Some(rod) = toggles.note(Some(solver), &at, motion.value[0]) {
                         return Err(Failure::Toggle(rod));
                     }
                     // At a fold there are no rates.

@@ -83,6 +83,7 @@ impl<const N: usize> Run<'_, N> {
                         Ok(Findings {
                             condition: Some(driven.equations.condition(pose)),
                             ..self.values(
+                                None,
                                 &configuration,
                                 number,
                                 pose.station().value - start_value,

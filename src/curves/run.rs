@@ -229,7 +229,7 @@ impl<'a, const N: usize> Run<'a, N> {
         number: usize,
         drive: f64,
     ) -> Findings {
-        let mut findings = self.values(at, number, drive);
+        let mut findings = self.values(Some(solver), at, number, drive);
         let stuck = self.loads.rocker().filter(|id| self.toggles.holds(*id));
         if stuck.is_some() {
             findings.values.resize(self.columns.len(), None);
@@ -246,16 +246,17 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// The value of every column of an output, at a station of the motion whose drive is so far from the
-    /// design position.
+    /// design position. The solver is that of the march, if there is one.
     pub(super) fn values(
         &self,
+        solver: Option<&Solver>,
         at: &Configuration<Jet<f64, N>>,
         number: usize,
         drive: f64,
     ) -> Findings {
         let plan = self.plan;
         let in_time = ByTime::at(plan, number);
-        let toggle = self.toggles.note(at, drive);
+        let toggle = self.toggles.note(solver, at, drive);
         let view = WheelReading::reading(at, plan.constants, plan.reads);
         let mut values = Vec::with_capacity(self.columns.len());
         for (columns, output) in self.columns_by_output() {

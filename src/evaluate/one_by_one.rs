@@ -84,9 +84,11 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     let motion = MotionPoint { drive, value, rack }.along_drive::<N>();
                     let linearised = pose
                         .and_then(|pose| solver.linearised(design_series, pose, &motion))
-                        .and_then(|linearised| match toggles.note(&linearised.at, value) {
-                            None => Ok(linearised),
-                            Some(rod) => Err(Failure::Toggle(rod)),
+                        .and_then(|linearised| {
+                            match toggles.note(Some(solver), &linearised.at, value) {
+                                None => Ok(linearised),
+                                Some(rod) => Err(Failure::Toggle(rod)),
+                            }
                         });
                     let linearised = match linearised {
                         Ok(linearised) => linearised,

@@ -17,20 +17,17 @@
 //! derivatives do not exist there.
 
 use super::pose::{Configuration, Sink, Twist, gradient_by};
+use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
-use crate::mechanism::DesignFault;
-use crate::model::{Body, Drive, Mechanism, PointId};
+use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::Jet;
 use crate::number::Real;
 use crate::number::SimdReal;
 use crate::number::Vector3;
-use crate::solve::Solver;
-use std::cell::Cell;
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
 /// position, and the outer end now.
-type Ends<T> = [Vector3<T>; 5];
+pub(super) type Ends<T> = [Vector3<T>; 5];
 
 /// A turn about an axis.
 struct Turn<T> {
@@ -213,6 +210,28 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
+    /// Where the rod of a rocker is.
+    #[inline(always)]
+    pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
+        let rocker = self.mechanism.rocker(id);
+        let now = self.moving_point(rocker.outer, motion).now;
+        self.rod_with_end_at(rocker, now)
+    }
+
+    /// Where the rod of a rocker is in the design position.
+    #[inline(always)]
+    pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
+        let rocker = self.mechanism.rocker(id);
+        self.rod_with_end_at(rocker, self.designed(rocker.outer))
+    }
+
+    #[inline(always)]
+    fn rod_with_end_at(&self, rocker: Rocker, now: Vector3<B>) -> RodReach<B> {
+        let [first, second, inner, outer] =
+            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
+        RodReach::of([first, second, inner, outer, now])
+    }
+
     /// Angle of a rocker and its derivative.
     #[inline(always)]
     pub fn moving_rocker(&self, id: RockerId, motion: &Twist<B>) -> MovingAngle<B> {
@@ -233,8 +252,14 @@ impl<B: SimdReal> Configuration<'_, B> {
 /// Whether six digits of a derivative would be left of this w^2/(r.r l.l), which is known to a few units of
 /// the last place. Written so that NaN has not.
 #[inline]
-fn is_enough(leverage_squared: f64) -> bool {
+pub(super) fn is_enough(leverage_squared: f64) -> bool {
     leverage_squared > DEGENERATE
+}
+
+/// w^2/(r.r l.l) of a rod.
+#[inline]
+pub(super) fn leverage_squared<T: Real>(ends: Ends<T>) -> T {
+    Turn::of(ends).leverage_squared
 }
 
 /// Whether a rocker is away from its toggle in the design position, so that its rod can turn it.
@@ -246,7 +271,7 @@ pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
 
 impl<T: Real> Configuration<'_, T> {
     #[inline]
-    fn ends(&self, rocker: Rocker) -> Ends<T> {
+    pub(super) fn ends(&self, rocker: Rocker) -> Ends<T> {
         let [first, second, inner, outer] =
             [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
         [first, second, inner, outer, self.point(rocker.outer)]
@@ -332,116 +357,5 @@ impl Configuration<'_, f64> {
         let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
         let moment = |at: Vector3<f64>, force: Vector3<f64>| axis.dot((at - first).cross(force));
         -moment(at, force) / moment(inner, (outer - inner).normalised())
-    }
-}
-
-/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. What happens
-/// between two stations is not seen.
-#[derive(Clone, Debug, Default)]
-pub struct Toggles {
-    watched: Vec<RockerId>,
-    /// The rockers at or beyond toggle where the march began, by number.
-    at_start: Cell<Stuck>,
-    past: Cell<Past>,
-}
-
-/// A set of rockers, by number.
-type Stuck = u32;
-
-/// Where the march was last.
-#[derive(Clone, Copy, Debug, Default)]
-struct Past {
-    value: f64,
-    stuck: Stuck,
-}
-
-impl Toggles {
-    /// Watches these rockers of a mechanism, and those that turn them.
-    pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
-        let mut watched: Vec<RockerId> = Vec::new();
-        for rocker in rockers {
-            let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);
-            watched.extend(before.chain([rocker]));
-        }
-        watched.sort_by_key(|id| id.0);
-        watched.dedup();
-        Toggles {
-            watched,
-            ..Toggles::default()
-        }
-    }
-
-    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
-    pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
-        if self.watched.is_empty() {
-            return Ok(());
-        }
-        // Without a pose to begin with there will be none to note.
-        let stuck = match solver.placed(drive, rack)? {
-            Ok((pose, point)) => self.stuck(&solver.configuration(&pose, point.rack), 0, |c| c),
-            Err(_) => 0,
-        };
-        self.begin_with(stuck);
-        Ok(())
-    }
-
-    /// Makes ready for another march that begins where the last one did.
-    pub fn begin_again(&self) {
-        self.begin_with(self.at_start.get());
-    }
-
-    /// Makes ready for a march that begins in this pose.
-    pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
-        self.begin_with(self.stuck(at, 0, |c| c[0]));
-    }
-
-    fn begin_with(&self, stuck: Stuck) {
-        self.at_start.set(stuck);
-        self.past.set(Past { value: 0.0, stuck });
-    }
-
-    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
-    /// returns the first rocker that has come to a toggle there or before.
-    pub fn note<const N: usize>(&self, at: &Configuration<Jet<f64, N>>, value: f64) -> Option<Rod> {
-        if self.watched.is_empty() {
-            return None;
-        }
-        let past = self.past.get();
-        // Else the march has turned to the other side of its beginning.
-        let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
-        let before = match goes_on {
-            true => past.stuck,
-            false => self.at_start.get(),
-        };
-        let stuck = self.stuck(at, before, |c| c[0]);
-        self.past.set(Past { value, stuck });
-        let first = self.watched.iter().find(|id| self.holds(**id));
-        first.map(|id| at.mechanism.rocker(*id).rod)
-    }
-
-    /// Whether a rocker is at or beyond a toggle at the station last noted.
-    pub fn holds(&self, rocker: RockerId) -> bool {
-        self.past.get().stuck & 1 << rocker.0 != 0
-    }
-
-    /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
-    /// a one turns.
-    fn stuck<T: Real>(
-        &self,
-        at: &Configuration<T>,
-        before: Stuck,
-        now: impl Fn(T) -> f64,
-    ) -> Stuck {
-        let mechanism = at.mechanism;
-        let mut stuck = before;
-        for rocker in &self.watched {
-            let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
-            let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
-            let leverage = Turn::of(at.ends(mechanism.rocker(*rocker))).leverage_squared;
-            if is_carried || !is_enough(now(leverage)) {
-                stuck |= 1 << rocker.0;
-            }
-        }
-        stuck
     }
 }

@@ -339,9 +339,11 @@ impl<'a, const N: usize> Objective<'a, N> {
                 .along_drive::<N>();
                 let linearised = pose
                     .and_then(|pose| solver.linearised(&reader.series, pose, &motion))
-                    .and_then(|linearised| match toggles.note(&linearised.at, value) {
-                        None => Ok(linearised),
-                        Some(rod) => Err(Failure::Toggle(rod)),
+                    .and_then(|linearised| {
+                        match toggles.note(Some(solver), &linearised.at, value) {
+                            None => Ok(linearised),
+                            Some(rod) => Err(Failure::Toggle(rod)),
+                        }
                     });
                 let linearised = match linearised {
                     Ok(linearised) => linearised,

@@ -46,7 +46,7 @@ pub use finished::FinishedRun;
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
-pub use plausibility::{doubts, variable_doubts};
+pub use plausibility::{doubts, study_doubts, variable_doubts, wheel_doubts};
 pub(crate) use record::readable_unit;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};

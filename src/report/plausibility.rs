@@ -1,13 +1,15 @@
 //! What a suspension may well be, but seldom is: points that are swapped, a wrong sign or a wrong unit. None of
 //! it is a mistake, so it is only said.
 
+use super::axle_doubts;
+use crate::axle::{Axle, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Constraint, Drive, PointId, Rod, SteeringAxis, Suspension};
+use crate::model::{Constraint, Drive, PointId, Rod, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
-use crate::study::{Designs, Move, Study};
+use crate::study::{AxleStudy, Designs, Move, Study};
 
 /// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
 const WHEEL_ANGLE: f64 = 15.0;
@@ -33,6 +35,38 @@ pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     doubts.figures();
     doubts.angles()?;
     Ok(doubts.found)
+}
+
+/// What is doubtful of both wheels of an axle in the design position, a line each; of a right wheel with hardpoints of
+/// its own only what is not so of the left one too.
+pub fn wheel_doubts(axle: &Axle) -> Result<Vec<String>, (Side, DesignFault)> {
+    let mut found = doubts(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    if let Some(own) = &axle.right {
+        let of_right = doubts(own).map_err(|fault| (Side::Right, fault))?;
+        let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
+        let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
+        found.extend(new.iter().map(named).collect::<Vec<_>>());
+    }
+    Ok(found)
+}
+
+/// What is doubtful of a study, a line each: of its wheel, or of its axle over the motion, and of its variables.
+pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
+    let mut found = match &study.axle {
+        None => doubts(&study.suspension).map_err(|fault| (Side::Left, fault))?,
+        Some(AxleStudy { axle, plan }) => {
+            let plan = AxlePlan {
+                sensitivities: Vec::new(),
+                ..plan.clone()
+            };
+            let curves = axle_curves(axle, &plan)?;
+            let mut found = wheel_doubts(axle)?;
+            found.extend(axle_doubts(axle, &curves, axle.turns_against(&plan)));
+            found
+        }
+    };
+    found.extend(variable_doubts(study));
+    Ok(found)
 }
 
 /// What is doubtful of the variables of a study, a line each: coordinates given where offsets are expected, and

@@ -199,6 +199,8 @@ impl SimdTask for Evaluation<'_, '_> {
                 let group = &solver.groups[number];
                 reading.numbers = &group.numbers;
                 reading.rack = like.lit(group.rack);
+                reading.left_inputs.begin();
+                reading.right_inputs.begin();
                 let solved = batch.solve(
                     [&left_design, &right_design],
                     [&group_left, &group_right],

@@ -141,6 +141,7 @@ impl SimdTask for Evaluation<'_, '_> {
             let mut rack = 0;
             while rack < stations.racks.len() {
                 reading.first = stations.number(rack, 0);
+                reading.inputs.begin();
                 reading.rack = like.lit(stations.racks[rack]);
                 let solved = batch.solve(&design, rack, &mut history, &mut reading);
                 reading.right = reading.right & solved.everywhere();

@@ -109,7 +109,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                 let read = |pose: &Pose<f64>| {
                     let at =
                         solver.configuration_series(design_series, pose, &motion.along_drive())?;
-                    let toggle = toggles.note(&at, motion.value);
+                    let toggle = toggles.note(Some(solver), &at, motion.value);
                     let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
                     let view = WheelReading::reading(&at, *constants, *slots);
                     for k in (0..quantities.len()).filter(free) {

@@ -109,7 +109,7 @@ impl<'a> RateSlopes<'a> {
             let at = pose
                 .and_then(|pose| solver.configuration_series(series, pose, &motion.along_drive()));
             if let Ok(at) = at {
-                toggles.note(&at, motion.value);
+                toggles.note(Some(solver), &at, motion.value);
                 let view = WheelReading::reading(&at, *constants, *slots);
                 for (k, quantity, rockers) in quantities.iter() {
                     if !rockers.iter().any(|id| toggles.holds(*id)) {

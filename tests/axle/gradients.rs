@@ -72,3 +72,83 @@ fn gradients_are_slopes() {
         }
     }
 }
+
+/// An axle as a function of the design: the values of its curves, and derivatives that are slopes, also where the right
+/// wheel has hardpoints of its own.
+#[test]
+fn an_axle_is_a_function_of_its_design() {
+    use hardpoint::study::Study;
+    use hardpoint::{DesignFunction, DesignStatus, DesignVariable};
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
+    let few = "motion={ roll = [-1.5, 0.0, 2.0], rack = [0.0, 15.0] }".to_owned();
+    let own = "axle.right={ hardpoints = { tie_rod_inner = [-110.0, -332.0, 245.0] } }".to_owned();
+    for set in [vec![few.clone()], vec![few, own]] {
+        let study = Study::read(&path, &set).unwrap();
+        let names = ["strut_top_dy", "tie_rod_outer_z", "lower_arm_front_dz"];
+        let variables = names.map(|name| DesignVariable::named(name, &study).unwrap());
+        let f = DesignFunction::with_variables(&study, variables.into()).unwrap();
+        let both = study.axle.as_ref().unwrap();
+        let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan).unwrap();
+        let (outputs, stations) = (f.outputs(), f.stations());
+        assert_eq!(stations, curves.stations.len());
+        let id = study.suspension.mechanism.point("tie_rod_outer").unwrap();
+        let height = study.suspension.design[id.0].z;
+        let mut evaluation = f.evaluation();
+        let mut values = |x: [f64; 3]| {
+            let (mut values, mut status) = (vec![0.0; f.len()], [DesignStatus::Faulty]);
+            evaluation.values(&x, &mut values, &mut status);
+            assert_eq!(status, [DesignStatus::Ok]);
+            values
+        };
+        let plain = values([0.0, height, 0.0]);
+        for (k, name) in outputs.iter().enumerate() {
+            let column = curves.columns.iter().position(|c| c.name == *name).unwrap();
+            for (s, station) in curves.stations.iter().enumerate() {
+                match station.value(column) {
+                    None => assert!(plain[k * stations + s].is_nan(), "{name}"),
+                    Some(wanted) => {
+                        let found = plain[k * stations + s];
+                        let scale = wanted.abs().max(1.0);
+                        assert!(
+                            (found - wanted).abs() < 1e-9 * scale,
+                            "{name}: {found} {wanted}"
+                        );
+                    }
+                }
+            }
+        }
+        let x = [2.0, height - 1.0, 1.5];
+        let (mut there, mut jacobian) = (vec![0.0; f.len()], vec![0.0; 3 * f.len()]);
+        let mut status = [DesignStatus::Faulty];
+        let mut differentiated = f.evaluation();
+        differentiated.value_and_jacobian(&x, &mut there, &mut jacobian, &mut status);
+        assert_eq!(status, [DesignStatus::Ok]);
+        let h = 0.05;
+        for j in 0..3 {
+            let mut at = |step: f64| {
+                let mut moved = x;
+                moved[j] += step;
+                values(moved)
+            };
+            let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut at);
+            for k in 0..outputs.len() {
+                let row = k * stations..(k + 1) * stations;
+                let scale = row
+                    .clone()
+                    .map(|i| jacobian[3 * i + j].abs())
+                    .fold(0.0, f64::max);
+                for i in row.filter(|i| there[*i].is_finite()) {
+                    let slope = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * h);
+                    let found = jacobian[3 * i + j];
+                    let bound = 1e-5 * scale + 1e-10 * there[i].abs().max(1.0) / h;
+                    assert!(
+                        (found - slope).abs() < bound,
+                        "{} {j}: {found} {slope}",
+                        outputs[k]
+                    );
+                }
+            }
+        }
+    }
+}

@@ -89,6 +89,9 @@ impl Squares {
     }
 }
 
+/// How stiff a program with curvature is across the rows that it holds, in largest diagonals.
+const ACROSS: f64 = 4.0;
+
 /// How a step came about.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Proposal {
@@ -131,6 +134,8 @@ pub(super) struct ConvexModel<'a> {
     /// The multipliers of the levels found last: where the next search begins.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
+    /// Normals and offsets of what was held last, across which the curvature is made stiff.
+    across: Vec<(Vec<f64>, f64)>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
     scratch: Vec<f64>,
@@ -165,6 +170,7 @@ impl<'a> ConvexModel<'a> {
             weights: vec![0.0; levels.len()],
             last_weights: vec![None; levels.len()],
             curvature: Curvature::new(n),
+            across: Vec::new(),
             matrix: Vec::new(),
             vector: Vec::new(),
             scratch: vec![0.0; n],
@@ -243,6 +249,7 @@ impl<'a> ConvexModel<'a> {
 
     fn propose(&mut self, curved: bool) -> Proposal {
         let mut proposal = Proposal::Optimal;
+        self.across = if curved { self.held_rows() } else { Vec::new() };
         self.weights.fill(0.0);
         if self.program(curved) != Outcome::Solved {
             let (remaining, culprits) = self.relax();
@@ -262,6 +269,32 @@ impl<'a> ConvexModel<'a> {
         let found = self.level_multipliers.iter();
         self.last_weights = found.map(|w| (*w > 0.0).then_some(*w)).collect();
         proposal
+    }
+
+    /// The rows and bounds that the step before held, as normals and offsets: the same for every weight of the levels.
+    fn held_rows(&self) -> Vec<(Vec<f64>, f64)> {
+        let n = self.half.len();
+        let rows = self.kept.iter().enumerate();
+        let rows =
+            rows.filter(|(_, row)| **row < self.equalities || self.row_multipliers[**row] > 0.0);
+        let mut held: Vec<_> = rows
+            .map(|(k, _)| {
+                (
+                    self.kept_normals[k * n..][..n].to_vec(),
+                    self.kept_offsets[k],
+                )
+            })
+            .collect();
+        // On a bound itself, not at the end of a radius.
+        for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
+            let on_bound = self.room_below[j] == 0.0 || self.room_above[j] == 0.0;
+            if on_bound && *multiplier != 0.0 {
+                let mut normal = vec![0.0; n];
+                normal[j] = 1.0;
+                held.push((normal, 0.0));
+            }
+        }
+        held
     }
 
     /// Solves the program with the levels' squares weighed in.
@@ -304,7 +337,8 @@ impl<'a> ConvexModel<'a> {
         self.matrix.truncate(n * n);
         self.vector.truncate(n);
         if curved {
-            self.curvature.add_to(&mut self.matrix, &mut self.vector);
+            let (matrix, vector) = (&mut self.matrix, &mut self.vector);
+            self.curvature.add_to(&self.across, matrix, vector);
         }
         let rows = Rows {
             normals: &self.kept_normals,
@@ -616,11 +650,15 @@ impl Curvature {
     }
 
     /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
-    fn add_to(&mut self, triangle: &mut [f64], offset: &mut [f64]) {
+    ///
+    /// At a minimum under constraints R^T R + S need be positive along the rows that are held alone. Across them the
+    /// square of each, w (a.d + c)^2 / 2, is added: where the row is held it is nothing, and its multiplier stays. A
+    /// shift in its place would slow down every direction.
+    fn add_to(&mut self, held: &[(Vec<f64>, f64)], triangle: &mut [f64], offset: &mut [f64]) {
         let n = self.variables;
         self.in_use = true;
         let columns: Vec<&[f64]> = triangle.chunks_exact(n).collect();
-        let slope: Vec<f64> = columns.iter().map(|column| dot(column, offset)).collect();
+        let mut slope: Vec<f64> = columns.iter().map(|column| dot(column, offset)).collect();
         let mut square = vec![0.0; n * n];
         for j in 0..n {
             for i in 0..n {
@@ -628,6 +666,15 @@ impl Curvature {
             }
         }
         let trace = (0..n).fold(0.0, |most: f64, k| most.max(square[k * n + k].abs()));
+        for (normal, c) in held {
+            let weight = ACROSS * trace / dot(normal, normal).max(f64::MIN_POSITIVE);
+            for j in 0..n {
+                slope[j] += weight * c * normal[j];
+                for i in 0..n {
+                    square[j * n + i] += weight * normal[i] * normal[j];
+                }
+            }
+        }
         let mut shift = 1e-13 * trace.max(f64::MIN_POSITIVE);
         let factor = loop {
             match cholesky(&square, n, shift) {

@@ -1,0 +1,140 @@
+"""How fast the module is, as ratios to what it should be; takes scipy, and dask for the last two.
+
+    python python/benches/speed.py [--program target/release/hardpoint] [--samples 1000000] [--only tuning]
+
+Run it with a release wheel (`pip install ./python`) on a machine that does nothing else. Times are medians, but for
+those of sweeps, which are the best of `--repeat`. A ratio above 1 is slower than wanted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+import hardpoint as hp
+from hardpoint import distributed
+
+STUDIES = Path(__file__).parents[2] / "studies"
+
+
+def seconds(work: Callable[[], object]) -> float:
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun
+
+
+def median(work: Callable[[], object], times: int) -> float:
+    """The median of so many calls, after some that warm up."""
+    for _ in range(max(3, times // 10)):
+        work()
+    return statistics.median(seconds(work) for _ in range(times))
+
+
+def least(work: Callable[[], object], times: int) -> float:
+    return min(seconds(work) for _ in range(times))
+
+
+class Bench:
+    """What is measured: each yields a name, a figure, its unit and what it should be at most."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self.program = options.program
+        self.repeat = options.repeat
+        self.study = hp.load(STUDIES / "macpherson_sweep.toml", {"sweep.samples": options.samples})
+
+    def jacobian(self) -> Iterator[tuple[str, float, str, float]]:
+        """Value and Jacobian of one design, of the four angles over 41 travels by four variables."""
+        angles = ["camber", "toe", "caster", "kingpin_inclination"]
+        study = self.study.replace(set={"outputs.characteristics": angles})
+        f = study.function()
+        x = np.zeros(len(f.variables))
+        yield "value and Jacobian, one design", 1e6 * median(lambda: f.value_and_jacobian(x), 2000), "us", 60.0
+
+    def tuning(self) -> Iterator[tuple[str, float, str, float]]:
+        """A tuning by SciPy with the exact Jacobian."""
+        from scipy.optimize import least_squares
+
+        r = hp.load(STUDIES / "macpherson_front.toml").residuals
+        lower, upper = r.bounds.T
+
+        def tune() -> object:
+            return least_squares(r, np.zeros(len(lower)), jac=r.jacobian, bounds=(lower, upper), x_scale=upper - lower)
+
+        yield "tuning by SciPy", 1e3 * median(tune, 30), "ms", 6.0
+
+    def arrays(self) -> Iterator[tuple[str, float, str, float]]:
+        """A sweep into arrays against the program's into CSV, on all cores."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "study.toml"
+            file.write_text(self.study.text)
+            call = [*self.program, "--quiet", "sweep", file, "--out", Path(folder) / "run", "--force"]
+            written = least(lambda: subprocess.run(call, check=True, stdout=subprocess.DEVNULL), self.repeat)
+            made = least(lambda: hp.sweep(self.study), self.repeat)
+            yield f"sweep into arrays ({made:.2f} s) to CSV ({written:.2f} s)", made / written, "", 0.6
+
+    def dask(self) -> Iterator[tuple[str, float, str, float]]:
+        """What Dask adds to parts, and what a second worker gains."""
+        from dask.distributed import Client, LocalCluster
+
+        def on(workers: int, folder: str, name: str) -> float:
+            # Workers have imported the module before.
+            with (
+                LocalCluster(n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
+                Client(cluster) as client,
+            ):
+                client.run(lambda: __import__("hardpoint.distributed"))
+                executor = client.get_executor()
+                return least(lambda: distributed.sweep(self.study, new(folder, name), executor), self.repeat)
+
+        def new(folder: str, name: str) -> str:
+            place = os.path.join(folder, name)
+            shutil.rmtree(place, ignore_errors=True)
+            return place
+
+        def here(folder: str) -> None:
+            count, out = distributed.parts(self.study), new(folder, "here")
+            for part in range(count):
+                distributed.sweep_part(self.study.text, self.study.name, out, part, count)
+
+        with tempfile.TemporaryDirectory() as folder:
+            alone = least(lambda: here(folder), self.repeat)
+            one, two = on(1, folder, "one"), on(2, folder, "two")
+        yield f"overhead of Dask, {distributed.parts(self.study)} parts ({alone:.2f} s without)", 100 * (one / alone - 1), "%", 6.0
+        yield f"two workers ({two:.2f} s), share of one's time ({one:.2f} s)", two / one, "", 1 / 1.85
+
+
+def main() -> int:
+    kinds = ["jacobian", "tuning", "arrays", "dask"]
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", help="the program to compare with; else that of the module")
+    parser.add_argument("--samples", type=int, default=1_000_000, help="designs of a sweep")
+    parser.add_argument("--repeat", type=int, default=3, help="sweeps of which the fastest counts")
+    parser.add_argument("--only", choices=kinds, action="append")
+    options = parser.parse_args()
+    options.program = [options.program] if options.program else [sys.executable, "-P", "-m", "hardpoint"]
+    load = os.getloadavg()[0]
+    print(f"hardpoint {hp.__version__}, {os.cpu_count()} cores, load {load:.2f} before")
+    bench, missed = Bench(options), 0
+    for kind in options.only or kinds:
+        try:
+            for name, figure, unit, bound in getattr(bench, kind)():
+                missed += figure > bound
+                word = "ok" if figure <= bound else "MISSED"
+                print(f"{name:58} {figure:9.3f} {unit:2} at most {bound:6.3f}  ratio {figure / bound:5.2f}  {word}", flush=True)
+        except ImportError as error:
+            print(f"{kind}: left out, {error}")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,161 @@
+//! Curves of an axle as a function of the design: designs one at a time, both wheels of each.
+//!
+//! A variable moves the same points of both wheels, each in the frame of its side, so that a derivative is the sum of
+//! both wheels' gradients along the variable's way; a right wheel with hardpoints of its own is moved as the left one
+//! is.
+
+use super::DesignStatus;
+use crate::axle::{AxleColumn, AxlePlan, AxleSolver, Placement, Quantity};
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, Side};
+use crate::number::Vector3;
+use crate::optimise::Way;
+use crate::study::AxleStudy;
+
+/// Where an axle is looked at, and what is read there.
+#[derive(Clone, Debug)]
+pub(super) struct AxleCourse {
+    pub both: AxleStudy,
+    columns: Vec<AxleColumn>,
+    pub placements: Vec<Placement>,
+}
+
+/// Points of one side, and how the variables move them.
+pub(super) type Moved<'m> = (&'m [Vector3<f64>], &'m [Way]);
+
+/// Evaluates designs.
+pub(super) trait AxleEvaluator {
+    /// Writes values `[output][station]` and, where there are columns of a Jacobian, derivatives by them; NaN for what
+    /// has none.
+    fn evaluate(
+        &mut self,
+        sides: [Moved<'_>; 2],
+        values: &mut [f64],
+        jacobian: Option<&mut [f64]>,
+    ) -> DesignStatus;
+}
+
+impl AxleCourse {
+    pub(super) fn of(both: &AxleStudy) -> Self {
+        let plan = AxlePlan {
+            derivatives: false,
+            sensitivities: Vec::new(),
+            ..both.plan.clone()
+        };
+        AxleCourse {
+            columns: plan.columns(&both.axle),
+            placements: plan.course.placements(),
+            both: AxleStudy {
+                axle: both.axle.clone(),
+                plan,
+            },
+        }
+    }
+
+    /// Names of the outputs with their units.
+    pub(super) fn outputs(&self) -> Vec<String> {
+        self.columns.iter().map(|c| c.name.clone()).collect()
+    }
+
+    /// What moves first, and the displacement of the rack, of each station as results print them.
+    pub(super) fn motion(&self) -> Vec<[f64; 2]> {
+        let AxleStudy { axle, plan } = &self.both;
+        let over = plan.course.moving()[0];
+        let sign = axle.left.frame.sign(Axis::Y);
+        let place = |p: &Placement| [over.written(p.along(over), axle), sign * p.rack() + 0.0];
+        self.placements.iter().map(place).collect()
+    }
+
+    /// An evaluator of values, or of values with derivatives.
+    pub(super) fn evaluator(
+        &self,
+        differentiates: bool,
+    ) -> Result<Box<dyn AxleEvaluator + '_>, (Side, DesignFault)> {
+        fn of<'a, const N: usize>(
+            course: &'a AxleCourse,
+        ) -> Result<Box<dyn AxleEvaluator + 'a>, (Side, DesignFault)> {
+            let quantities = &course.both.plan.quantities;
+            Ok(Box::new(OneByOne {
+                course,
+                solver: AxleSolver::<N>::new(&course.both.axle, quantities, false)?,
+            }))
+        }
+        // On a plane, a derivative by the design moves the travels too: as with sensitivities.
+        let points = self.both.axle.left.mechanism.points.len();
+        let plan = AxlePlan {
+            sensitivities: match differentiates {
+                true => (0..points).map(crate::model::PointId).collect(),
+                false => Vec::new(),
+            },
+            ..self.both.plan.clone()
+        };
+        match plan.degree() {
+            0 => of::<1>(self),
+            1 => of::<2>(self),
+            2 => of::<3>(self),
+            _ => of::<4>(self),
+        }
+    }
+}
+
+struct OneByOne<'a, const N: usize> {
+    course: &'a AxleCourse,
+    solver: AxleSolver<'a, N>,
+}
+
+impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
+    fn evaluate(
+        &mut self,
+        sides: [Moved<'_>; 2],
+        values: &mut [f64],
+        mut jacobian: Option<&mut [f64]>,
+    ) -> DesignStatus {
+        let OneByOne { course, solver } = self;
+        values.fill(f64::NAN);
+        if let Some(jacobian) = &mut jacobian {
+            jacobian.fill(f64::NAN);
+        }
+        if solver.prepare(sides.map(|(design, _)| design)).is_err() {
+            return DesignStatus::Faulty;
+        }
+        let (quantities, stations) = (&course.both.plan.quantities, course.placements.len());
+        let mut status = DesignStatus::Ok;
+        let placed = solver.place_all(&course.placements);
+        for (station, placed) in placed.into_iter().enumerate() {
+            let read = placed.and_then(|placed| Ok((solver.read(&placed)?, placed)));
+            let Ok((read, placed)) = read else {
+                status = DesignStatus::Failed;
+                continue;
+            };
+            // What has no value by its definition has no derivative either.
+            let mut there: Vec<Quantity> = Vec::new();
+            let mut places = Vec::new();
+            for (k, (quantity, column)) in quantities.iter().zip(&course.columns).enumerate() {
+                let value = quantity.value(&read.state);
+                if let (Ok(value), false) = (value, read.is_stuck(*quantity)) {
+                    values[k * stations + station] = value * column.factor;
+                    there.push(*quantity);
+                    places.push((k * stations + station, column.factor));
+                }
+            }
+            let Some(jacobian) = &mut jacobian else {
+                continue;
+            };
+            let width = jacobian.len() / values.len();
+            let receive = |number: usize, gradients: [&[Vector3<f64>]; 2]| {
+                let (place, factor) = places[number];
+                let row = &mut jacobian[place * width..(place + 1) * width];
+                row.fill(0.0);
+                for ((_, ways), gradient) in sides.iter().zip(gradients) {
+                    for way in *ways {
+                        row[way.column] += gradient[way.point].dot(way.by) * factor;
+                    }
+                }
+            };
+            if solver.gradients(&placed, &there, receive).is_err() {
+                status = DesignStatus::Failed;
+            }
+        }
+        status
+    }
+}

@@ -1,0 +1,104 @@
+//! Whether a rod keeps its leverage on the way of its outer end from one place to another.
+//!
+//! In the notation of [`rocker`](super::rocker), with s the squared distance of the rod's outer end from the axis,
+//!
+//! ```text
+//! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.
+//! ```
+//!
+//! Along the chord between two places, c apart, s and q.q are what is linear less at most c^2/4. With s and C
+//! linear w^2 is concave, least at an end. A path that is an arc of up to a sixth of a turn strays from its chord by
+//! less than d = c/7, which changes the square root of s by d and C by |q| d + d^2/2. So all the way, with the
+//! largest s, |q| and |C| of the two ends,
+//!
+//! ```text
+//! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.
+//! ```
+
+use super::rocker::Ends;
+use crate::number::{SimdReal, Vector3};
+
+/// How far an arc of a sixth of a turn strays from its chord, as a part of the chord: half the tangent of 15 degrees,
+/// and a little more.
+const STRAYING: f64 = 1.0 / 7.0;
+
+/// Where a rod's outer end is, seen from the rocker.
+#[derive(Clone, Copy, Debug)]
+pub struct RodReach<T> {
+    outer: Vector3<T>,
+    /// r.r
+    lever: T,
+    /// s
+    from_axis: T,
+    /// q.q
+    from_foot: T,
+    c: T,
+    w_squared: T,
+}
+
+impl<B: SimdReal> RodReach<B> {
+    /// One of which every number is this.
+    #[inline(always)]
+    pub fn filled(number: B) -> Self {
+        RodReach {
+            outer: Vector3::new(number, number, number),
+            lever: number,
+            from_axis: number,
+            from_foot: number,
+            c: number,
+            w_squared: number,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of([first, second, inner, outer, now]: Ends<B>) -> Self {
+        let axis = (second - first).normalised();
+        let from_first = inner - first;
+        let lever = from_first - axis * axis.dot(from_first);
+        let q = inner - lever - now;
+        let (along, from_foot) = (axis.dot(q), q.norm_squared());
+        let (lever, rod) = (lever.norm_squared(), (inner - outer).norm_squared());
+        let from_axis = from_foot - along * along;
+        let c = (rod - from_foot - lever).scaled(0.5);
+        RodReach {
+            outer: now,
+            lever,
+            from_axis,
+            from_foot,
+            c: c.abs(),
+            w_squared: lever * from_axis - c * c,
+        }
+    }
+
+    /// Of two places the one that is nearer to this.
+    #[inline(always)]
+    pub fn nearer(&self, first: &Self, second: &Self) -> Self {
+        let away = |other: &Self| (other.outer - self.outer).norm_squared();
+        let is_first = away(first).less(away(second));
+        let one = |a: B, b: B| B::select(is_first, a, b);
+        let ([a, b, c], [x, y, z]) = (first.outer.to_array(), second.outer.to_array());
+        RodReach {
+            outer: Vector3::new(one(a, x), one(b, y), one(c, z)),
+            lever: one(first.lever, second.lever),
+            from_axis: one(first.from_axis, second.from_axis),
+            from_foot: one(first.from_foot, second.from_foot),
+            c: one(first.c, second.c),
+            w_squared: one(first.w_squared, second.w_squared),
+        }
+    }
+
+    /// Where the rod surely keeps its leverage all the way to another place. False for NaN.
+    #[inline(always)]
+    pub fn keeps_leverage_to(&self, other: &Self) -> B::Mask {
+        let largest = |a: B, b: B| B::select(a.less(b), b, a);
+        let c_squared = (other.outer - self.outer).norm_squared();
+        let stray = c_squared.sqrt().scaled(STRAYING);
+        let from_axis = largest(self.from_axis, other.from_axis).sqrt();
+        let from_foot = largest(self.from_foot, other.from_foot).sqrt();
+        let c = largest(self.c, other.c);
+        let k = c_squared.scaled(0.125) + stray * (from_foot + stray.scaled(0.5));
+        let lost = self.lever * (c_squared.scaled(0.25) + (stray * from_axis).scaled(2.0))
+            + k * (c.scaled(2.0) + k);
+        lost.less(self.w_squared) & lost.less(other.w_squared)
+    }
+}

@@ -1,0 +1,220 @@
+//! Rods that come to a toggle on the way.
+
+use super::pose::Configuration;
+use super::rocker::{is_enough, leverage_squared};
+use super::rod_reach::RodReach;
+use crate::mechanism::DesignFault;
+use crate::model::{Drive, Mechanism, RockerId, Rod};
+use crate::number::{Jet, Real};
+use crate::solve::{Solver, StationOrder};
+use std::cell::{Cell, RefCell};
+use std::ops::ControlFlow;
+
+/// Parts of the way between two stations that are looked at at once where a rod may have come to a toggle, and how
+/// often what is still open is divided anew.
+const PARTS: usize = 16;
+const DEPTH: usize = 3;
+
+/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. Where a rod might
+/// have come to one between two stations and back, poses between them are looked at, down to 1/4096 of the way.
+#[derive(Clone, Debug, Default)]
+pub struct Toggles {
+    watched: Vec<RockerId>,
+    /// Where the march goes, if what is between its stations can be looked at.
+    way: Cell<Option<(Drive, f64)>>,
+    /// The rockers at or beyond toggle where the march began, by number, and where their rods were.
+    at_start: Cell<Stuck>,
+    rods_at_start: RefCell<Vec<RodReach<f64>>>,
+    past: Cell<Past>,
+    rods: RefCell<Vec<RodReach<f64>>>,
+}
+
+/// A set of rockers, by number.
+type Stuck = u32;
+
+/// Where the march was last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    value: f64,
+    stuck: Stuck,
+}
+
+impl Toggles {
+    /// Watches these rockers of a mechanism, and those that turn them.
+    pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
+        let mut watched: Vec<RockerId> = Vec::new();
+        for rocker in rockers {
+            let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);
+            watched.extend(before.chain([rocker]));
+        }
+        watched.sort_by_key(|id| id.0);
+        watched.dedup();
+        Toggles {
+            watched,
+            ..Toggles::default()
+        }
+    }
+
+    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
+    pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
+        if self.watched.is_empty() {
+            return Ok(());
+        }
+        // Without a pose to begin with there will be none to note.
+        let Ok((pose, point)) = solver.placed(drive, rack)? else {
+            self.begin_with(0, Vec::new());
+            return Ok(());
+        };
+        let (stuck, rods) = self.seen(&solver.configuration(&pose, point.rack), 0, |c| c);
+        let (pose, point) = solver.design_place(drive);
+        let (_, designed) = self.seen(&solver.configuration(&pose, point.rack), 0, |c| c);
+        let stuck = match self.keep_leverage(&designed, &rods, stuck) {
+            true => stuck,
+            false => {
+                let mut solver = solver.clone();
+                let mut between = |part: f64, before: Stuck| {
+                    let placed = solver.placed(drive, part * rack).ok()?.ok();
+                    placed.map(|(pose, point)| {
+                        self.seen(&solver.configuration(&pose, point.rack), before, |c| c)
+                    })
+                };
+                self.between(&mut between, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
+            }
+        };
+        self.begin_with(stuck, rods);
+        self.way.set(Some((drive, rack)));
+        Ok(())
+    }
+
+    /// Makes ready for another march that begins where the last one did.
+    pub fn begin_again(&self) {
+        let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
+        self.begin_with(self.at_start.get(), rods);
+        self.way.set(way);
+    }
+
+    /// Makes ready for a march that begins in this pose. What is between its stations is not looked at.
+    pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
+        let (stuck, rods) = self.seen(at, 0, |c| c[0]);
+        self.begin_with(stuck, rods);
+    }
+
+    fn begin_with(&self, stuck: Stuck, rods: Vec<RodReach<f64>>) {
+        self.way.set(None);
+        self.at_start.set(stuck);
+        self.past.set(Past { value: 0.0, stuck });
+        self.rods.borrow_mut().clone_from(&rods);
+        self.rods_at_start.replace(rods);
+    }
+
+    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
+    /// returns the first rocker that has come to a toggle there or before. The solver is that of the march.
+    pub fn note<const N: usize>(
+        &self,
+        solver: Option<&Solver>,
+        at: &Configuration<Jet<f64, N>>,
+        value: f64,
+    ) -> Option<Rod> {
+        if self.watched.is_empty() {
+            return None;
+        }
+        let past = self.past.get();
+        // Else the march has turned to the other side of its beginning.
+        let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
+        let (from, before) = match goes_on {
+            true => (past.value, past.stuck),
+            false => {
+                let at_start = self.rods_at_start.borrow();
+                self.rods.borrow_mut().clone_from(&at_start);
+                (0.0, self.at_start.get())
+            }
+        };
+        let (mut stuck, rods) = self.seen(at, before, |c| c[0]);
+        if let (Some((drive, rack)), Some(solver)) = (self.way.get(), solver)
+            && !self.keep_leverage(&self.rods.borrow(), &rods, stuck)
+        {
+            let mut solver = solver.clone();
+            let mut between = |part: f64, before: Stuck| {
+                let mut found = None;
+                let order = StationOrder::through(&[from + part * (value - from)]);
+                let marched = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
+                    let configuration = pose.map(|pose| solver.configuration(pose, rack));
+                    found = configuration.ok().map(|at| self.seen(&at, before, |c| c));
+                    ControlFlow::Continue(())
+                });
+                marched.ok().and(found)
+            };
+            let ends = [&self.rods.borrow()[..], &rods];
+            stuck = self.between(&mut between, [0.0, 1.0], ends, stuck, DEPTH);
+        }
+        self.rods.replace(rods);
+        self.past.set(Past { value, stuck });
+        let first = self.watched.iter().find(|id| self.holds(**id));
+        first.map(|id| at.mechanism.rocker(*id).rod)
+    }
+
+    /// Whether the rods of all rockers that are not stuck surely keep their leverage on the way from here to there.
+    fn keep_leverage(&self, from: &[RodReach<f64>], to: &[RodReach<f64>], stuck: Stuck) -> bool {
+        let ends = from.iter().zip(to);
+        let mut all = self.watched.iter().zip(ends);
+        all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
+    }
+
+    /// The rockers that come to a toggle on the way between two places, beside those that have; `look` finds what is
+    /// so much of the way on.
+    fn between(
+        &self,
+        look: &mut dyn FnMut(f64, Stuck) -> Option<(Stuck, Vec<RodReach<f64>>)>,
+        [from, to]: [f64; 2],
+        ends: [&[RodReach<f64>]; 2],
+        stuck: Stuck,
+        depth: usize,
+    ) -> Stuck {
+        let mut stuck = stuck;
+        let (mut here, mut rods) = (from, ends[0].to_vec());
+        for part in 1..=PARTS {
+            let next = from + (to - from) * part as f64 / PARTS as f64;
+            let (seen, reached) = match part == PARTS {
+                true => (stuck, ends[1].to_vec()),
+                // What cannot be followed is no way.
+                false => match look(next, stuck) {
+                    Some(found) => found,
+                    None => continue,
+                },
+            };
+            stuck = seen;
+            if depth > 1 && !self.keep_leverage(&rods, &reached, stuck) {
+                stuck = self.between(look, [here, next], [&rods, &reached], stuck, depth - 1);
+            }
+            (here, rods) = (next, reached);
+        }
+        stuck
+    }
+
+    /// Whether a rocker is at or beyond a toggle at the station last noted.
+    pub fn holds(&self, rocker: RockerId) -> bool {
+        self.past.get().stuck & 1 << rocker.0 != 0
+    }
+
+    /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
+    /// a one turns; and where their rods are.
+    fn seen<T: Real>(
+        &self,
+        at: &Configuration<T>,
+        before: Stuck,
+        now: impl Fn(T) -> f64,
+    ) -> (Stuck, Vec<RodReach<f64>>) {
+        let mechanism = at.mechanism;
+        let (mut stuck, mut rods) = (before, Vec::with_capacity(self.watched.len()));
+        for rocker in &self.watched {
+            let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
+            let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
+            let ends = at.ends(mechanism.rocker(*rocker)).map(|end| end.map(&now));
+            if is_carried || !is_enough(leverage_squared(ends)) {
+                stuck |= 1 << rocker.0;
+            }
+            rods.push(RodReach::of(ends));
+        }
+        (stuck, rods)
+    }
+}

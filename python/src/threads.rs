@@ -38,10 +38,10 @@ pub(crate) fn on_threads<T: Send>(
     let pool = match pools.get(&key) {
         Some(pool) => pool.clone(),
         None => {
-            // As large as a main thread's: a stack that overflows would end the interpreter.
+            // Address space alone, but for what is used: a stack that overflows would end the interpreter.
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
-                .stack_size(8 << 20)
+                .stack_size(64 << 20)
                 .build();
             let pool = Arc::new(pool.map_err(|e| failure(format!("no threads: {e}")))?);
             pools.insert(key, pool.clone());

@@ -173,8 +173,8 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Newton steps in the difference of travels.
-const MOST_STEPS: usize = 40;
+/// Newton steps in the difference of travels, ways back included.
+const MOST_STEPS: usize = 80;
 /// Terms of the series of heights.
 const TERMS: usize = 4;
 /// As many times the curves of both wheels are solved before what is left is solved one by one.
@@ -666,11 +666,16 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     let r = right.height(heave - half, rack, ground.mirrored(), radius)?;
                     Ok((l, r))
                 });
-            let (left_wheel, right_wheel) = match (found, reached) {
-                (Ok(found), _) => found,
+            // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
+            let found = found.and_then(|(l, r)| match l.height[1] > 0.0 && r.height[1] > 0.0 {
+                true => Ok((l, r)),
+                false => Err(AxleFailure::NoGround),
+            });
+            let (left_wheel, right_wheel) = match found {
+                Ok(found) => found,
                 // Half the way back to where both wheels could stand.
-                (Err(failure), before) => {
-                    let back = before.unwrap_or(0.0);
+                Err(failure) => {
+                    let back = reached.unwrap_or(0.0);
                     if (half - back).abs() <= 1e-9 * size {
                         return Err(failure);
                     }
@@ -680,10 +685,6 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             };
             let (left, right) = (left_wheel.height, right_wheel.height);
             let (mismatch, slope) = (left[0] - right[0], left[1] + right[1]);
-            // Written so that NaN is refused.
-            if !(left[1] > 0.0 && right[1] > 0.0) {
-                return Err(AxleFailure::NoGround);
-            }
             let step = -mismatch / slope;
             let is_rounding = step.abs() <= 4.0 * f64::EPSILON * size;
             if is_rounding || step.abs() >= smallest && smallest <= 1e-9 * size {

@@ -98,3 +98,42 @@ fn designs_that_fail_say_so() {
     );
     assert!(rows.outputs[0].is_nan() && rows.outputs[2].is_finite());
 }
+
+/// Wheels that would pass the end of their travel if they rose straight, as the search begins, stand all the same
+/// where they do not rise straight: the travels go on as they did at smaller angles.
+#[test]
+fn a_position_before_the_end_of_the_travel_is_found_from_beyond() {
+    let text = r#"
+[suspension]
+topology = "macpherson"
+[suspension.hardpoints]
+lower_arm_front  = [95.9407, 372.0355, 166.3477]
+lower_arm_rear   = [-260.0, 350.0, 205.0]
+lower_ball_joint = [4.1351, 662.3963, 231.7026]
+strut_top        = [-30.8957, 577.2089, 790.0252]
+strut_lower      = [-11.0, 623.0, 370.0]
+tie_rod_inner    = [-72.6034, 306.5708, 202.2812]
+tie_rod_outer    = [-134.6889, 693.3638, 262.8752]
+wheel_centre     = [-22.1105, 737.1371, 257.2557]
+spindle_inner    = [-0.2, 660.0, 299.1]
+[axle]
+right = "mirrored"
+[wheel]
+radius = 300.0
+[motion]
+roll = [10.0, 11.0, 12.0]
+heave = 70.0
+[outputs]
+characteristics = ["camber"]
+"#;
+    let study =
+        Study::from_text("far.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let both = study.axle.unwrap();
+    let curves = axle_curves(&both.axle, &both.plan).unwrap();
+    let stations = curves.stations.iter();
+    let travels: Vec<f64> = stations
+        .map(|s| s.placed.as_ref().unwrap().travels[1])
+        .collect();
+    let bend = travels[2] - 2.0 * travels[1] + travels[0];
+    assert!(bend.abs() < 0.5, "{travels:?}");
+}

@@ -7,8 +7,8 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! contracts as fast as the parts differ from the drawing, a thousandth or so each time. The same few lines serve
-//! plain numbers and derivative numbers, whose parts it mends order by order. Where it contracts by less
+//! contracts as fast as the parts differ from the drawing, a thousandth or so each time (module `settle`). The same few
+//! lines serve plain numbers, SIMD lanes and derivative numbers, whose parts it mends order by order. Where it contracts by less
 //! than a half, the parts are changed from the drawn to the built ones step by step, with the Jacobian of
 //! each step, and the determinant keeps its sign: so a build is always the assembly connected to the drawn one.
 //!
@@ -16,23 +16,19 @@
 //! the joint, one axis along the pivots, one from them to the joint); a point of a rocker its place along and about the rocker's
 //! axis, the rod with its own length turning it; the upper part of a strut turns with the knuckle about its mount.
 
-use super::parts::{Parts, is_of_body};
+use super::alignment::Alignment;
+use super::parts::{BuildParameter, Parts, is_of_body};
+use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
-use crate::mechanism::{
-    Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, turned_by_rod,
-};
+use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, Turn};
 use crate::model::Point;
 use crate::model::{Arm, Body, Rod, SpinAxis, Suspension};
 use crate::model::{PointId, RockerId};
-use crate::number::{Matrix3, Real, Vector3};
+use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
 use std::fmt;
 
-/// The most corrections; what contracts by a half each time has long settled.
-const MOST_ROUNDS: usize = 40;
-/// The farthest the carrier may move at once, relative to the size, and the most it may turn (rad).
-const FARTHEST: f64 = 0.2;
 /// The shortest step from the drawn to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
@@ -160,6 +156,16 @@ impl Assembler {
         &self.home
     }
 
+    /// The largest distance of a point from the carrier's origin.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// What positions are rounded at.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     /// Puts parts together with the wheel centre `height` above its drawn height, and writes the built design.
     pub fn assemble(
         &self,
@@ -168,14 +174,39 @@ impl Assembler {
         into: &mut [Vector3<f64>],
     ) -> Result<(), Reject> {
         let pose = self.pose(parts, height)?;
-        self.place(parts, &pose, into);
+        self.place_checked(parts, &pose, into)
+    }
+
+    /// Writes the built design of parts in their pose, unless a rod does not reach.
+    pub(super) fn place_checked(
+        &self,
+        parts: &Parts<f64>,
+        pose: &Pose<f64>,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Reject> {
+        self.place(parts, pose, into);
         self.check_rods(into)
+    }
+
+    /// The twist of the carrier by a dimension of the parts, at the drawing: shift, then turn.
+    pub(super) fn twist_by(&self, (parameter, share): (BuildParameter, f64)) -> Vector6<f64> {
+        let mut parts = self.drawn.map(Dual::<f64, 1>::constant);
+        let along = Dual {
+            value: 0.0,
+            partials: [share],
+        };
+        parts.change(&self.suspension.mechanism, parameter, along);
+        let closure = self.closure(&parts);
+        let pose = self.home.pose.map(Dual::constant);
+        let height = Dual::constant(0.0);
+        let inverse = &self.home.inverse;
+        let (_, correction) = self.corrected(&closure, &parts, height, &pose, inverse);
+        correction.map(|c| c.partials[0])
     }
 
     /// The pose of the carrier, from that of the drawing.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
-        let closure = self.closure(parts);
-        match self.settle(&closure, parts, height, &self.home) {
+        match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),
             None => self.approach(parts, height),
         }
@@ -187,10 +218,10 @@ impl Assembler {
         let mut place = self.home;
         while reached < 1.0 {
             let target = (reached + step).min(1.0);
-            let between = self.between(parts, target);
+            let mut between = self.between(parts, target);
             let closure = self.closure(&between);
             let found = self
-                .settle(&closure, &between, height * target, &place)
+                .settle(&mut between, None, height * target, &place)
                 .and_then(|pose| self.linearise(&closure, &between, &pose))
                 .filter(|found| {
                     let ratio = found.determinant / place.determinant;
@@ -228,32 +259,25 @@ impl Assembler {
         }
     }
 
-    /// Corrections with one inverse, as long as each is at most half of the one before.
-    fn settle(
+    /// The pose of parts by corrections from a known one, aligned where that is asked for: then the parts come to
+    /// have the adjustments.
+    pub(super) fn settle(
         &self,
-        closure: &Closure<f64>,
-        parts: &Parts<f64>,
+        parts: &mut Parts<f64>,
+        alignment: Option<&Alignment>,
         height: f64,
         from: &Linearised,
     ) -> Option<Pose<f64>> {
-        let mut pose = from.pose;
-        let mut before = FARTHEST * self.size;
-        for _ in 0..MOST_ROUNDS {
-            let (next, correction) = self.corrected(closure, parts, height, &pose, &from.inverse);
-            let [x, y, z, a, b, c] = correction;
-            let shift = Vector3::new(x, y, z).norm();
-            let moved = shift.max(Vector3::new(a, b, c).norm() * self.size);
-            pose = next;
-            // What the next correction would be, if it is again this much smaller.
-            if moved * (moved / before).min(1.0) <= self.rounding && moved <= before {
-                return Some(pose);
-            }
-            if moved.is_nan() || moved > 0.5 * before {
-                return None;
-            }
-            before = moved;
-        }
-        None
+        let settling = Settling {
+            assembler: self,
+            parts,
+            alignment,
+            height,
+            from,
+            carrier: &mut Vec::new(),
+        };
+        let (pose, settled) = settling.work();
+        settled.then_some(pose)
     }
 
     /// One correction of a pose.
@@ -313,17 +337,17 @@ impl Assembler {
     pub(crate) fn closure<T: Real>(&self, parts: &Parts<T>) -> Closure<T> {
         let mechanism = &self.suspension.mechanism;
         let knuckle: Vec<_> = (0..parts.points.len())
-            .map(|i| self.in_carrier(parts, PointId(i)))
+            .map(|i| self.in_carrier(parts, i))
             .collect();
         Closure::of_parts(mechanism, &parts.points, &knuckle, &parts.lengths)
     }
 
     /// Where the undisplaced carrier has a point: the counterpart of a point of the body where it was drawn.
     #[inline(always)]
-    fn in_carrier<T: Real>(&self, parts: &Parts<T>, id: PointId) -> Vector3<T> {
-        match is_of_body(&self.suspension.mechanism, id) {
-            true => parts.drawn[id.0],
-            false => parts.points[id.0],
+    pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
+        match is_of_body(&self.suspension.mechanism, PointId(number)) {
+            true => parts.drawn[number],
+            false => parts.points[number],
         }
     }
 
@@ -399,16 +423,15 @@ impl Assembler {
             let (first, second) = (parts.points[rocker.first.0], parts.points[rocker.second.0]);
             let drawn_first = drawn(rocker.first);
             let tilt = Tilt::between(drawn(rocker.second) - drawn_first, second - first);
-            let set = |point: Vector3<T>| first + tilt.apply(point - drawn_first);
-            let inner = set(parts.points[rocker.inner.0]);
+            let inner = first + tilt.apply(parts.points[rocker.inner.0] - drawn_first);
             let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
             let length = parts.lengths[mechanism.constraints.len() + number];
             let outer = inner + along * length;
-            let ends = [first, second, inner, outer, into[rocker.outer.0]];
-            let turned = turned_by_rod(ends);
+            // The rod turns the rocker as far as its own length takes it.
+            let turn = Turn::of([first, second, inner, outer, into[rocker.outer.0]]);
             for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
                 if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
-                    *place = turned(set(point));
+                    *place = turn.moved(first + tilt.apply(point - drawn_first));
                 }
             }
         }

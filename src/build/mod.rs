@@ -18,12 +18,16 @@
 //! spindle is fixed in its carrier. Changes "since the design position" (half-track change, angles of arms and rockers) are
 //! counted from where the built mechanism rests.
 
+mod alignment;
 mod assembler;
 mod derivatives;
+mod lift;
 mod parts;
 mod rest;
 mod set_up;
+mod settle;
 
+pub(crate) use alignment::Alignment;
 pub use assembler::{Assembler, Reject};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};

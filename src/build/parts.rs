@@ -1,7 +1,7 @@
 //! The parts of a suspension: their dimensions, held apart.
 
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
-use crate::number::{Real, Vector3};
+use crate::number::{Real, SimdReal, Vector3};
 
 /// A member with a length of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +98,27 @@ impl Parts<f64> {
             lengths: self.lengths.iter().map(|l| f(*l)).collect(),
             drawn: self.drawn.iter().map(|p| p.map(&mut f)).collect(),
         }
+    }
+}
+
+impl Parts<f64> {
+    /// The same parts in every lane.
+    #[inline(always)]
+    pub(crate) fn in_lanes<B: SimdReal>(&self, like: B) -> Parts<B> {
+        let shape = Vector3::new(like, like, like);
+        let mut parts = Parts {
+            points: Vec::with_capacity(self.points.len()),
+            lengths: Vec::with_capacity(self.lengths.len()),
+            drawn: Vec::with_capacity(self.points.len()),
+        };
+        for (point, drawn) in self.points.iter().zip(&self.drawn) {
+            parts.points.push(shape.lit(*point));
+            parts.drawn.push(shape.lit(*drawn));
+        }
+        for length in &self.lengths {
+            parts.lengths.push(like.lit(*length));
+        }
+        parts
     }
 }
 

@@ -4,7 +4,7 @@
 //! formula that could differ, and divides by the rise of the wheel centre. That makes it a derivative
 //! by wheel travel whatever drives the mechanism.
 
-use super::{Characteristic, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
+use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
 use crate::number::{Jet, Matrix3, Real, Vector3};
 
 #[inline(always)]
@@ -57,6 +57,26 @@ macro_rules! of_angle {
 /// Whether this is one of the four angles.
 pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
+}
+
+impl Characteristic {
+    /// An angle of the wheel from its unit spin axis; not a number for anything else.
+    #[inline(always)]
+    pub(crate) fn of_spin_axis<T: Real>(self, spin_axis: Vector3<T>) -> T {
+        let unknown = spin_axis.x.lit(f64::NAN);
+        let nothing = Wheel::filled(unknown);
+        let inputs = Inputs {
+            now: Wheel {
+                spin_axis,
+                ..nothing
+            },
+            rate: nothing,
+            turn: nothing.centre,
+            design: nothing,
+            constants: Constants::default(),
+        };
+        of_angle!(self, Angle => Angle::evaluate(&inputs), Camber, Toe).unwrap_or(unknown)
+    }
 }
 
 /// The derivative of an angle by the drive, from the rates of what it reads; `None` for anything else.

@@ -243,6 +243,16 @@ impl<'a> LaneReader<'a> {
         self
     }
 
+    /// Whether poses have to be read in the order of the march: rods of rockers are watched from station to station.
+    pub(crate) fn watches_rods(&self) -> bool {
+        !self.rockers.is_empty()
+    }
+
+    /// The mechanism that is read.
+    pub(crate) fn mechanism(&self) -> &'a Mechanism {
+        self.mechanism
+    }
+
     /// The quantities, in the order of the values.
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
@@ -421,12 +431,55 @@ impl<'a> LaneReader<'a> {
         });
     }
 
-    /// Whether the derivatives by the hardpoints can be had in lanes: of what is not made of velocities, nor of an
-    /// instantaneous steering axis.
+    /// Whether the derivatives by the hardpoints can be had in lanes: not of an instantaneous steering axis, nor of what
+    /// is made of velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
-        self.quantities.iter().all(|q| q.rate_order() == 0)
-            && !(self.reads.steering_axis && instantaneous)
+        let can_be_had = |q: &Quantity| {
+            let is_of_wheel = |slot: &Slot| {
+                !matches!(
+                    slot,
+                    Slot::SpringLength
+                        | Slot::SpringLengthRate
+                        | Slot::Spring
+                        | Slot::RockerAngle
+                        | Slot::BarAngle
+                        | Slot::BarAngleRate
+                        | Slot::StrutUpper
+                )
+            };
+            q.rate_order() == 0 || q.reads().iter().all(is_of_wheel)
+        };
+        self.quantities.iter().all(can_be_had) && !(self.reads.steering_axis && instantaneous)
+    }
+
+    /// Whether the quantity of this number is made of velocities: [`LaneReader::differentiate_rates`] is for those.
+    #[inline(always)]
+    pub fn is_of_rates(&self, number: usize) -> bool {
+        self.quantities[number].rate_order() > 0
+    }
+
+    /// As [`LaneReader::differentiate`] of a quantity y(u, u') made of velocities, at a configuration along the travel: the
+    /// gradient by the hardpoints is the derivative by the travel, the coefficient 1, of what the seeds come to.
+    ///
+    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed
+    /// S = g + h e, g and h taken as constants.
+    #[inline(always)]
+    pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
+        &self,
+        number: usize,
+        weight: B,
+        read: &LaneInputs<B>,
+        at: &Configuration<'_, Jet<B, 2>>,
+        seeds: &mut Seeds<'_, '_, Jet<B, 2>, G>,
+    ) {
+        weight.outlined(SeedingRates {
+            quantity: self.quantities[number],
+            weight,
+            inputs: &read.inputs,
+            at,
+            seeds,
+        });
     }
 
     /// Adds, times `weight`, how the quantity of this number depends on the configuration that it has been read
@@ -738,22 +791,74 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, 
     type Output = ();
     #[inline(always)]
     fn work(self) {
-        // Lane by lane: all formulas over dual numbers in one function would take the compiler too long.
-        let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
-        for lane in 0..B::LANES {
-            let gradient = self.characteristic.gradient(&of_lane(self.inputs, lane));
-            for (slot, by) in lanes.iter_mut().zip(gradient) {
-                slot[0][lane] = by.x;
-                slot[1][lane] = by.y;
-                slot[2][lane] = by.z;
-            }
-        }
-        let like = self.weight;
-        for (slot, [x, y, z]) in self.characteristic.info().reads.iter().zip(&lanes) {
-            let by = Vector3::new(like.load(x), like.load(y), like.load(z));
+        let by_slot = gradient(self.characteristic, self.inputs);
+        for (slot, by) in self.characteristic.info().reads.iter().zip(by_slot) {
             slot.push(by * self.weight, self.at, self.seeds);
         }
     }
+}
+
+/// Seeds an adjoint along the travel with what a quantity made of velocities reads.
+struct SeedingRates<'i, 'c, 's, 'a, B, G: ?Sized> {
+    quantity: Quantity,
+    weight: B,
+    inputs: &'i Inputs<B>,
+    at: &'i Configuration<'c, Jet<B, 2>>,
+    seeds: &'i mut Seeds<'s, 'a, Jet<B, 2>, G>,
+}
+
+impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_, '_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let zero = self.weight.zero();
+        let mut by_slot = [Vector3::new(zero, zero, zero); Slot::MOST];
+        match self.quantity {
+            Quantity::Characteristic(c) if angle_of_gain(c).is_some() => {
+                // By the travel the wheel centre rises as fast as that; it need not have been read.
+                let mut inputs = *self.inputs;
+                inputs.rate.centre = Vector3::new(zero, zero, zero.one());
+                by_slot = gradient(c, &inputs);
+            }
+            Quantity::Characteristic(c) => by_slot = gradient(c, self.inputs),
+            Quantity::AngularVelocity(axis) => by_slot[0][axis] = zero.one(),
+            Quantity::Coordinate(..) => {}
+        }
+        for (slot, by) in self.quantity.reads().iter().zip(by_slot) {
+            let by = by * self.weight;
+            let rising = |v: Vector3<B>| v.zero().with_rate(v);
+            if *slot == Slot::Turn {
+                // dw = d(turn)' + d(turn) x w, so g.dw has the part d(turn).(w x g).
+                self.seeds.turn(rising(self.inputs.turn.cross(by)));
+            }
+            let seed = match slot.is_rate() {
+                true => by.with_rate(by.zero()),
+                false => rising(by),
+            };
+            slot.push(seed, self.at, self.seeds);
+        }
+    }
+}
+
+/// The derivatives of a characteristic by the slots it reads. Lane by lane: all formulas over dual numbers in one function
+/// would take the compiler too long.
+#[inline(always)]
+fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
+    let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
+    for lane in 0..B::LANES {
+        let gradient = c.gradient(&of_lane(inputs, lane));
+        for (slot, by) in lanes.iter_mut().zip(gradient) {
+            slot[0][lane] = by.x;
+            slot[1][lane] = by.y;
+            slot[2][lane] = by.z;
+        }
+    }
+    let like = inputs.turn.x;
+    let mut gradient = [inputs.turn; Slot::MOST];
+    for (by, [x, y, z]) in gradient.iter_mut().zip(&lanes) {
+        *by = Vector3::new(like.load(x), like.load(y), like.load(z));
+    }
+    gradient
 }
 
 /// What one lane holds.

@@ -24,7 +24,7 @@ pub use constraint::raises_its_joint;
 pub use failure::{DesignFault, Failure, LimitCause, PartMeasure, Toggle, Unproven};
 pub use ground::Ground;
 pub use pose::{Configuration, Pose, Twist, Wrench};
-pub(crate) use rocker::turned_by_rod;
+pub(crate) use rocker::Turn;
 pub use rocker::{MovingAngle, MovingPoint, has_leverage};
 pub use rod_reach::RodReach;
 pub use toggles::Toggles;

@@ -26,7 +26,7 @@ impl<T: Real> Pose<T> {
     }
 
     /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
         Pose {
             origin: self.origin + shift,
@@ -122,6 +122,16 @@ impl<T: Real> Wrench<T> {
             force: zero,
             moment: zero,
             rack: zero.x,
+        }
+    }
+
+    /// This wrench and another.
+    #[inline(always)]
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Wrench {
+            force: self.force + other.force,
+            moment: self.moment + other.moment,
+            rack: self.rack + other.rack,
         }
     }
 

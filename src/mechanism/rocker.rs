@@ -29,8 +29,8 @@ use crate::number::Vector3;
 /// position, and the outer end now.
 pub(super) type Ends<T> = [Vector3<T>; 5];
 
-/// A turn about an axis.
-struct Turn<T> {
+/// A turn about an axis. Beyond a toggle it is not a number.
+pub(crate) struct Turn<T> {
     first: Vector3<T>,
     axis: Vector3<T>,
     cosine: T,
@@ -38,12 +38,13 @@ struct Turn<T> {
     /// 1 or -1: the sign of the turn by which the rod pushes its inner end.
     pushed: T,
     /// w^2/(r.r l.l)
-    leverage_squared: T,
+    pub(crate) leverage_squared: T,
 }
 
 impl<T: Real> Turn<T> {
+    /// By the rod's ends.
     #[inline(always)]
-    fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
+    pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
         let from_first = inner - first;
         let lever = from_first - axis * axis.dot(from_first);
@@ -71,7 +72,7 @@ impl<T: Real> Turn<T> {
 
     /// Where a point of the rocker has come to.
     #[inline(always)]
-    fn moved(&self, point: Vector3<T>) -> Vector3<T> {
+    pub(crate) fn moved(&self, point: Vector3<T>) -> Vector3<T> {
         let from_first = point - self.first;
         let lever = from_first - self.axis * self.axis.dot(from_first);
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
@@ -92,15 +93,6 @@ impl<T: Real> Turn<T> {
             Rod::Pullrod => -self.pushed,
         }
     }
-}
-
-/// Where points of a rocker come to, whose rod has the length that `inner` and `outer` are apart and whose outer
-/// end has come to `outer_now`: the ends are `[first, second, inner, outer, outer_now]`. Beyond a toggle it is not a
-/// number.
-#[inline(always)]
-pub(crate) fn turned_by_rod<T: Real>(ends: [Vector3<T>; 5]) -> impl Fn(Vector3<T>) -> Vector3<T> {
-    let turn = Turn::of(ends);
-    move |point| turn.moved(point)
 }
 
 /// A rocker that turns.

@@ -240,6 +240,19 @@ impl Width {
             .unwrap_or(Width::Scalar)
     }
 
+    /// Numbers that tasks of this width work on at a time.
+    pub fn lanes(self) -> usize {
+        struct Count;
+        impl SimdTask for Count {
+            type Output = usize;
+            #[inline(always)]
+            fn run<B: SimdReal>(self, _: B) -> usize {
+                B::LANES
+            }
+        }
+        self.run(Count)
+    }
+
     /// Runs a task in lanes of this width, or one by one where the processor does not have it.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]

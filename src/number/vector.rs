@@ -280,15 +280,30 @@ impl<T: Real> Matrix3<T> {
 
     /// This rotation followed by the one with Rodrigues vector `rodrigues` = tan(angle/2) times the
     /// axis (Cayley's form: rational, and exactly orthogonal for every kind of number).
-    #[inline]
+    #[inline(always)]
     pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
+        match T::IN_REGISTERS {
+            true => self.turned_here(rodrigues),
+            false => self.turned_apart(rodrigues),
+        }
+    }
+
+    #[inline]
+    fn turned_apart(&self, rodrigues: Vector3<T>) -> Self {
+        self.turned_here(rodrigues)
+    }
+
+    #[inline(always)]
+    fn turned_here(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
+        let [x, y, z] = self.columns;
+        let turned = |column: Vector3<T>| {
+            let across = rodrigues.cross(column);
+            column + (across + rodrigues.cross(across)) * factor
+        };
         Matrix3 {
-            columns: self.columns.map(|column| {
-                let across = rodrigues.cross(column);
-                column + (across + rodrigues.cross(across)) * factor
-            }),
+            columns: [turned(x), turned(y), turned(z)],
         }
     }
 

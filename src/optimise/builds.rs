@@ -12,13 +12,12 @@
 
 use super::Infeasible;
 use super::moves::Way;
-use crate::build::{Assembler, Parts, Rest};
+use crate::build::{Alignment, Assembler, Parts, Rest};
 use crate::mechanism::DesignFault;
-use crate::model::{PointId, Suspension};
+use crate::model::{Mechanism, PointId, Suspension};
 use crate::number::{Dual, Vector3};
 use crate::study::{Scatter, Source};
 use crate::sweep::sobol;
-use crate::tolerance::Alignment;
 
 /// Variables that are differentiated by at a time.
 const AT_ONCE: usize = 4;
@@ -46,6 +45,26 @@ impl<'a> Builds<'a> {
             moved: Vec::new(),
             ways: Vec::new(),
         })
+    }
+
+    /// What puts the builds of the latest drawing together.
+    pub(super) fn assembler(&self) -> &Assembler {
+        &self.assembler
+    }
+
+    /// The mechanism.
+    pub(super) fn mechanism(&self) -> &Mechanism {
+        &self.assembler.suspension().mechanism
+    }
+
+    /// What scatters.
+    pub(super) fn sources(&self) -> impl Iterator<Item = &'a Source> + use<'a> {
+        sources(self.scatter)
+    }
+
+    /// The numbers of the builds, build by build and source by source.
+    pub(super) fn draws(&self) -> &[Vec<f64>] {
+        &self.draws
     }
 
     /// Number of builds.

@@ -24,6 +24,8 @@ mod fit;
 mod front;
 mod identifiability;
 mod interpolation;
+mod lane_builds;
+mod lane_rows;
 mod layout;
 mod levenberg_marquardt;
 mod local_model;

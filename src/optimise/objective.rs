@@ -18,14 +18,17 @@
 use super::axle::{AxleRows, Moved, axle_rows};
 use super::builds::Builds;
 use super::constrained::{Assessment, Constrained, Shape};
+use super::lane_builds::LaneBuilds;
+use super::lane_rows::LaneRows;
 use super::layout::{Extreme, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible, LeastSquares};
+use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Toggles};
 use crate::model::{Drive, Frame, PointId, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::number::{Jet, Vector3, Width};
 use crate::solve::{Solver, StationOrder};
 use crate::study::{Scatter, Variable};
 use nalgebra::DVector;
@@ -46,8 +49,11 @@ pub struct Objective<'a, const N: usize> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     ways: Vec<Way>,
+    /// In lanes, where that can be: the residuals of a design that is plain sailing, and of such builds.
+    lanes: Option<LaneRows<'a>>,
     /// Of a robust tuning, whose residuals are those of builds.
     builds: Option<Builds<'a>>,
+    lane_builds: Option<LaneBuilds>,
     built: Vec<Vector3<f64>>,
     follower: Option<(PointId, PointId)>,
     solver: Solver<'a>,
@@ -181,7 +187,9 @@ impl<'a, const N: usize> Objective<'a, N> {
             design,
             moved: design.clone(),
             ways: Vec::new(),
+            lanes: LaneRows::new(suspension, layout, Width::widest()),
             builds: None,
+            lane_builds: None,
             built: design.clone(),
             follower: None,
             solver: Solver::new(&suspension.mechanism, design)?,
@@ -194,21 +202,56 @@ impl<'a, const N: usize> Objective<'a, N> {
     }
 
     /// The same, robust: residuals are those of builds. `suspension` is as [`crate::build::Assembler`] has it; of the study's
-    /// own it may have a spindle more, which `follower` says with the point it follows.
+    /// own it may have a spindle more, which `follower` says with the point it follows. In lanes of a width, or build by
+    /// build.
     pub(super) fn of_builds(
         suspension: &'a Suspension,
         variables: &'a [Variable],
         layout: &'a TargetLayout,
         scatter: &'a Scatter,
         follower: Option<(PointId, PointId)>,
+        width: Option<Width>,
     ) -> Result<Self, DesignFault> {
         let mut objective = Objective::new(suspension, variables, layout)?;
         // A move of the drawing moves anything in a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = Reader::new(suspension, layout, &all);
-        objective.builds = Some(Builds::new(suspension, scatter)?);
+        let builds = Builds::new(suspension, scatter)?;
+        let points = suspension.design.len();
+        objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, width));
+        objective.lane_builds =
+            width.map(|width| LaneBuilds::new(builds.draws(), points, variables.len(), width));
+        objective.builds = Some(builds);
         objective.follower = follower;
         Ok(objective)
+    }
+
+    /// The same in lanes of a width, or station by station.
+    #[cfg(test)]
+    pub(super) fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
+        self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, width));
+        assert!(width.is_none() || self.lanes.is_some());
+        self
+    }
+
+    /// Whether the design at `x` is evaluated in lanes.
+    #[cfg(test)]
+    pub(super) fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
+        self.move_to(x);
+        let mut into = Evaluation::new(self.layout.residuals(), x.len());
+        let (layout, design, ways) = (self.layout, &self.moved, &self.ways);
+        let lanes = self.lanes.as_mut();
+        lanes.is_some_and(|lanes| lanes.of_design(layout, design, ways, &mut into))
+    }
+
+    /// How many builds were evaluated in lanes.
+    #[cfg(test)]
+    pub(super) fn builds_in_lanes(&self) -> usize {
+        let builds = self.builds.as_ref().map_or(0, Builds::count);
+        let lanes = self.lane_builds.as_ref().filter(|_| self.lanes.is_some());
+        (0..builds)
+            .filter(|build| lanes.is_some_and(|l| l.is_right(*build)))
+            .count()
     }
 
     /// Moves the design, or the drawing of builds, to `x`.
@@ -235,7 +278,15 @@ impl<'a, const N: usize> Objective<'a, N> {
     ) -> Result<(), Infeasible> {
         self.move_to(x);
         let Some(mut builds) = self.builds.take() else {
-            self.evaluate_moved(Some((&mut *into, 0)), rows)?;
+            let is_done = match &mut self.lanes {
+                Some(lanes) if rows.is_none() || self.layout.labels.is_empty() => {
+                    lanes.of_design(self.layout, &self.moved, &self.ways, into)
+                }
+                _ => false,
+            };
+            if !is_done {
+                self.evaluate_moved(Some((&mut *into, 0)), rows)?;
+            }
             let Some(axle) = &mut self.axle else {
                 return Ok(());
             };
@@ -263,11 +314,31 @@ impl<'a, const N: usize> Objective<'a, N> {
         builds: &mut Builds<'a>,
         into: &mut Evaluation,
     ) -> Result<(), Infeasible> {
-        let variables = self.variables.len();
         let alignment = builds.redraw(&self.moved)?;
-        for number in 0..builds.count() {
+        let mut lanes = self.lane_builds.take().filter(|_| self.lanes.is_some());
+        if let (Some(lanes), Some(rows)) = (&mut lanes, &mut self.lanes) {
+            lanes.assemble(builds, alignment.as_ref(), &self.ways);
+            rows.of_builds(self.layout, lanes, into);
+        }
+        let in_lanes = |number| lanes.as_ref().is_some_and(|lanes| lanes.is_right(number));
+        let left = (0..builds.count()).filter(|number| !in_lanes(*number));
+        let found = self.evaluate_one_by_one(left, builds, alignment.as_ref(), into);
+        self.lane_builds = lanes;
+        found
+    }
+
+    /// The residuals of some of the builds.
+    fn evaluate_one_by_one(
+        &mut self,
+        numbers: impl Iterator<Item = usize>,
+        builds: &mut Builds<'a>,
+        alignment: Option<&Alignment>,
+        into: &mut Evaluation,
+    ) -> Result<(), Infeasible> {
+        let variables = self.variables.len();
+        for number in numbers {
             let (drawn, built) = (&self.ways, &mut self.built);
-            builds.build(number, alignment.as_ref(), drawn, variables, built)?;
+            builds.build(number, alignment, drawn, variables, built)?;
             // The build takes the place of the drawing, and the drawing is put back.
             std::mem::swap(&mut self.moved, &mut self.built);
             std::mem::swap(&mut self.ways, &mut builds.ways);

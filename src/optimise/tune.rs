@@ -18,7 +18,7 @@ use super::{
 use crate::build::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::number::Vector3;
+use crate::number::{Vector3, Width};
 use crate::study::{Motion, Optimise};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -160,7 +160,8 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let made = match (&optimise.scatter, &self.assembled) {
             (Some(scatter), Some(assembled)) => {
                 let follower = follower(self.suspension, assembled);
-                Objective::of_builds(assembled, variables, layout, scatter, follower)
+                let width = Some(Width::widest());
+                Objective::of_builds(assembled, variables, layout, scatter, follower, width)
             }
             _ => Objective::new(self.suspension, variables, layout),
         };

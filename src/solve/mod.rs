@@ -18,6 +18,7 @@ pub use tracker::{
     Acceptance, Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose,
     LaneRates, PairBatch, PairDrive, PairStations, Rejection, Stand, Tracked, Visit, VisitPair,
 };
+pub(crate) use tracker::{AlongTravel, SeriesDesign};
 
 /// Whether poses of this mechanism come from a closed form; else from six equations.
 pub fn has_closed_form(mechanism: &crate::model::Mechanism) -> bool {

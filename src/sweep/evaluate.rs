@@ -87,6 +87,14 @@ impl Block {
         (0..self.stations).map(move |station| self.value(design, output, station))
     }
 
+    /// The values of an output of all designs at a station, in pieces, by rising number of the design.
+    pub(crate) fn across(&self, output: usize, station: usize) -> impl Iterator<Item = &[f64]> {
+        (0..self.designs).step_by(SIDE_BY_SIDE).map(move |first| {
+            let count = (self.designs - first).min(SIDE_BY_SIDE);
+            &self.values[self.place(first, output, station)..][..count]
+        })
+    }
+
     /// The derivative by the drive in the design position; NaN for what is made of velocities itself, unless a sweep
     /// asks for it.
     #[inline]

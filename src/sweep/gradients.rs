@@ -1,8 +1,8 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
 //! For programs that move many designs at once, such as a descent from several starts: quantities by every
-//! hardpoint coordinate, or a sum of their squared deviations over all stations with its gradient. The
-//! second costs one adjoint a pose, the first one for each angle.
+//! hardpoint coordinate or along directions that several move in, or a sum of their squared deviations over all stations
+//! with its gradient. The last costs one adjoint a pose, the others one for each angle.
 //!
 //! Jacobians are handed over pose by pose, not kept: 864 bytes a pose for a strut, so that to write those of
 //! a whole curve to memory takes as long as to find them.
@@ -14,9 +14,13 @@ use crate::characteristics::{
     ByDirections, Constants, LaneInputs, LaneReader, LaneWheels, Quantity,
 };
 use crate::derive::{Gradient, Seeds};
+use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, PointId, Suspension};
-use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Acceptance, Batch, LaneAdjoint, LaneMembers, LanePose, Visit};
+use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
+use crate::solve::{
+    Acceptance, AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
+    Visit,
+};
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,16 +32,22 @@ pub struct Wanted {
 }
 
 /// Forms gradients by every hardpoint coordinate, in the kernel's frame.
+#[derive(Clone)]
 pub struct Gradients<'a> {
     width: Width,
     batch: Batch<'a>,
     reader: LaneReader<'a>,
-    stations: &'a Stations,
+    /// Where something is made of velocities.
+    along_travel: Option<AlongTravel>,
+    stations: Stations,
     right: [bool; MOST_LANES],
     found: Found,
+    /// Room for directions that are the same in every lane.
+    spread: Vec<f64>,
 }
 
 /// What has been found, side by side in the lanes.
+#[derive(Clone)]
 struct Found {
     /// Lanes there are.
     lanes: usize,
@@ -46,6 +56,9 @@ struct Found {
     angles: Aligned,
     /// Their derivatives, `[angle][point][axis][lane]`.
     jacobian: Aligned,
+    /// Their derivatives along directions, `[angle][direction][lane]`, and how many directions.
+    slopes: Vec<f64>,
+    directions: usize,
     /// A sum of deviations, `[lane]`.
     sum: Aligned,
     /// Its derivatives, `[point][axis][lane]`.
@@ -53,6 +66,16 @@ struct Found {
 }
 
 impl Found {
+    /// Where the derivatives of an angle go, or those of the sum.
+    #[inline(always)]
+    fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
+        let length = self.points * 3 * self.lanes;
+        match is_sum {
+            true => &mut self.gradient,
+            false => &mut self.jacobian[angle * length..][..length],
+        }
+    }
+
     #[inline(always)]
     fn number(&self, of: &[f64], row: usize, design: usize) -> f64 {
         assert!(design < self.lanes, "no such design");
@@ -72,6 +95,33 @@ impl Found {
 pub struct Jacobians<'f> {
     station: usize,
     found: &'f Found,
+}
+
+/// The angles of several designs at a station, and their derivatives along directions, by the number of the design, of the
+/// angle and of the direction.
+pub struct Slopes<'f> {
+    station: usize,
+    found: &'f Found,
+}
+
+impl Slopes<'_> {
+    /// The station, as [`Stations::number`] has it.
+    pub fn station(&self) -> usize {
+        self.station
+    }
+
+    /// The value of an angle, in radians.
+    #[inline(always)]
+    pub fn value(&self, design: usize, angle: usize) -> f64 {
+        self.found.number(&self.found.angles, angle, design)
+    }
+
+    /// Its derivative along a direction.
+    #[inline(always)]
+    pub fn slope(&self, design: usize, angle: usize, direction: usize) -> f64 {
+        let row = angle * self.found.directions + direction;
+        self.found.number(&self.found.slopes, row, design)
+    }
 }
 
 /// Sums of weighted squared deviations, by the number of the design.
@@ -118,7 +168,7 @@ impl<'a> Gradients<'a> {
     /// ([`LaneReader::has_gradients`]; the drive must be the travel).
     pub fn new(
         suspension: &'a Suspension,
-        stations: &'a Stations,
+        stations: &Stations,
         quantities: &[Quantity],
         width: Width,
     ) -> Option<Self> {
@@ -130,18 +180,26 @@ impl<'a> Gradients<'a> {
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, quantities.to_vec())?;
         reader.has_gradients().then_some(())?;
+        let along_travel = match reader.reads_rates() {
+            true => Some(AlongTravel::of(mechanism, design)?),
+            false => None,
+        };
         let (angles, points) = (quantities.len(), design.len());
         Some(Gradients {
             width,
             batch,
             reader,
-            stations,
+            along_travel,
+            stations: stations.clone(),
             right: [false; MOST_LANES],
+            spread: Vec::new(),
             found: Found {
                 lanes: 1,
                 points,
                 angles: Aligned::new(0.0, angles * MOST_LANES),
                 jacobian: Aligned::new(0.0, angles * points * 3 * MOST_LANES),
+                slopes: Vec::new(),
+                directions: 0,
                 sum: Aligned::new(0.0, MOST_LANES),
                 gradient: Aligned::new(0.0, points * 3 * MOST_LANES),
             },
@@ -150,15 +208,7 @@ impl<'a> Gradients<'a> {
 
     /// Designs that fit into the lanes.
     pub fn at_once(&self) -> usize {
-        struct Count;
-        impl SimdTask for Count {
-            type Output = usize;
-            #[inline(always)]
-            fn run<B: SimdReal>(self, _: B) -> usize {
-                B::LANES
-            }
-        }
-        self.width.run(Count)
+        self.width.lanes()
     }
 
     /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are
@@ -166,6 +216,65 @@ impl<'a> Gradients<'a> {
     /// others is anything, NaN included.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, Task::Jacobians(&mut visit));
+    }
+
+    /// As [`Gradients::jacobians`], along directions: `along` says how fast every coordinate moves in each,
+    /// `[direction][point][axis][lane]`, with as many lanes as designs fit in.
+    pub fn slopes(
+        &mut self,
+        designs: &[Vector3<f64>],
+        along: &[f64],
+        mut visit: impl FnMut(&Slopes<'_>),
+    ) {
+        let one = self.found.points * 3 * self.at_once();
+        assert!(along.len().is_multiple_of(one), "whole directions");
+        self.found.directions = along.len() / one;
+        let room = self.reader.quantities().len() * self.found.directions * self.at_once();
+        self.found.slopes.resize(room, 0.0);
+        let visit = &mut visit;
+        self.evaluate(designs, Task::Slopes { along, visit });
+    }
+
+    /// As [`Gradients::slopes`] of a single design, whose stations are side by side: the visitor gets them as if they
+    /// were designs, group by group in the order of [`Gradients::side_by_side`]. The rack must have one place. `along` as
+    /// for one lane. Returns whether the design was right; if not, what was visited is not to be used. Where rods of rockers
+    /// are watched from station to station it is not.
+    pub fn slopes_of_one(
+        &mut self,
+        design: &[Vector3<f64>],
+        along: &[f64],
+        mut visit: impl FnMut(&Slopes<'_>),
+    ) -> bool {
+        assert_eq!(self.stations.racks.len(), 1, "one place of the rack");
+        if self.reader.watches_rods() {
+            return false;
+        }
+        let one = self.found.points * 3;
+        assert!(along.len().is_multiple_of(one), "whole directions");
+        self.found.directions = along.len() / one;
+        let at_once = self.at_once();
+        let room = self.reader.quantities().len() * self.found.directions * at_once;
+        self.found.slopes.resize(room, 0.0);
+        self.spread.clear();
+        for rate in along {
+            self.spread.extend(std::iter::repeat_n(*rate, at_once));
+        }
+        let along = std::mem::take(&mut self.spread);
+        self.width.run(OfOne {
+            gradients: self,
+            design,
+            task: Task::Slopes {
+                along: &along,
+                visit: &mut visit,
+            },
+        });
+        self.spread = along;
+        self.is_right(0)
+    }
+
+    /// The stations in the order in which [`Gradients::slopes_of_one`] has them.
+    pub fn side_by_side(&self) -> impl Iterator<Item = usize> {
+        self.batch.revisited(0)
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
@@ -197,6 +306,11 @@ impl<'a> Gradients<'a> {
 enum Task<'t> {
     /// Every angle's derivatives, to be handed over.
     Jacobians(&'t mut dyn FnMut(&Jacobians<'_>)),
+    /// Every angle's derivatives along directions, likewise.
+    Slopes {
+        along: &'t [f64],
+        visit: &'t mut dyn FnMut(&Slopes<'_>),
+    },
     /// A sum of deviations, with its derivatives.
     Deviations(&'t [Wanted]),
 }
@@ -215,6 +329,7 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         let Gradients {
             batch,
             reader,
+            along_travel,
             stations,
             right,
             found,
@@ -232,8 +347,18 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
+        let series = along_travel.as_ref().map(|along| {
+            let design = along.design(reader.mechanism(), &group);
+            (along, design)
+        });
         let mut reading = Differentiating {
             reader,
+            series: series.as_ref(),
+            series_gradient: vec![
+                Vector3::new(zero, zero, zero)
+                    .with_rate(Vector3::new(zero, zero, zero));
+                found.points
+            ],
             wheels: &wheels,
             members: &members,
             inputs: reader.inputs(&wheels),
@@ -264,6 +389,76 @@ impl SimdTask for Evaluation<'_, '_, '_> {
     }
 }
 
+/// A design whose stations are side by side.
+struct OfOne<'s, 'a, 't> {
+    gradients: &'s mut Gradients<'a>,
+    design: &'s [Vector3<f64>],
+    task: Task<'t>,
+}
+
+/// Reads nothing.
+struct Passing;
+
+impl<B: SimdReal> Visit<B> for Passing {
+    #[inline(always)]
+    fn pose(&mut self, _: usize, _: &impl LanePose<B>, _: Acceptance<B>) {}
+}
+
+impl SimdTask for OfOne<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let Gradients {
+            batch,
+            reader,
+            along_travel,
+            stations,
+            right,
+            found,
+            ..
+        } = self.gradients;
+        found.lanes = B::LANES;
+        let zero = like.zero();
+        let mut group = vec![Vector3::new(zero, zero, zero); found.points];
+        gather(self.design, found.points, 0, 1, &mut group);
+        let design = batch.design(&group);
+        let mut history = batch.history(like);
+        let solved = batch.solve(&design, 0, &mut history, &mut Passing);
+        right[0] = B::all(solved.everywhere());
+        if !right[0] {
+            return;
+        }
+        let wheels = reader.wheels(&design, &group);
+        let members = batch.members(&design);
+        let series = along_travel.as_ref().map(|along| {
+            let design = along.design(reader.mechanism(), &group);
+            (along, design)
+        });
+        let mut reading = Differentiating {
+            reader,
+            series: series.as_ref(),
+            series_gradient: vec![
+                Vector3::new(zero, zero, zero)
+                    .with_rate(Vector3::new(zero, zero, zero));
+                found.points
+            ],
+            wheels: &wheels,
+            members: &members,
+            inputs: reader.inputs(&wheels),
+            rack: like.lit(stations.racks[0]),
+            right: like.everywhere(),
+            count: stations.count(),
+            first: 0,
+            task: self.task,
+            sum: zero,
+            found,
+        };
+        batch.revisit(&design, 0, &history, &mut reading);
+        right[0] = B::all(reading.right);
+    }
+}
+
 /// Derivatives by the hardpoints, `[point][axis][lane]`.
 struct Row<'r>(&'r mut [f64]);
 
@@ -279,11 +474,44 @@ impl<B: SimdReal> Gradient<B> for Row<'_> {
     }
 }
 
+/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to wait
+/// for one another.
+#[inline(always)]
+fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
+    const TOGETHER: usize = 3;
+    let (length, directions) = (gradient.len(), slopes.len() / B::LANES);
+    let mut first = 0;
+    while first < directions {
+        let together = TOGETHER.min(directions - first);
+        let mut sums = [like.zero(); TOGETHER];
+        let mut place = 0;
+        while place < length {
+            let by = like.load(&gradient[place..]);
+            let mut k = 0;
+            while k < TOGETHER {
+                // Beyond the last direction it is formed again, to no use.
+                let direction = first + k.min(together - 1);
+                let rate = like.load(&along[direction * length + place..]);
+                sums[k] = sums[k].plus_product(by, rate);
+                k += 1;
+            }
+            place += B::LANES;
+        }
+        for (k, sum) in sums[..together].iter().enumerate() {
+            sum.store(&mut slopes[(first + k) * B::LANES..]);
+        }
+        first += together;
+    }
+}
+
 /// Differentiates the angles in the poses of a group.
 struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r LaneMembers<B>,
+    /// The designs along the travel, where something is made of velocities, and room for a gradient.
+    series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
+    series_gradient: Vec<Vector3<Jet<B, 2>>>,
     inputs: LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
@@ -297,69 +525,129 @@ struct Differentiating<'r, 't, B: SimdReal> {
     found: &'r mut Found,
 }
 
+impl<B: SimdReal> Differentiating<'_, '_, B> {
+    /// How much the derivatives of an angle count: 1, or what the sum of deviations makes of it, to which it is added.
+    #[inline(always)]
+    fn weight(&mut self, angle: usize, station: usize) -> B {
+        let one = self.rack.one();
+        let Task::Deviations(wanted) = self.task else {
+            return one;
+        };
+        let Wanted { value, weight } = wanted[angle * self.count + station];
+        let missed = one.load(&self.found.angles[angle * B::LANES..]) - one.lit(value);
+        let weighted = missed * one.lit(weight);
+        self.sum = self.sum.plus_product(weighted, missed);
+        weighted + weighted
+    }
+}
+
 impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
         let station = self.first + station;
+        let reads_rates = self.reader.reads_rates();
         let right = self
             .reader
-            .read(self.wheels, at, self.rack, false, &mut self.inputs);
+            .read(self.wheels, at, self.rack, reads_rates, &mut self.inputs);
         let angles = self.reader.quantities().len();
-        let zero = self.rack.zero();
         let rates = at.rates();
         self.right = self.right & right & at.knows(&rates);
         let configuration = at.configuration(self.rack);
         let adjoint = at.adjoint(self.members, &configuration, &rates);
-        let Found {
-            angles: values,
-            jacobian,
-            gradient,
-            points,
-            ..
-        } = &mut *self.found;
-        self.reader.values(&self.inputs, values, B::LANES);
+        self.reader
+            .values(&self.inputs, &mut self.found.angles, B::LANES);
+        let is_sum = matches!(self.task, Task::Deviations(_));
+        let length = self.found.points * 3 * B::LANES;
         let mut angle = 0;
         while angle < angles {
-            let (end, row) = match self.task {
-                Task::Jacobians(_) => {
-                    let length = *points * 3 * B::LANES;
-                    let row = &mut jacobian[angle * length..][..length];
-                    row.fill(0.0);
-                    (angle + 1, row)
-                }
-                Task::Deviations(_) => (angles, &mut gradient[..]),
+            let (first, end) = match is_sum {
+                true => (angle, angles),
+                false => (angle, angle + 1),
             };
-            let row = &mut Row(row);
             let mut by = ByDirections::default();
-            let mut seeds = Seeds::new(&configuration, row);
-            while angle < end {
-                let weight = match self.task {
-                    Task::Jacobians(_) => zero.one(),
-                    Task::Deviations(wanted) => {
-                        let Wanted { value, weight } = wanted[angle * self.count + station];
-                        let missed = zero.load(&values[angle * B::LANES..]) - zero.lit(value);
-                        let weighted = missed * zero.lit(weight);
-                        self.sum = self.sum.plus_product(weighted, missed);
-                        weighted + weighted
-                    }
-                };
-                self.reader.differentiate(
-                    angle,
-                    weight,
-                    &self.inputs,
-                    &mut by,
-                    &configuration,
-                    &mut seeds,
-                );
-                angle += 1;
+            let mut is_posed = false;
+            if !is_sum {
+                self.found.jacobian[angle * length..][..length].fill(0.0);
             }
-            by.seed(self.wheels, &self.inputs, &mut seeds);
-            let wrench = seeds.wrench();
-            adjoint.subtract(&wrench, row);
+            let mut number = first;
+            let mut wrench = Wrench::zero(self.rack);
+            while number < end {
+                let weight = self.weight(number, station);
+                if self.reader.is_of_rates(number) {
+                    self.add_gradient_of_rates(number, weight, &configuration, &rates);
+                } else {
+                    is_posed = true;
+                    let row = &mut Row(self.found.row(is_sum, first));
+                    let mut seeds = Seeds::new(&configuration, row);
+                    self.reader.differentiate(
+                        number,
+                        weight,
+                        &self.inputs,
+                        &mut by,
+                        &configuration,
+                        &mut seeds,
+                    );
+                    wrench = wrench.plus(&seeds.wrench());
+                }
+                number += 1;
+            }
+            if is_posed {
+                let row = &mut Row(self.found.row(is_sum, first));
+                let mut seeds = Seeds::new(&configuration, row);
+                by.seed(self.wheels, &self.inputs, &mut seeds);
+                let wrench = wrench.plus(&seeds.wrench());
+                adjoint.subtract(&wrench, row);
+            }
+            if let Task::Slopes { along, .. } = self.task {
+                let Found {
+                    jacobian,
+                    slopes,
+                    directions,
+                    ..
+                } = &mut *self.found;
+                let row = &jacobian[first * length..][..length];
+                let room = *directions * B::LANES;
+                chain(self.rack, row, along, &mut slopes[first * room..][..room]);
+            }
+            angle = end;
         }
-        if let Task::Jacobians(visit) = &mut self.task {
-            let found = &*self.found;
-            visit(&Jacobians { station, found });
+        let found = &*self.found;
+        match &mut self.task {
+            Task::Jacobians(visit) => visit(&Jacobians { station, found }),
+            Task::Slopes { visit, .. } => visit(&Slopes { station, found }),
+            Task::Deviations(_) => {}
+        }
+    }
+}
+
+impl<B: SimdReal> Differentiating<'_, '_, B> {
+    /// Adds the gradient of a quantity made of velocities, times a weight, to its row.
+    #[inline(always)]
+    fn add_gradient_of_rates(
+        &mut self,
+        number: usize,
+        weight: B,
+        configuration: &Configuration<'_, B>,
+        rates: &LaneRates<B>,
+    ) {
+        let Some((along, design)) = self.series else {
+            return;
+        };
+        let at = design.along(configuration, rates);
+        let adjoint = along.adjoint(design, &at);
+        let gradient = &mut self.series_gradient[..];
+        let zero = Jet([weight.zero(); 2]);
+        gradient.fill(Vector3::new(zero, zero, zero));
+        let mut seeds = Seeds::new(&at, gradient);
+        let reader = self.reader;
+        reader.differentiate_rates(number, weight, &self.inputs, &at, &mut seeds);
+        let wrench = seeds.wrench();
+        adjoint.subtract(&wrench, gradient);
+        let is_sum = matches!(self.task, Task::Deviations(_));
+        let mut row = Row(self.found.row(is_sum, number));
+        for (point, by) in self.series_gradient.iter().enumerate() {
+            let slope = Vector3::new(by.x.0[1], by.y.0[1], by.z.0[1]);
+            row.add(PointId(point), slope);
         }
     }
 }

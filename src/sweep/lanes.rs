@@ -184,6 +184,30 @@ pub(super) fn gather<B: SimdReal>(
     }
 }
 
+/// Writes the points of designs in lanes one design after another.
+#[inline(always)]
+pub(crate) fn scatter<B: SimdReal>(
+    group: &[Vector3<B>],
+    first: usize,
+    lanes: usize,
+    designs: &mut [Vector3<f64>],
+) {
+    let points = group.len();
+    let mut coordinates = [[0.0; MOST_LANES]; 3];
+    for (point, gathered) in group.iter().enumerate() {
+        gathered.x.store(&mut coordinates[0]);
+        gathered.y.store(&mut coordinates[1]);
+        gathered.z.store(&mut coordinates[2]);
+        for lane in 0..lanes {
+            designs[(first + lane) * points + point] = Vector3::new(
+                coordinates[0][lane],
+                coordinates[1][lane],
+                coordinates[2][lane],
+            );
+        }
+    }
+}
+
 /// Reads the quantities off the poses of a group.
 struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,

@@ -29,9 +29,10 @@ mod tally;
 pub use effects::{Effect, Effects};
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};
-pub use gradients::{Deviations, Gradients, Jacobians, Wanted};
+pub use gradients::{Deviations, Gradients, Jacobians, Slopes, Wanted};
 pub use in_order::in_order;
 pub use lanes::NotInLanes;
+pub(crate) use lanes::scatter;
 pub use moments::{BinnedSums, LevelSums, Moments, SaltelliSums};
 pub use plan::{NotBegun, SweepPlan, Worker};
 pub use record::{

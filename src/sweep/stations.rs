@@ -73,6 +73,21 @@ impl Stations {
         }
     }
 
+    /// The stations of an order, the rack in one place (towards the kernel's +y); none of them counts as the design
+    /// position or as a target's.
+    pub(crate) fn at_rack(drive: Drive, order: &StationOrder, rack: f64) -> Self {
+        let values = order.values().len();
+        Stations {
+            drive,
+            station_order: order.clone(),
+            racks: vec![rack],
+            of_motion: values,
+            racks_of_motion: 1,
+            home: 0,
+            design: values,
+        }
+    }
+
     /// Number of stations.
     pub fn count(&self) -> usize {
         self.values().len() * self.racks.len()

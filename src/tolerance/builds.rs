@@ -1,73 +1,94 @@
 //! Builds by number: drawn, put together, solved.
 
 use super::Problem;
+use super::lanes::LaneBuilder;
 use crate::build::{Parts, Reject};
 use crate::mechanism::DesignFault;
-use crate::number::Vector3;
+use crate::number::{Vector3, Width};
 use crate::sweep::{BLOCK, Block, Evaluator};
 
 /// What came of the builds of a block.
 pub(super) struct Outcome {
     /// Builds that could not be put together, by place in the block.
     pub(super) rejects: Vec<(usize, Reject)>,
-    /// Builds without a pose somewhere in the motion, by place in the block.
-    pub(super) incomplete: Vec<usize>,
+    /// How many builds have no pose somewhere in the motion.
+    pub(super) incomplete: u64,
 }
 
 /// Solves blocks of builds. One for each thread.
+///
+/// Builds are put together in SIMD lanes; those that do not settle there, and those of rockers near a toggle, one by one.
+/// Which of the two depends on the build alone.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
+    lanes: Option<LaneBuilder<'a>>,
     evaluator: Evaluator<'a>,
-    block: Block,
+    /// The values of the builds that go together, in the order of their numbers.
+    pub(super) block: Block,
     parts: Parts<f64>,
     draws: Vec<f64>,
     designs: Vec<Vector3<f64>>,
-    /// Where in the block each design handed to the evaluator stands.
+    /// Where in the block each of these designs stands.
     places: Vec<usize>,
-    /// The values of the builds, build by build and cell by cell; NaN where there is none.
-    pub(super) values: Vec<f64>,
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(problem: &'a Problem<'a>) -> Result<Self, DesignFault> {
+    /// In lanes of a width, or one by one alone.
+    pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
         let suspension = problem.assembler.suspension();
+        let (stations, quantities) = (&problem.stations, &problem.quantities);
         Ok(Builder {
             problem,
-            evaluator: Evaluator::new(suspension, &problem.stations, &problem.quantities)?,
-            block: Block::new(problem.quantities.len(), problem.stations.count()),
+            lanes: width.map(|width| LaneBuilder::new(problem, width)),
+            evaluator: Evaluator::with_width(suspension, stations, quantities, width)?,
+            block: Block::new(quantities.len(), stations.count()),
             parts: problem.assembler.drawn().clone(),
             draws: vec![0.0; problem.tolerance.sources()],
             designs: Vec::with_capacity(BLOCK * suspension.design.len()),
             places: Vec::with_capacity(BLOCK),
-            values: vec![f64::NAN; BLOCK * problem.cells()],
         })
     }
 
     /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Outcome {
-        let (problem, assembler) = (self.problem, &self.problem.assembler);
-        let mechanism = &assembler.suspension().mechanism;
+        let tolerance = self.problem.tolerance;
+        let points = self.parts.points.len();
+        if let Some(lanes) = &mut self.lanes {
+            tolerance.draw_block(first, count, &mut lanes.draws);
+            lanes.assemble(count);
+        }
         let mut rejects = Vec::new();
         self.begin();
         for place in 0..count {
-            problem
-                .tolerance
-                .draw(first + place as u64, &mut self.draws);
-            self.parts.points.copy_from_slice(&assembler.drawn().points);
-            self.parts
-                .lengths
-                .copy_from_slice(&assembler.drawn().lengths);
-            let sources = problem.tolerance.scatter.iter().flat_map(|c| &c.sources);
-            for (source, z) in sources.zip(&self.draws) {
-                for (parameter, share) in &source.changes {
-                    self.parts.change(mechanism, *parameter, share * z);
-                }
+            if let Some(lanes) = &self.lanes
+                && lanes.right[place]
+            {
+                let design = &lanes.designs[place * points..(place + 1) * points];
+                self.designs.extend_from_slice(design);
+                self.places.push(place);
+                continue;
             }
+            tolerance.draw(first + place as u64, &mut self.draws);
+            self.change_parts();
             if let Err(reject) = self.put_together(place) {
                 rejects.push((place, reject));
             }
         }
-        self.finish(count, rejects)
+        self.finish(rejects)
+    }
+
+    /// The parts of the build that has been drawn.
+    fn change_parts(&mut self) {
+        let (problem, parts) = (self.problem, &mut self.parts);
+        let assembler = &problem.assembler;
+        parts.points.copy_from_slice(&assembler.drawn().points);
+        parts.lengths.copy_from_slice(&assembler.drawn().lengths);
+        let sources = problem.tolerance.scatter.iter().flat_map(|c| &c.sources);
+        for (source, z) in sources.zip(&self.draws) {
+            for (parameter, share) in &source.changes {
+                parts.change(&assembler.suspension().mechanism, *parameter, share * z);
+            }
+        }
     }
 
     fn begin(&mut self) {
@@ -94,46 +115,33 @@ impl<'a> Builder<'a> {
     }
 
     /// Solves what was put together.
-    fn finish(&mut self, count: usize, mut rejects: Vec<(usize, Reject)>) -> Outcome {
+    fn finish(&mut self, mut rejects: Vec<(usize, Reject)>) -> Outcome {
         self.evaluator.evaluate(&self.designs, &mut self.block);
-        let (outputs, stations) = (self.problem.quantities.len(), self.problem.stations.count());
-        let cells = outputs * stations;
-        self.values[..count * cells].fill(f64::NAN);
-        for (number, place) in self.places.iter().enumerate() {
-            let values = &mut self.values[place * cells..(place + 1) * cells];
-            for output in 0..outputs {
-                for station in 0..stations {
-                    values[output * stations + station] = self.block.value(number, output, station);
-                }
-            }
-        }
         for (number, fault) in self.block.faults() {
             rejects.push((self.places[*number], Reject::Immovable(fault.clone())));
         }
-        let mut incomplete: Vec<usize> = self
-            .block
-            .failures()
-            .iter()
-            .map(|failure| self.places[failure.design])
-            .collect();
+        let failures = self.block.failures().iter();
+        let mut incomplete: Vec<usize> = failures.map(|failure| failure.design).collect();
         incomplete.dedup();
         Outcome {
             rejects,
-            incomplete,
+            incomplete: incomplete.len() as u64,
         }
     }
 }
 
-/// The values of builds with given parts, by build and cell.
-pub(super) fn values_of(problem: &Problem, builds: &[Parts<f64>]) -> Result<Vec<f64>, DesignFault> {
-    let mut builder = Builder::new(problem)?;
-    builder.begin();
-    for (place, parts) in builds.iter().enumerate() {
-        builder.parts.clone_from(parts);
-        // A build that cannot be put together is left without values.
-        let _ = builder.put_together(place);
+/// The values of the suspension as drawn, by cell.
+pub(super) fn drawn_values(problem: &Problem) -> Result<Vec<f64>, DesignFault> {
+    let mut builder = Builder::new(problem, None)?;
+    // A drawing that cannot be put together is left without values.
+    if builder.put_together(0).is_err() {
+        return Ok(vec![f64::NAN; problem.cells()]);
     }
-    builder.finish(builds.len(), Vec::new());
-    builder.values.truncate(builds.len() * problem.cells());
-    Ok(builder.values)
+    builder.finish(Vec::new());
+    let outputs = 0..problem.quantities.len();
+    let values = outputs.flat_map(|output| builder.block.values(0, output));
+    Ok(values.collect())
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! Random numbers of builds: functions of seed, number of the build and number of the source alone.
 
 use crate::study::{Law, Tolerance};
-use crate::sweep::uniform;
+use crate::sweep::{BLOCK, uniform};
 
 impl Law {
     /// Mean of the law.
@@ -35,6 +35,27 @@ impl Law {
             Law::Uniform { low, high } => low + (high - low) * fraction,
         }
     }
+
+    /// The quantiles of fractions in their place.
+    fn quantiles(self, fractions: &mut [f64]) {
+        let Law::Normal { sigma } = self else {
+            for fraction in fractions {
+                *fraction = self.quantile(*fraction);
+            }
+            return;
+        };
+        // Nearly all are of the centre: all at once as if they were, then the others.
+        let mut numbers = [0.0; BLOCK];
+        for (number, fraction) in numbers.iter_mut().zip(&*fractions) {
+            *number = sigma * centre(fraction - 0.5);
+        }
+        for (fraction, number) in fractions.iter_mut().zip(numbers) {
+            *fraction = match (*fraction - 0.5).abs() <= HALF_CENTRE {
+                true => number,
+                false => self.quantile(*fraction),
+            };
+        }
+    }
 }
 
 impl Tolerance {
@@ -47,10 +68,29 @@ impl Tolerance {
     pub fn draw(&self, build: u64, into: &mut [f64]) {
         let sources = self.scatter.iter().flat_map(|c| &c.sources);
         for (k, (number, source)) in into.iter_mut().zip(sources).enumerate() {
-            // The middle of one of 2^53 intervals, so that neither end is met.
-            let fraction = uniform(build, k, self.seed) + 0.5_f64.powi(54);
-            *number = source.law.quantile(fraction);
+            *number = source.law.quantile(self.fraction(build, k));
         }
+    }
+
+    /// The numbers of the builds from one on, up to a block: `[source][build]`. The same as those of [`Tolerance::draw`];
+    /// 0 for builds beyond the `count`-th.
+    pub(super) fn draw_block(&self, first: u64, count: usize, into: &mut [f64]) {
+        let sources = self.scatter.iter().flat_map(|c| &c.sources);
+        let rows = into.chunks_exact_mut(BLOCK);
+        for (k, (row, source)) in rows.zip(sources).enumerate() {
+            let (row, rest) = row.split_at_mut(count);
+            for (place, number) in row.iter_mut().enumerate() {
+                *number = self.fraction(first + place as u64, k);
+            }
+            source.law.quantiles(row);
+            rest.fill(0.0);
+        }
+    }
+
+    /// The middle of one of 2^53 intervals, so that neither end is met.
+    #[inline]
+    fn fraction(&self, build: u64, source: usize) -> f64 {
+        uniform(build, source, self.seed) + 0.5_f64.powi(54)
     }
 }
 
@@ -58,8 +98,8 @@ impl Tolerance {
 /// percentage points of the normal distribution, Applied Statistics 37, 1988, routine PPND16).
 pub fn normal_quantile(fraction: f64) -> f64 {
     let q = fraction - 0.5;
-    if q.abs() <= 0.425 {
-        return q * ratio(0.180625 - q * q, &CENTRE);
+    if q.abs() <= HALF_CENTRE {
+        return centre(q);
     }
     let tail = fraction.min(1.0 - fraction);
     let r = (-tail.ln()).sqrt();
@@ -70,7 +110,16 @@ pub fn normal_quantile(fraction: f64) -> f64 {
     value.copysign(q)
 }
 
+/// Half the width of the part of the fractions that has an approximation without a logarithm.
+const HALF_CENTRE: f64 = 0.425;
+
+#[inline]
+fn centre(q: f64) -> f64 {
+    q * ratio(0.180625 - q * q, &CENTRE)
+}
+
 /// A quotient of two polynomials, lowest power first.
+#[inline]
 fn ratio(x: f64, [above, below]: &[[f64; 8]; 2]) -> f64 {
     let horner = |c: &[f64; 8]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
     horner(above) / horner(below)

@@ -14,25 +14,24 @@
 //! and solves them over the motion. The linear answer is said to hold where mean shift squared and growth of the variance are
 //! below 2 % of sigma^2.
 
-mod alignment;
 mod builds;
 mod draw;
 mod expansion;
-mod histogram;
+mod lanes;
 mod monte_carlo;
+mod order;
 mod yields;
 
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS};
-pub use monte_carlo::{MonteCarlo, Spread, monte_carlo};
+pub use monte_carlo::{MonteCarlo, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 
-use crate::build::{Assembler, NoSetUp};
+use crate::build::{Alignment, Assembler, NoSetUp};
 use crate::characteristics::{Characteristic, Quantity};
 use crate::mechanism::DesignFault;
 use crate::study::{Study, Tolerance};
 use crate::sweep::Stations;
-pub(crate) use alignment::Alignment;
 
 /// The percentiles that are reported.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
@@ -116,6 +115,6 @@ impl<'a> Problem<'a> {
 
     /// The values of the suspension as drawn, by cell.
     pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
-        builds::values_of(self, &[self.assembler.drawn().clone()])
+        builds::drawn_values(self)
     }
 }

@@ -1,17 +1,17 @@
 //! Builds by the thousand.
 
-use super::builds::Builder;
-use super::histogram::{Bins, Counts};
+use super::builds::{Builder, Outcome};
+use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
 use crate::build::Reject;
 use crate::mechanism::DesignFault;
-use crate::sweep::{BLOCK, in_order};
+use crate::number::Width;
+use crate::sweep::{BLOCK, Block, in_order};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 
-/// Builds that tell where the bins of percentiles lie.
-const PILOT: u64 = 1024;
+/// Sums that are formed side by side.
+const SIDE_BY_SIDE: usize = 8;
 
 /// What builds came to.
 #[derive(Clone, Debug)]
@@ -59,11 +59,15 @@ impl MonteCarlo {
     }
 }
 
+/// The values of a band: output and station of each, and between what they are to be.
+type Banded = (Vec<[usize; 2]>, [f64; 2]);
+
 /// Sums of a block, about the drawn values.
 struct Sums {
     /// By cell: count, powers one to four.
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
+    sifted: Sifted,
     rejects: Vec<(u64, Reject)>,
     incomplete: u64,
     in_all_bands: u64,
@@ -71,31 +75,88 @@ struct Sums {
 }
 
 impl Sums {
-    fn new(cells: usize, bands: usize) -> Self {
-        Sums {
-            powers: vec![[0.0; 5]; cells],
-            ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; cells],
+    /// Of the builds of a block that go together.
+    fn of(
+        problem: &Problem,
+        drawn: &[f64],
+        bands: &[Banded],
+        block: &Block,
+        order: &Order,
+    ) -> Self {
+        let mut sums = Sums {
+            powers: Vec::with_capacity(problem.cells()),
+            ranges: Vec::with_capacity(problem.cells()),
+            sifted: order.begin(),
             rejects: Vec::new(),
             incomplete: 0,
             in_all_bands: 0,
-            in_bands: vec![0; bands],
+            in_bands: Vec::with_capacity(bands.len()),
+        };
+        let mut has_values = [false; BLOCK];
+        for output in 0..problem.characteristics.len() {
+            for station in 0..problem.stations.count() {
+                let about = drawn[problem.cell(output, station)];
+                let (powers, range) = powers(block.across(output, station), about);
+                sums.powers.push(powers);
+                sums.ranges.push(range);
+                sums.sifted.cell(block.across(output, station));
+                let values = block.across(output, station).flatten();
+                for (has, value) in has_values.iter_mut().zip(values) {
+                    *has |= !value.is_nan();
+                }
+            }
         }
+        // Without bands every build that goes together is as wanted.
+        let mut in_all = match bands.is_empty() {
+            true => has_values,
+            false => [true; BLOCK],
+        };
+        for (cells, [low, high]) in bands {
+            let mut in_band = [true; BLOCK];
+            for [output, station] in cells {
+                let values = block.across(*output, *station).flatten();
+                for (is_in, value) in in_band.iter_mut().zip(values) {
+                    // A value that is not there is not in its band.
+                    *is_in &= value >= low && value <= high;
+                }
+            }
+            sums.in_bands.push(count(&in_band[..block.designs()]));
+            for (in_all, in_band) in in_all.iter_mut().zip(in_band) {
+                *in_all &= in_band;
+            }
+        }
+        sums.in_all_bands = count(&in_all[..block.designs()]);
+        sums
     }
 }
 
-/// A thread's builder with its counts, which are added to everyone's when the thread is done.
-struct Worker<'a> {
-    builder: Builder<'a>,
-    counts: Counts,
-    all: &'a Mutex<Counts>,
+fn count(flags: &[bool]) -> u64 {
+    flags.iter().map(|is| u64::from(*is)).sum()
 }
 
-impl Drop for Worker<'_> {
-    fn drop(&mut self) {
-        if let Ok(mut all) = self.all.lock() {
-            all.add(&self.counts);
+/// Count and powers one to four of the distances of values from a number, and the range of the values.
+fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5], [f64; 2]) {
+    // Several sums at a time, which are added in the end: their order is that of the builds' numbers.
+    let mut sums = [[0.0; SIDE_BY_SIDE]; 5];
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for values in pieces {
+        for values in values.chunks(SIDE_BY_SIDE) {
+            for (k, value) in values.iter().enumerate() {
+                // Neither comparison holds of NaN.
+                range[0] = if *value < range[0] { *value } else { range[0] };
+                range[1] = if *value > range[1] { *value } else { range[1] };
+                let is = f64::from(u8::from(!value.is_nan()));
+                let d = if value.is_nan() { 0.0 } else { value - about };
+                let square = d * d;
+                sums[0][k] += is;
+                sums[1][k] += d;
+                sums[2][k] += square;
+                sums[3][k] += square * d;
+                sums[4][k] += square * square;
+            }
         }
     }
+    (sums.map(|side_by_side| side_by_side.iter().sum()), range)
 }
 
 /// Draws, puts together and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
@@ -103,134 +164,102 @@ impl Drop for Worker<'_> {
 pub fn monte_carlo(
     problem: &Problem,
     drawn: &[f64],
+    note: impl FnMut(u64) -> ControlFlow<()> + Send,
+) -> Result<MonteCarlo, DesignFault> {
+    monte_carlo_in(Some(Width::widest()), problem, drawn, note)
+}
+
+/// As [`monte_carlo`], in lanes of a width, or build by build.
+pub fn monte_carlo_in(
+    width: Option<Width>,
+    problem: &Problem,
+    drawn: &[f64],
     mut note: impl FnMut(u64) -> ControlFlow<()> + Send,
 ) -> Result<MonteCarlo, DesignFault> {
     let tolerance = problem.tolerance;
     let cells = problem.cells();
-    let bands: Vec<(Vec<usize>, [f64; 2])> = tolerance
+    let bands: Vec<Banded> = tolerance
         .bands
         .iter()
         .map(|band| {
             let output = problem.output(band.characteristic);
             let stations = problem.stations_of(band).into_iter();
-            let cells = stations.map(|station| problem.cell(output, station));
+            let cells = stations.map(|station| [output, station]);
             (cells.collect(), band.between)
         })
         .collect();
-    let bins = pilot(problem, drawn)?;
-    let all = Mutex::new(bins.counts());
+    let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
     // One worker is made here, so that a design that cannot be solved is known.
-    Builder::new(problem)?;
-    let worker = || {
-        let builder = Builder::new(problem);
-        builder.ok().map(|builder| Worker {
-            builder,
-            counts: bins.counts(),
-            all: &all,
-        })
-    };
-    let work = |worker: &mut Option<Worker>, block: u64| {
-        let Worker {
-            builder, counts, ..
-        } = worker.as_mut()?;
+    Builder::new(problem, width)?;
+    let worker = || Builder::new(problem, width).ok();
+    let work = |worker: &mut Option<Builder>, block: u64| {
+        let builder = worker.as_mut()?;
         let first = block * BLOCK as u64;
-        let count = (tolerance.builds - first).min(BLOCK as u64) as usize;
-        let outcome = builder.solve(first, count);
-        let mut sums = Sums::new(cells, bands.len());
-        for build in 0..count {
-            let values = &builder.values[build * cells..(build + 1) * cells];
-            for (cell, value) in values.iter().enumerate() {
-                if value.is_nan() {
-                    continue;
-                }
-                let d = value - drawn[cell];
-                let (sum, square) = (&mut sums.powers[cell], d * d);
-                sum[0] += 1.0;
-                sum[1] += d;
-                sum[2] += square;
-                sum[3] += square * d;
-                sum[4] += square * square;
-                let [least, greatest] = &mut sums.ranges[cell];
-                *least = least.min(*value);
-                *greatest = greatest.max(*value);
-                bins.count(counts, cell, *value);
-            }
-            let mut in_all = true;
-            for ((cells, [low, high]), kept) in bands.iter().zip(&mut sums.in_bands) {
-                // Written so that a value that is not there is not in its band.
-                let is_in = cells
-                    .iter()
-                    .all(|cell| values[*cell] >= *low && values[*cell] <= *high);
-                *kept += u64::from(is_in);
-                in_all &= is_in;
-            }
-            // Without bands every build that goes together is as wanted.
-            in_all &= !bands.is_empty() || values.iter().any(|v| !v.is_nan());
-            sums.in_all_bands += u64::from(in_all);
-        }
-        sums.incomplete = outcome.incomplete.len() as u64;
-        let rejects = outcome.rejects.into_iter();
+        let count = (tolerance.builds - first).min(BLOCK as u64);
+        let Outcome {
+            rejects,
+            incomplete,
+        } = builder.solve(first, count as usize);
+        let mut sums = Sums::of(problem, drawn, &bands, &builder.block, &order);
+        let rejects = rejects.into_iter();
         sums.rejects = rejects
             .map(|(place, why)| (first + place as u64, why))
             .collect();
-        Some((count as u64, sums))
+        sums.incomplete = incomplete;
+        Some((count, sums))
     };
-    let mut total = Sums::new(cells, bands.len());
-    let mut rejects: BTreeMap<&'static str, (u64, u64, Reject)> = BTreeMap::new();
-    let mut done = 0;
+    let mut powers = vec![[0.0; 5]; cells];
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; cells];
+    let mut total = MonteCarlo {
+        builds: 0,
+        spreads: Vec::with_capacity(cells),
+        rejects: BTreeMap::new(),
+        incomplete: 0,
+        in_all_bands: 0,
+        in_bands: vec![0; bands.len()],
+    };
     let taken = in_order(0..blocks, worker, work, |(count, sums): (u64, Sums)| {
-        for (sum, of_block) in total.powers.iter_mut().zip(&sums.powers) {
+        for (sum, of_block) in powers.iter_mut().zip(&sums.powers) {
             for (s, b) in sum.iter_mut().zip(of_block) {
                 *s += b;
             }
         }
-        for (range, [least, greatest]) in total.ranges.iter_mut().zip(&sums.ranges) {
+        for (range, [least, greatest]) in ranges.iter_mut().zip(&sums.ranges) {
             *range = [range[0].min(*least), range[1].max(*greatest)];
         }
+        total.builds += count;
+        gathered.take(&sums.sifted, total.builds, &order);
         total.incomplete += sums.incomplete;
         total.in_all_bands += sums.in_all_bands;
         for (kept, of_block) in total.in_bands.iter_mut().zip(&sums.in_bands) {
             *kept += of_block;
         }
         for (build, why) in sums.rejects {
-            let entry = rejects.entry(why.word());
+            let entry = total.rejects.entry(why.word());
             entry
                 .and_modify(|(count, ..)| *count += 1)
                 .or_insert((1, build, why));
         }
-        done += count;
-        match note(done) {
+        match note(total.builds) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(()),
         }
     });
-    // Ended early, it is of the builds that were taken; percentiles are of a few more, that were under way.
+    // Ended early, it is of the builds that were taken.
     let (Ok(()) | Err(())) = taken;
-    // All workers are gone: every count is there.
-    let counts = all
-        .into_inner()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    let spreads = (0..cells).map(|cell| {
-        let [n, ..] = total.powers[cell];
-        let [mean, sigma, sigma_error] = moments(total.powers[cell]);
-        Spread {
-            count: n as u64,
+    for (cell, (powers, range)) in powers.into_iter().zip(ranges).enumerate() {
+        let [mean, sigma, sigma_error] = moments(powers);
+        total.spreads.push(Spread {
+            count: powers[0] as u64,
             mean: drawn[cell] + mean,
             sigma,
             sigma_error,
-            range: total.ranges[cell],
-            percentiles: bins.percentiles(&counts, cell, total.ranges[cell]),
-        }
-    });
-    Ok(MonteCarlo {
-        builds: done,
-        spreads: spreads.collect(),
-        rejects,
-        incomplete: total.incomplete,
-        in_all_bands: total.in_all_bands,
-        in_bands: total.in_bands,
-    })
+            range,
+            percentiles: gathered.percentiles(cell),
+        });
+    }
+    Ok(total)
 }
 
 /// Mean, standard deviation and its standard error from sums of powers: var(s) = (m4 - m2^2)/(4 n m2).
@@ -241,37 +270,4 @@ fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     let sigma = (m2 * n / (n - 1.0)).sqrt();
     let error = ((m4 - m2 * m2).max(0.0) / (4.0 * n * m2)).sqrt();
     [mean, sigma, error]
-}
-
-/// The bins of percentiles, about the first builds.
-fn pilot(problem: &Problem, drawn: &[f64]) -> Result<Bins, DesignFault> {
-    let cells = problem.cells();
-    let mut builder = Builder::new(problem)?;
-    let mut powers = vec![[0.0; 5]; cells];
-    let builds = problem.tolerance.builds.min(PILOT);
-    let mut first = 0;
-    while first < builds {
-        let count = (builds - first).min(BLOCK as u64) as usize;
-        builder.solve(first, count);
-        for values in builder.values[..count * cells].chunks(cells) {
-            for ((sum, value), drawn) in powers.iter_mut().zip(values).zip(drawn) {
-                let d = value - drawn;
-                if !d.is_nan() {
-                    sum[0] += 1.0;
-                    sum[1] += d;
-                    sum[2] += d * d;
-                }
-            }
-        }
-        first += count as u64;
-    }
-    let moments: Vec<[f64; 3]> = powers.into_iter().map(moments).collect();
-    let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
-    let means: Vec<f64> = moments
-        .iter()
-        .zip(drawn)
-        .map(|(m, d)| finite(d + m[0]))
-        .collect();
-    let sigmas: Vec<f64> = moments.iter().map(|m| finite(m[1])).collect();
-    Ok(Bins::about(&means, &sigmas))
 }

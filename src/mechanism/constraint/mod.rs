@@ -108,11 +108,12 @@ impl<T: Real> Row<T> {
 }
 
 /// Two unit vectors that form a right-handed frame with the given one, without a branch (T. Duff et al.,
-/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017).
+/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017). They depend smoothly on
+/// the vector as long as `sign` stays, which is the sign of its z or of that of a vector nearby.
 #[inline(always)]
-fn normals<T: Real>(along: Vector3<T>) -> [Vector3<T>; 2] {
+fn normals<T: Real>(along: Vector3<T>, sign: T) -> [Vector3<T>; 2] {
     let Vector3 { x, y, z } = along;
-    let (one, sign) = (z.one(), z.sign());
+    let one = z.one();
     let a = -(one / (sign + z));
     let first = Vector3::new(one + sign * x * x * a, sign * x * y * a, -(sign * x));
     [first, along.cross(first)]

@@ -44,7 +44,9 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        let [across, other] = normals(axis);
+        // The drawn axis has the sign: builds on either side of a level axis have normals near each other.
+        let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
+        let [across, other] = normals(axis, sign);
         let pinned = |point: PointId, direction| Pinned {
             point,
             direction,

@@ -51,7 +51,7 @@ impl<T: Real> StrutLine<T> {
         let lever = knuckle[top.0] - knuckle[origin.0];
         let inverse_base = base.x.one() / base.norm();
         let along = base * inverse_base;
-        normals(along).map(|normal| StrutLine {
+        normals(along, along.z.sign()).map(|normal| StrutLine {
             top,
             lower,
             upper,

@@ -3,6 +3,7 @@
 use super::super::builds::follower;
 use super::super::{Evaluation, LeastSquares, Objective, TargetLayout};
 use crate::build::Assembler;
+use crate::number::Width;
 use crate::study::{Optimise, Study};
 use nalgebra::DVector;
 use std::path::Path;
@@ -28,6 +29,7 @@ fn study(file: &str, overrides: &[&str]) -> Study {
 /// The residuals of a study's builds at `x`.
 fn with_problem<R>(
     study: &Study,
+    width: Option<Width>,
     f: impl FnOnce(&mut dyn FnMut(&DVector<f64>) -> Evaluation) -> R,
 ) -> R {
     let optimise = study.optimise.as_ref().unwrap();
@@ -42,13 +44,20 @@ fn with_problem<R>(
     let assembled = assembler.suspension();
     let scatter = optimise.scatter.as_ref().unwrap();
     let follows = follower(suspension, assembled);
+    let variables = &optimise.variables;
     let mut problem =
-        Objective::<2>::of_builds(assembled, &optimise.variables, &layout, scatter, follows)
-            .unwrap();
+        Objective::<2>::of_builds(assembled, variables, &layout, scatter, follows, width).unwrap();
     let count = layout.residuals();
     f(&mut |x| {
         let mut at = Evaluation::new(count, x.len());
         LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
+        // Most builds are plain sailing.
+        let (in_lanes, name) = (
+            problem.builds_in_lanes(),
+            suspension.mechanism.topology.name,
+        );
+        let most = 10 * in_lanes >= 9 * scatter.builds;
+        assert!(width.is_none() || most, "{name} {width:?}: {in_lanes}");
         at
     })
 }
@@ -73,7 +82,7 @@ fn derivatives_of_builds_are_exact() {
                 more,
             ],
         );
-        with_problem(&study, |at| {
+        with_problem(&study, None, |at| {
             let x = DVector::from_fn(8, |j, _| ((j * 7 + 3) as f64).sin());
             let here = at(&x);
             assert_eq!(here.residuals.len(), 3 * 5);
@@ -126,7 +135,7 @@ fn builds_of_exact_parts_are_the_drawing() {
     let mut drawing = Objective::<2>::new(suspension, &plain.variables, &layout).unwrap();
     let mut wanted = Evaluation::new(layout.residuals(), 8);
     LeastSquares::evaluate(&mut drawing, &x, &mut wanted).unwrap();
-    let found = with_problem(&study, |at| at(&x));
+    let found = with_problem(&study, None, |at| at(&x));
     for build in 0..2 {
         for row in 0..wanted.residuals.len() {
             let of_build = build * wanted.residuals.len() + row;
@@ -138,5 +147,129 @@ fn builds_of_exact_parts_are_the_drawing() {
                 assert!(off.abs() < 1e-6 * scale + 1e-9, "{row} {j}: {off}");
             }
         }
+    }
+}
+
+/// In lanes of any width residuals and derivatives are those of builds one by one, of every topology, with rockers, bands and
+/// several racks, as assembled and with toe and camber set again; the same to the bit at any width. So are those of the
+/// drawing, whose stations are side by side, and those of the stations one by one.
+#[test]
+fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
+    let angles = "optimise.targets=[\
+        { characteristic = \"camber\", points = [[-20.0, -1.0], [20.0, 0.5]], tolerance = 0.05 }, \
+        { characteristic = \"toe\", between = [-0.05, 0.3], tolerance = 0.05 }, \
+        { characteristic = \"bump_steer\", points = [[-20.0, 0.01], [20.0, 0.02]], tolerance = 0.001 }, \
+        { characteristic = \"camber_gain\", at = 5.0, value = 0.02, tolerance = 0.001 }, \
+        { characteristic = \"toe\", at = 10.0, value = 0.4, tolerance = 0.05, rack = [-4.0, 4.0] }]";
+    let variables = |points: [&str; 3]| {
+        let [a, b, c] = points;
+        format!(
+            "optimise.variables=[{{ hardpoint = \"{a}\", axis = \"z\", range = [-20.0, 20.0] }}, \
+             {{ hardpoint = \"{b}\", axis = \"y\", range = [-20.0, 20.0] }}, \
+             {{ rigid = [\"{a}\", \"{c}\"], shift = 10.0 }}]"
+        )
+    };
+    let wishbone = ["tie_rod_inner", "lower_arm_front", "upper_arm_front"];
+    let cases = [
+        (
+            "macpherson_tolerance",
+            ["tie_rod_inner", "lower_arm_front", "strut_top"],
+            "",
+        ),
+        (
+            "double_wishbone_tolerance",
+            wishbone,
+            "{length=\"tie_rod\"},{shim=\"upper_ball_joint\",axis=\"y\"}",
+        ),
+        (
+            "five_link_solve",
+            [
+                "toe_link_inner",
+                "lower_front_link_inner",
+                "upper_rear_link_outer",
+            ],
+            "{length=\"toe_link\"},{length=\"upper_rear_link\"}",
+        ),
+        (
+            "semi_trailing_arm_solve",
+            ["arm_pivot_inner", "arm_pivot_outer", "wheel_centre"],
+            "{shim=\"arm_pivot_outer\",axis=\"x\"},{shim=\"arm_pivot_outer\",axis=\"z\"}",
+        ),
+    ];
+    for (name, points, adjust) in cases {
+        for aligned in [false, true] {
+            let scattered = points.map(|point| format!("{point:?}")).join(",");
+            let is_steered = !name.starts_with("semi") && !name.starts_with("five");
+            let targets = match is_steered {
+                true => angles.to_owned(),
+                false => angles.replace(", rack = [-4.0, 4.0]", ""),
+            };
+            let mut overrides = vec![
+                TRAVEL.to_owned(),
+                variables(points),
+                targets,
+                "tolerance.builds=10".to_owned(),
+                "tolerance.seed=1".to_owned(),
+                "tolerance.bands=[]".to_owned(),
+                format!("tolerance.scatter=[{{hardpoints=[{scattered}],sigma=0.5}}]"),
+                format!("tolerance.aligned={aligned}"),
+                "optimise.scatter=19".to_owned(),
+            ];
+            if !adjust.is_empty() {
+                overrides.push(format!("setup.adjust=[{adjust}]"));
+            }
+            let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            let study = study(&format!("{name}.toml"), &overrides);
+            let count = study.optimise.as_ref().unwrap().variables.len();
+            let x = DVector::from_fn(count, |j, _| 3.0 * ((j * 7 + 3) as f64).sin());
+            let of_builds = |width| with_problem(&study, width, |at| at(&x));
+            let of_drawing = |width| drawing_at(&study, width, &x);
+            let what = format!("{name} {aligned}");
+            assert_same_at_every_width(&what, of_builds);
+            if !aligned {
+                assert_same_at_every_width(&what, of_drawing);
+            }
+        }
+    }
+}
+
+/// The residuals of a study's drawing.
+fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Evaluation {
+    let plain = Optimise {
+        scatter: None,
+        ..study.optimise.clone().unwrap()
+    };
+    let suspension = &study.suspension;
+    let layout = TargetLayout::of(
+        &plain,
+        &study.motion,
+        &suspension.frame,
+        &suspension.mechanism,
+    );
+    let problem = Objective::<2>::new(suspension, &plain.variables, &layout).unwrap();
+    let mut problem = problem.with_width(suspension, width);
+    assert_eq!(problem.is_in_lanes(x), width.is_some());
+    let mut at = Evaluation::new(layout.residuals(), x.len());
+    LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
+    at
+}
+
+/// What every width finds is what is found one by one, and all widths find the same bits.
+fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Evaluation) {
+    let expected = find(None);
+    let mut first: Option<Evaluation> = None;
+    for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+        let found = find(Some(width));
+        for row in 0..expected.residuals.len() {
+            let off = (found.residuals[row] - expected.residuals[row]).abs();
+            assert!(off < 1e-9, "{what}: {row}: {off}");
+            let largest = expected.jacobian.row(row).amax().max(1e-2);
+            for j in 0..expected.jacobian.ncols() {
+                let (a, b) = (found.jacobian[(row, j)], expected.jacobian[(row, j)]);
+                let off = (a - b).abs() / largest;
+                assert!(off < 1e-11, "{what}: {row} by {j}: {a} {b}");
+            }
+        }
+        assert_eq!(first.get_or_insert(found.clone()), &found);
     }
 }

@@ -36,7 +36,7 @@ pub(crate) struct ArmDesign<'d, B> {
 }
 
 /// A pose, by the state of the closed form.
-struct ArmPose<'f, B> {
+pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
     state: State<B>,
@@ -201,6 +201,26 @@ impl ByArm {
     #[inline(always)]
     pub(crate) fn members<B: SimdReal>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
         Members::of(&self.roles, &design.form, design.design)
+    }
+
+    /// Hands over the poses at these half tangents.
+    #[inline(always)]
+    pub(crate) fn revisit<B: SimdReal>(
+        &self,
+        design: &ArmDesign<'_, B>,
+        drive: Drive,
+        tangent: B,
+        rack: B,
+        visit: impl FnOnce(&ArmPose<'_, B>),
+    ) {
+        let state = design.form.at_half_tangent(tangent, rack);
+        visit(&ArmPose {
+            roles: &self.roles,
+            design,
+            state,
+            tangent,
+            drive,
+        });
     }
 
     /// Visits every place.

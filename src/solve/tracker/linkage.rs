@@ -331,7 +331,7 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 }
 
 /// A pose of a linkage.
-struct LinkagePose<'p, 'd, B> {
+pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
     travel: B,
@@ -526,7 +526,96 @@ impl<B: SimdReal> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
     }
 }
 
+/// Fills in the equations along the travel.
+struct FormingSeries<'p, B> {
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: &'p mut Blocks<Jet<B, 2>>,
+}
+
+impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        // Where the travel stands says nothing about the rows.
+        let driver = Driver::Travel(self.at.rack.zero());
+        for number in 0..6 {
+            let (_, wrench) = self.closure.row(number, self.at, driver);
+            self.blocks.put(number, &wrench);
+        }
+        self.blocks.eliminate();
+    }
+}
+
+/// What gradients along the travel take, by the closure equations as series.
+pub(crate) struct SeriesAdjoint<'p, B> {
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: Blocks<Jet<B, 2>>,
+}
+
+/// Takes away what the closure equations make of a derivative by the pose.
+struct SubtractingSeries<'p, B> {
+    adjoint: &'p SeriesAdjoint<'p, B>,
+    wrench: &'p Wrench<Jet<B, 2>>,
+    gradient: &'p mut [Vector3<Jet<B, 2>>],
+}
+
+impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        let SeriesAdjoint {
+            closure,
+            at,
+            blocks,
+        } = self.adjoint;
+        let mut multipliers = blocks.solve_transposed(self.wrench);
+        for multiplier in &mut multipliers {
+            *multiplier = -*multiplier;
+        }
+        let driver = Driver::Travel(at.rack.zero());
+        let mut sink = HardpointGradient(self.gradient);
+        closure.differential_inlined(RowSet::ALL, at, driver, &multipliers, &mut sink);
+    }
+}
+
+impl<B: SimdReal> SeriesAdjoint<'_, B> {
+    /// As [`LaneAdjoint::subtract`], of series along the travel.
+    #[inline(always)]
+    pub(crate) fn subtract(&self, wrench: &Wrench<Jet<B, 2>>, gradient: &mut [Vector3<Jet<B, 2>>]) {
+        self.at.rack.0[0].outlined(SubtractingSeries {
+            adjoint: self,
+            wrench,
+            gradient,
+        });
+    }
+}
+
 impl ByLinkage {
+    /// The adjoint at a configuration along the travel.
+    #[inline(always)]
+    pub(crate) fn series_adjoint<'p, B: SimdReal>(
+        &self,
+        closure: &'p Closure<Jet<B, 2>>,
+        at: &'p Configuration<'p, Jet<B, 2>>,
+    ) -> SeriesAdjoint<'p, B> {
+        let like = at.rack.0[0];
+        let mut blocks = Blocks::unformed(self.order, at.rack.lit(1.0 / self.size));
+        like.outlined(FormingSeries {
+            closure,
+            at,
+            blocks: &mut blocks,
+        });
+        SeriesAdjoint {
+            closure,
+            at,
+            blocks,
+        }
+    }
+
     /// For a mechanism driven by its travel; `None` where `base` is no start.
     pub(crate) fn of(
         mechanism: &Mechanism,
@@ -551,6 +640,26 @@ impl ByLinkage {
             by_travel: slope(blocks.solve([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])),
             by_rack: slope(blocks.solve(wrenches.map(|row| -row.rack))),
         })
+    }
+
+    /// Hands over the poses with these unknowns.
+    #[inline(always)]
+    pub(crate) fn revisit<B: SimdReal>(
+        &self,
+        linkage: &LinkageDesign<'_, B>,
+        unknowns: [B; UNKNOWNS],
+        travel: B,
+        rack: B,
+        visit: impl FnOnce(&LinkagePose<'_, '_, B>),
+    ) {
+        let room = RefCell::new(Linear::unformed(self, travel));
+        visit(&LinkagePose {
+            linkage,
+            at: linkage.configuration(unknowns, rack),
+            travel,
+            linear: &room,
+            is_linear: Cell::new(false),
+        });
     }
 
     /// Visits every place.

@@ -32,13 +32,13 @@ mod route;
 use super::closed_form::{Carried, Members, Roles};
 use super::path::StationOrder;
 use crate::derive::Gradient;
-use crate::mechanism::{Configuration, Twist, Wrench};
+use crate::mechanism::{Closure, Configuration, Pose, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
-use crate::number::SimdReal;
-use crate::number::Vector3;
+use crate::number::{Jet, MOST_LANES, Matrix3, SimdReal, Vector3};
 pub use acceptance::{Acceptance, Rejection};
 use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
+pub(crate) use linkage::SeriesAdjoint;
 use linkage::{ByLinkage, LinkageDesign};
 pub use pair::{PairBatch, PairDrive, PairStations, Stand, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
@@ -373,6 +373,156 @@ impl<'a> Batch<'a> {
                 way.track(form, places, self.tolerance, accepted, history, visit)
             }
             _ => unreachable!("a design of another batch"),
+        }
+    }
+}
+
+/// How gradients of what is made of velocities are formed: by the closure equations as series along the travel.
+#[derive(Clone, Debug)]
+pub(crate) struct AlongTravel(ByLinkage);
+
+/// Designs in lanes as series along the travel, along which they stay what they are.
+pub(crate) struct SeriesDesign<B> {
+    design: Vec<Vector3<Jet<B, 2>>>,
+    closure: Closure<Jet<B, 2>>,
+}
+
+impl AlongTravel {
+    /// For designs of a mechanism like this one, driven by the travel; `None` where `base` is no start.
+    pub(crate) fn of(mechanism: &Mechanism, base: &[Vector3<f64>]) -> Option<Self> {
+        ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
+    }
+
+    /// Designs as series.
+    #[inline(always)]
+    pub(crate) fn design<B: SimdReal>(
+        &self,
+        mechanism: &Mechanism,
+        design: &[Vector3<B>],
+    ) -> SeriesDesign<B> {
+        let mut series = Vec::with_capacity(design.len());
+        for point in design {
+            series.push(point.with_rate(point.zero()));
+        }
+        SeriesDesign {
+            closure: Closure::new(mechanism, &series),
+            design: series,
+        }
+    }
+
+    /// What gradients take at a configuration of [`SeriesDesign::along`].
+    #[inline(always)]
+    pub(crate) fn adjoint<'p, B: SimdReal>(
+        &self,
+        design: &'p SeriesDesign<B>,
+        at: &'p Configuration<'p, Jet<B, 2>>,
+    ) -> SeriesAdjoint<'p, B> {
+        self.0.series_adjoint(&design.closure, at)
+    }
+}
+
+impl<B: SimdReal> SeriesDesign<B> {
+    /// A configuration of the design along the travel, from how the knuckle moves there.
+    #[inline(always)]
+    pub(crate) fn along<'p>(
+        &'p self,
+        at: &Configuration<'p, B>,
+        rates: &LaneRates<B>,
+    ) -> Configuration<'p, Jet<B, 2>> {
+        let Twist { shift, turn } = rates.twist();
+        let [x, y, z] = at.pose.rotation.columns;
+        let zero = at.rack.zero();
+        Configuration {
+            mechanism: at.mechanism,
+            design: &self.design,
+            pose: Pose {
+                origin: at.pose.origin.with_rate(shift),
+                rotation: Matrix3 {
+                    columns: [
+                        x.with_rate(turn.cross(x)),
+                        y.with_rate(turn.cross(y)),
+                        z.with_rate(turn.cross(z)),
+                    ],
+                },
+            },
+            rack: Jet([at.rack, zero]),
+            steering: None,
+        }
+    }
+}
+
+/// Stations of one design side by side, a station in each lane.
+impl Batch<'_> {
+    /// The stations in the order in which [`Batch::revisit`] has them, as many at a time as there are lanes.
+    pub fn revisited(&self, rack: usize) -> impl Iterator<Item = usize> {
+        self.routes[rack].places.iter().filter_map(|p| p.station)
+    }
+
+    /// Visits the stations again of a design that all lanes hold, from the `history` of its [`Batch::solve`], which must have
+    /// accepted all of them: a station in each lane, group by group, the number of the group in place of that of a station.
+    /// Lanes for which there are no more stations repeat the last.
+    #[inline(always)]
+    pub fn revisit<B: SimdReal>(
+        &self,
+        design: &LaneDesign<'_, B>,
+        rack: usize,
+        history: &[B],
+        visit: &mut impl Visit<B>,
+    ) {
+        let like = design.origin.x;
+        let unknowns = match self.way {
+            Method::Arm(_) => 1,
+            Method::Linkage(_) => linkage::UNKNOWNS,
+        };
+        let places = &self.routes[rack].places;
+        let mut lanes = [[0.0; MOST_LANES]; linkage::UNKNOWNS];
+        let mut values = [0.0; MOST_LANES];
+        let mut first_lane = [0.0; MOST_LANES];
+        let (mut filled, mut group) = (0, 0);
+        for (number, place) in places.iter().enumerate() {
+            if place.station.is_some() {
+                for k in 0..unknowns {
+                    history[unknowns * number + k].store(&mut first_lane);
+                    lanes[k][filled..].fill(first_lane[0]);
+                }
+                values[filled..].fill(place.value);
+                filled += 1;
+            }
+            if filled == 0 || (filled < B::LANES && number + 1 < places.len()) {
+                continue;
+            }
+            let (value, rack) = (like.load(&values), like.lit(place.rack));
+            let acceptance = Acceptance::everywhere(like);
+            match (&self.way, &design.form) {
+                (Method::Arm(way), Form::Arm(form)) => {
+                    let tangent = like.load(&lanes[0]);
+                    way.revisit(
+                        form,
+                        self.drive,
+                        tangent,
+                        rack,
+                        #[inline(always)]
+                        |pose| visit.pose(group, pose, acceptance),
+                    );
+                }
+                (Method::Linkage(way), Form::Linkage(form)) => {
+                    let mut unknowns = [like; linkage::UNKNOWNS];
+                    for k in 0..linkage::UNKNOWNS {
+                        unknowns[k] = like.load(&lanes[k]);
+                    }
+                    way.revisit(
+                        form,
+                        unknowns,
+                        value,
+                        rack,
+                        #[inline(always)]
+                        |pose| visit.pose(group, pose, acceptance),
+                    );
+                }
+                _ => unreachable!("a design of another batch"),
+            }
+            filled = 0;
+            group += 1;
         }
     }
 }

@@ -6,20 +6,28 @@
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! contracts as fast as parts differ from the drawing; over derivative numbers it mends order by order.
+//! contracts as fast as parts differ from the drawing; over derivative numbers it mends order by order. Pose and
+//! adjustments settle together (module `settle`), with what the pose follows an adjustment by.
 
-use crate::build::{Assembler, BuildParameter, Built, NoSetUp, Parts, Reject, Rest};
-use crate::characteristics::{Characteristic, Constants, Inputs, Slots};
-use crate::mechanism::{Configuration, Pose};
-use crate::model::Suspension;
-use crate::number::{Matrix3, Real, Vector3};
+use super::assembler::{Assembler, Reject};
+use super::parts::{BuildParameter, Parts};
+use super::rest::{Built, Rest};
+use super::set_up::NoSetUp;
+use crate::characteristics::Characteristic;
+use crate::derive::DesignedSpinAxis;
+use crate::linear::lu::Vector6;
+use crate::mechanism::{Pose, Twist};
+use crate::model::Mechanism;
+use crate::number::{Real, Vector3};
 use crate::study::Adjustment;
 use nalgebra::DMatrix;
 
+/// Toe and camber.
+pub(super) const MOST_HELD: usize = 2;
 /// The most corrections of a build.
 const MOST_ROUNDS: usize = 30;
 /// Corrections below this, in parts of the size, are rounding.
-const ROUNDING: f64 = 1e-14;
+pub(super) const ROUNDING: f64 = 1e-14;
 
 /// What is held by what.
 #[derive(Clone, Debug)]
@@ -29,8 +37,8 @@ pub(crate) struct Alignment {
     held: Vec<Characteristic>,
     /// M, a row for each adjustment.
     inverse: DMatrix<f64>,
-    constants: Constants,
-    slots: Slots,
+    /// The carrier's twist by each adjustment, at the drawing.
+    follow: Vec<Vector6<f64>>,
     size: f64,
 }
 
@@ -43,14 +51,14 @@ impl Alignment {
             1 => &[Characteristic::Toe],
             _ => &[Characteristic::Toe, Characteristic::Camber],
         };
-        let slots = Slots::of(held.iter().map(|c| c.info().reads));
-        let constants = Constants::of(suspension);
         let mut alignment = Alignment {
             adjust: adjust.iter().map(|a| a.change).collect(),
             held: held.to_vec(),
             inverse: DMatrix::zeros(0, 0),
-            constants,
-            slots,
+            follow: adjust
+                .iter()
+                .map(|a| assembler.twist_by(a.change))
+                .collect(),
             size: suspension.size(),
         };
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
@@ -71,7 +79,7 @@ impl Alignment {
         for (k, change) in self.adjust.iter().enumerate() {
             let design = assembler.design_series(built, &[*change]);
             for (i, c) in self.held.iter().enumerate() {
-                by[(i, k)] = self.value(assembler.suspension(), &design, *c)[1];
+                by[(i, k)] = value(&assembler.suspension().mechanism, &design, *c)[1];
             }
         }
         by
@@ -85,38 +93,16 @@ impl Alignment {
         })
     }
 
-    /// A characteristic of a built design at rest.
-    fn value<T: Real>(
-        &self,
-        suspension: &Suspension,
-        design: &[Vector3<T>],
-        c: Characteristic,
-    ) -> T {
-        let mechanism = &suspension.mechanism;
-        let origin = design[mechanism.origin.0];
-        let at = Configuration {
-            mechanism,
-            design,
-            pose: Pose {
-                origin,
-                rotation: Matrix3::identity(origin.x),
-            },
-            rack: origin.x.zero(),
-            steering: None,
-        };
-        c.evaluate(&Inputs::standing(&at, self.constants, self.slots))
-    }
-
     /// Adds to the changes of the parts what the adjustments have to be.
     fn adjust<T: Real>(
         &self,
-        suspension: &Suspension,
+        mechanism: &Mechanism,
         parts: &mut Parts<T>,
         design: &[Vector3<T>],
     ) -> Vec<T> {
         let miss = |c: &Characteristic| {
-            let wanted = self.value(suspension, &parts.drawn, *c);
-            self.value(suspension, design, *c) - wanted
+            let wanted = value(mechanism, &parts.drawn, *c);
+            value(mechanism, design, *c) - wanted
         };
         let misses: Vec<T> = self.held.iter().map(miss).collect();
         let mut corrections = Vec::with_capacity(self.adjust.len());
@@ -125,7 +111,7 @@ impl Alignment {
             for (i, miss) in misses.iter().enumerate() {
                 by = by - miss.scaled(self.inverse[(k, i)]);
             }
-            parts.change(&suspension.mechanism, *parameter, by.scaled(*share));
+            parts.change(mechanism, *parameter, by.scaled(*share));
             corrections.push(by);
         }
         corrections
@@ -138,9 +124,16 @@ impl Alignment {
         parts: &mut Parts<f64>,
         into: &mut [Vector3<f64>],
     ) -> Result<(), Reject> {
+        let mut aligned = parts.clone();
+        if let Some(pose) = assembler.settle(&mut aligned, Some(self), 0.0, assembler.home()) {
+            *parts = aligned;
+            return assembler.place_checked(parts, &pose, into);
+        }
+        // Farther from the drawing: put together for every correction anew.
+        let mechanism = &assembler.suspension().mechanism;
         for _ in 0..MOST_ROUNDS {
             assembler.assemble(parts, 0.0, into)?;
-            let corrections = self.adjust(assembler.suspension(), parts, into);
+            let corrections = self.adjust(mechanism, parts, into);
             let largest = corrections
                 .iter()
                 .fold(0.0, |most: f64, c| most.max(c.abs()));
@@ -154,6 +147,54 @@ impl Alignment {
         Err(Reject::Unaligned)
     }
 
+    /// What the drawing has of what is held.
+    #[inline(always)]
+    pub(super) fn wanted<T: Real>(
+        &self,
+        mechanism: &Mechanism,
+        drawn: &[Vector3<T>],
+    ) -> [T; MOST_HELD] {
+        let axis = DesignedSpinAxis::of(mechanism, drawn).direction;
+        let mut wanted = [axis.x.zero(); MOST_HELD];
+        for (wanted, c) in wanted.iter_mut().zip(&self.held) {
+            *wanted = c.of_spin_axis(axis);
+        }
+        wanted
+    }
+
+    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and says what is done.
+    #[inline(always)]
+    pub(super) fn correct<T: Real>(
+        &self,
+        mechanism: &Mechanism,
+        wanted: &[T; MOST_HELD],
+        parts: &mut Parts<T>,
+        pose: &mut Pose<T>,
+        mut apply: impl FnMut(T) -> T,
+    ) {
+        let designed = DesignedSpinAxis::of(mechanism, &parts.points).direction;
+        let axis = pose.rotation.apply(designed);
+        let zero = axis.x.zero();
+        let mut misses = *wanted;
+        for (miss, c) in misses.iter_mut().zip(&self.held) {
+            *miss = c.of_spin_axis(axis) - *miss;
+        }
+        let mut twist = [zero; 6];
+        for (k, (parameter, share)) in self.adjust.iter().enumerate() {
+            let mut by = zero;
+            for (i, miss) in misses[..self.held.len()].iter().enumerate() {
+                by = by - miss.scaled(self.inverse[(k, i)]);
+            }
+            let by = apply(by);
+            parts.change(mechanism, *parameter, by.scaled(*share));
+            for (sum, follow) in twist.iter_mut().zip(&self.follow[k]) {
+                *sum = *sum + by.scaled(*follow);
+            }
+        }
+        let Twist { shift, turn } = Twist::from_array(twist);
+        *pose = pose.moved(shift, turn * zero.lit(0.5));
+    }
+
     /// The built design along a direction of the drawing, aligned throughout, to as many orders as the number has.
     pub(crate) fn design<T: Real>(
         &self,
@@ -164,14 +205,14 @@ impl Alignment {
     ) -> Vec<Vector3<T>> {
         let mut design = assembler.design_of(built, parts, orders);
         for _ in 0..orders {
-            self.adjust(assembler.suspension(), parts, &design);
+            self.adjust(&assembler.suspension().mechanism, parts, &design);
             design = assembler.design_of(built, parts, orders);
         }
         design
     }
 
     /// What the adjustments have to be by each unit of a direction: the direction with them.
-    pub(super) fn aligned_direction(
+    pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,
         built: &Built,
@@ -182,13 +223,18 @@ impl Alignment {
         for (k, (parameter, share)) in self.adjust.iter().enumerate() {
             let mut by = 0.0;
             for (i, c) in self.held.iter().enumerate() {
-                let miss = self.value(assembler.suspension(), &design, *c)[1];
+                let miss = value(&assembler.suspension().mechanism, &design, *c)[1];
                 by -= self.inverse[(k, i)] * miss;
             }
             aligned.push((*parameter, by * share));
         }
         aligned
     }
+}
+
+/// A characteristic of a built design at rest.
+fn value<T: Real>(mechanism: &Mechanism, design: &[Vector3<T>], c: Characteristic) -> T {
+    c.of_spin_axis(DesignedSpinAxis::of(mechanism, design).direction)
 }
 
 /// The pseudo-inverse.

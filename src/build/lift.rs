@@ -1,0 +1,158 @@
+//! How built designs move with the drawing, of a build in each lane.
+//!
+//! Parts as series p + p' e in one variable of the drawing settle as plain ones do (module `settle`): each correction
+//! with the drawing's inverse mends the pose's derivative by as much as the parts differ from the drawing. Values are
+//! settled already.
+
+use super::alignment::Alignment;
+use super::assembler::Assembler;
+use super::parts::Parts;
+use super::settle::larger;
+use crate::mechanism::Pose;
+use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
+
+/// The most corrections.
+const MOST_ROUNDS: usize = 40;
+/// What is left of a derivative, relative to the fastest point of the drawing or the largest correction: where the next
+/// correction would be below the first it is settled, where corrections shrink no more below the second.
+const FINE: f64 = 1e-15;
+const COARSE: f64 = 1e-12;
+
+/// A series.
+type Series<B> = Jet<B, 2>;
+
+/// Mends the derivative of a settled pose and writes the built design as a series.
+pub(super) struct Lifting<'s, B> {
+    pub(super) assembler: &'s Assembler,
+    pub(super) alignment: Option<&'s Alignment>,
+    /// The parts as series; where they are aligned, they come to have the derivatives of the adjustments.
+    pub(super) parts: &'s mut Parts<Series<B>>,
+    pub(super) pose: &'s Pose<B>,
+    /// Room for the points of the undisplaced carrier.
+    pub(super) carrier: &'s mut Vec<Vector3<Series<B>>>,
+    pub(super) into: &'s mut [Vector3<Series<B>>],
+}
+
+impl<B: SimdReal> Outlined for Lifting<'_, B> {
+    /// The lanes in which it has settled.
+    type Output = B::Mask;
+
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let Lifting {
+            assembler,
+            alignment,
+            parts,
+            pose: settled_pose,
+            carrier,
+            into,
+        } = self;
+        let like = settled_pose.origin.x;
+        let size = like.lit(assembler.size());
+        let height = Jet([like.zero(); 2]);
+        let mechanism = &assembler.suspension().mechanism;
+        let inverse = &assembler.home().inverse;
+        let wanted = alignment.map(|alignment| alignment.wanted(mechanism, &parts.drawn));
+        let mut closure = assembler.closure_in(parts, carrier);
+        let mut pose = constant(settled_pose);
+        let mut settled = like.one().less(like.zero());
+        let mut lost = settled;
+        let (mut before, mut earlier) = (like.zero(), like.zero());
+        // Where the pose hardly moves, what is rounded is how the parts do.
+        let mut largest = like.zero();
+        for point in &parts.drawn {
+            let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();
+            largest = larger(largest, rate);
+        }
+        let mut round = 0;
+        loop {
+            let (mut next, [x, y, z, a, b, c]) =
+                assembler.corrected(&closure, parts, height, &pose, inverse);
+            let turned = Vector3::new(a.0[1], b.0[1], c.0[1]).norm() * size;
+            let mut moved = larger(Vector3::new(x.0[1], y.0[1], z.0[1]).norm(), turned);
+            let open = !(settled | lost);
+            if let (Some(alignment), Some(wanted)) = (alignment, &wanted) {
+                alignment.correct(
+                    mechanism,
+                    wanted,
+                    parts,
+                    &mut next,
+                    #[inline(always)]
+                    |by: Series<B>| {
+                        moved = larger(moved, by.0[1].abs());
+                        let none = by.0[0].zero();
+                        // The values of the adjustments are settled.
+                        Jet([none, B::select(open, by.0[1], none)])
+                    },
+                );
+            }
+            pose = selected(open, &next, &pose);
+            largest = larger(largest, moved);
+            let ahead = match round {
+                0 => moved,
+                _ => {
+                    let ratio = moved / before;
+                    moved * B::select(ratio.less(like.one()), ratio, like.one())
+                }
+            };
+            let twice = moved + moved;
+            let contracts = match round {
+                0 | 1 => like.everywhere(),
+                _ => twice.less(before) | (twice + twice).less(earlier),
+            };
+            let is_fine = !(largest * like.lit(FINE)).less(ahead);
+            let is_coarse = !(largest * like.lit(COARSE)).less(moved);
+            let is_finite = largest.less(like.lit(f64::INFINITY));
+            let ends = open & is_finite & (is_fine | (is_coarse & !contracts));
+            lost = lost | (open & !ends & !(contracts & is_finite));
+            settled = settled | ends;
+            round += 1;
+            if round == MOST_ROUNDS || B::all(settled | lost) {
+                break;
+            }
+            (before, earlier) = (moved, before);
+            if alignment.is_some() {
+                closure = assembler.closure_in(parts, carrier);
+            }
+        }
+        assembler.place(parts, &pose, into);
+        settled
+    }
+}
+
+#[inline(always)]
+fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
+    let zero = pose.origin.x.zero();
+    let series = |v: Vector3<B>| Vector3::new(Jet([v.x, zero]), Jet([v.y, zero]), Jet([v.z, zero]));
+    let [x, y, z] = pose.rotation.columns;
+    Pose {
+        origin: series(pose.origin),
+        rotation: Matrix3 {
+            columns: [series(x), series(y), series(z)],
+        },
+    }
+}
+
+/// The values of the second, the derivatives of either.
+#[inline(always)]
+fn selected<B: SimdReal>(
+    mask: B::Mask,
+    yes: &Pose<Series<B>>,
+    no: &Pose<Series<B>>,
+) -> Pose<Series<B>> {
+    let number = |yes: Series<B>, no: Series<B>| Jet([no.0[0], B::select(mask, yes.0[1], no.0[1])]);
+    let vector = |yes: Vector3<Series<B>>, no: Vector3<Series<B>>| {
+        Vector3::new(
+            number(yes.x, no.x),
+            number(yes.y, no.y),
+            number(yes.z, no.z),
+        )
+    };
+    let ([a, b, c], [d, e, f]) = (yes.rotation.columns, no.rotation.columns);
+    Pose {
+        origin: vector(yes.origin, no.origin),
+        rotation: Matrix3 {
+            columns: [vector(a, d), vector(b, e), vector(c, f)],
+        },
+    }
+}

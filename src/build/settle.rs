@@ -1,0 +1,266 @@
+//! Corrections with one inverse, of one build or of one in each lane.
+//!
+//! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts,
+//!
+//! ```text
+//! q <- q - A F(q, parts)                                                                       (1)
+//! ```
+//!
+//! contracts as fast as the parts differ from those of that position. Where toe and camber are set again, adjustments a
+//! of the parts are unknowns beside the pose ([`Alignment`]): after (1), with M and T those of the drawing,
+//!
+//! ```text
+//! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
+//! ```
+//!
+//! T being how the pose follows an adjustment; so that is Newton's method with one inverse in all unknowns. It goes on as
+//! long as each correction is at most half of the one before; or, with adjustments, whose corrections are no lengths of the
+//! pose's kind, at most a fourth of the one before that. A lane stays as it is once it has settled, so that it depends on
+//! its own build alone.
+
+use super::alignment::{Alignment, ROUNDING};
+use super::assembler::{Assembler, Linearised};
+use super::lift::Lifting;
+use super::parts::Parts;
+use crate::mechanism::{Closure, Pose, Turn};
+use crate::number::{Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
+
+/// The most corrections; what contracts by a half each time has long settled.
+const MOST_ROUNDS: usize = 40;
+/// The farthest the carrier may move at once, relative to the size, and the most it may turn (rad).
+const FARTHEST: f64 = 0.2;
+/// The least squared leverage of a rocker of a build in lanes: a toggle is far then.
+const LEAST_LEVERAGE: f64 = 0.0625;
+
+/// Settles a pose.
+pub(super) struct Settling<'s, B> {
+    pub(super) assembler: &'s Assembler,
+    /// The parts; where they are aligned, they come to have the adjustments.
+    pub(super) parts: &'s mut Parts<B>,
+    pub(super) alignment: Option<&'s Alignment>,
+    /// Of the wheel centre above its drawn height.
+    pub(super) height: f64,
+    pub(super) from: &'s Linearised,
+    /// Room for the points of the undisplaced carrier.
+    pub(super) carrier: &'s mut Vec<Vector3<B>>,
+}
+
+impl<B: SimdReal> Outlined for Settling<'_, B> {
+    /// The pose, and the lanes in which it has settled. In the others pose and adjustments are anything.
+    type Output = (Pose<B>, B::Mask);
+
+    #[inline(always)]
+    fn work(self) -> Self::Output {
+        let Settling {
+            assembler,
+            parts,
+            alignment,
+            height,
+            from,
+            carrier,
+        } = self;
+        let like = parts.points[0].x;
+        let (one, height) = (like.one(), like.lit(height));
+        let size = like.lit(assembler.size());
+        // Adjustments are rounded as the angles are that they hold.
+        let rounding = like.lit(match alignment {
+            None => assembler.rounding(),
+            Some(_) => assembler.rounding().max(ROUNDING * assembler.size()),
+        });
+        let mechanism = &assembler.suspension().mechanism;
+        let wanted = alignment.map(|alignment| alignment.wanted(mechanism, &parts.drawn));
+        let mut closure = assembler.closure_in(parts, carrier);
+        let mut pose = constant(like, &from.pose);
+        let mut before = like.lit(FARTHEST * assembler.size());
+        // The correction before that one.
+        let mut earlier = before + before;
+        let mut settled = one.less(like.zero());
+        let mut lost = settled;
+        let mut round = 0;
+        loop {
+            let (mut next, correction) =
+                assembler.corrected(&closure, parts, height, &pose, &from.inverse);
+            let [x, y, z, a, b, c] = correction;
+            let turned = Vector3::new(a, b, c).norm() * size;
+            let mut moved = larger(Vector3::new(x, y, z).norm(), turned);
+            let open = !(settled | lost);
+            if let (Some(alignment), Some(wanted)) = (alignment, &wanted) {
+                alignment.correct(
+                    mechanism,
+                    wanted,
+                    parts,
+                    &mut next,
+                    #[inline(always)]
+                    |by| {
+                        moved = larger(moved, by.abs());
+                        B::select(open, by, by.zero())
+                    },
+                );
+            }
+            pose = selected(open, &next, &pose);
+            // What the next correction would be, if it is again this much smaller.
+            let ratio = moved / before;
+            let ahead = moved * B::select(ratio.less(one), ratio, one);
+            let ends = open & ahead.less(rounding) & !before.less(moved);
+            let twice = moved + moved;
+            let mut contracts = twice.less(before);
+            if alignment.is_some() {
+                contracts = contracts | (twice + twice).less(earlier);
+            }
+            // So that NaN is lost.
+            lost = lost | (open & !ends & !contracts);
+            settled = settled | ends;
+            round += 1;
+            if round == MOST_ROUNDS || B::all(settled | lost) {
+                return (pose, settled);
+            }
+            (before, earlier) = (moved, before);
+            if alignment.is_some() {
+                closure = assembler.closure_in(parts, carrier);
+            }
+        }
+    }
+}
+
+/// Writes the built designs of settled parts.
+struct Placing<'s, B> {
+    assembler: &'s Assembler,
+    parts: &'s Parts<B>,
+    pose: &'s Pose<B>,
+    into: &'s mut [Vector3<B>],
+}
+
+impl<B: SimdReal> Outlined for Placing<'_, B> {
+    /// The lanes whose rockers are far from their toggles.
+    type Output = B::Mask;
+
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let (assembler, into) = (self.assembler, self.into);
+        assembler.place(self.parts, self.pose, into);
+        let like = into[0].x;
+        let least = like.lit(LEAST_LEVERAGE);
+        let mut right = like.everywhere();
+        for rocker in &assembler.suspension().mechanism.rockers {
+            let [first, second, inner, outer] =
+                [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| into[id.0]);
+            let turn = Turn::of([first, second, inner, outer, outer]);
+            right = right & least.less(turn.leverage_squared);
+        }
+        right
+    }
+}
+
+/// A build in each lane, put together.
+#[derive(Clone, Copy)]
+pub(crate) struct InLanes<B: SimdReal> {
+    pose: Pose<B>,
+    /// The lanes that are right; the others are left to be put together one by one.
+    pub(crate) right: B::Mask,
+}
+
+impl Assembler {
+    /// Puts the parts of a build in each lane together with the wheel centre at its drawn height, aligns them where that is
+    /// asked for, and writes the built designs. `carrier` is room, of any content.
+    #[inline(always)]
+    pub(crate) fn assemble_in_lanes<B: SimdReal>(
+        &self,
+        alignment: Option<&Alignment>,
+        parts: &mut Parts<B>,
+        carrier: &mut Vec<Vector3<B>>,
+        into: &mut [Vector3<B>],
+    ) -> InLanes<B> {
+        let like = parts.points[0].x;
+        let (pose, settled) = like.outlined(Settling {
+            assembler: self,
+            parts,
+            alignment,
+            height: 0.0,
+            from: self.home(),
+            carrier,
+        });
+        let right = like.outlined(Placing {
+            assembler: self,
+            parts,
+            pose: &pose,
+            into,
+        });
+        InLanes {
+            pose,
+            right: settled & right,
+        }
+    }
+
+    /// The built designs of such builds as series, from parts as series with the values they have come to have. Says which
+    /// lanes are right.
+    #[inline(always)]
+    pub(crate) fn lift_in_lanes<B: SimdReal>(
+        &self,
+        alignment: Option<&Alignment>,
+        built: &InLanes<B>,
+        parts: &mut Parts<Jet<B, 2>>,
+        carrier: &mut Vec<Vector3<Jet<B, 2>>>,
+        into: &mut [Vector3<Jet<B, 2>>],
+    ) -> B::Mask {
+        built.pose.origin.x.outlined(Lifting {
+            assembler: self,
+            alignment,
+            parts,
+            pose: &built.pose,
+            carrier,
+            into,
+        })
+    }
+
+    /// The closure equations of parts; `carrier` is room.
+    #[inline(always)]
+    pub(super) fn closure_in<T: Real>(
+        &self,
+        parts: &Parts<T>,
+        carrier: &mut Vec<Vector3<T>>,
+    ) -> Closure<T> {
+        carrier.clear();
+        for number in 0..parts.points.len() {
+            carrier.push(self.in_carrier(parts, number));
+        }
+        let mechanism = &self.suspension().mechanism;
+        Closure::of_parts(mechanism, &parts.points, carrier, &parts.lengths)
+    }
+}
+
+/// The larger of two lengths; NaN if the first is.
+#[inline(always)]
+pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
+    B::select(a.less(b), b, a)
+}
+
+/// The same pose in every lane.
+#[inline(always)]
+fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
+    let shape = Vector3::new(like, like, like);
+    let [x, y, z] = pose.rotation.columns;
+    Pose {
+        origin: shape.lit(pose.origin),
+        rotation: Matrix3 {
+            columns: [shape.lit(x), shape.lit(y), shape.lit(z)],
+        },
+    }
+}
+
+#[inline(always)]
+fn selected<B: SimdReal>(mask: B::Mask, yes: &Pose<B>, no: &Pose<B>) -> Pose<B> {
+    let vector = |yes: Vector3<B>, no: Vector3<B>| {
+        Vector3::new(
+            B::select(mask, yes.x, no.x),
+            B::select(mask, yes.y, no.y),
+            B::select(mask, yes.z, no.z),
+        )
+    };
+    let ([a, b, c], [d, e, f]) = (yes.rotation.columns, no.rotation.columns);
+    Pose {
+        origin: vector(yes.origin, no.origin),
+        rotation: Matrix3 {
+            columns: [vector(a, d), vector(b, e), vector(c, f)],
+        },
+    }
+}

@@ -1,0 +1,211 @@
+//! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives by the variables.
+//!
+//! The parts of the drawing have the same derivatives by a variable in every build: they are formed once, and each group
+//! of builds settles about them. Builds that do not settle here are left to go one by one.
+
+use super::builds::Builds;
+use super::moves::Way;
+use crate::build::{Alignment, Parts};
+use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
+use crate::study::Source;
+
+/// Puts the builds of a drawing together.
+pub(super) struct LaneBuilds {
+    width: Width,
+    at_once: usize,
+    points: usize,
+    /// `[source][build]`
+    draws: Vec<f64>,
+    /// Numbers of a source.
+    stride: usize,
+    /// The built designs, one after another.
+    designs: Vec<Vector3<f64>>,
+    /// `[group][variable][point][axis][lane]`
+    ways: Vec<f64>,
+    variables: usize,
+    right: Vec<bool>,
+}
+
+impl LaneBuilds {
+    /// Of builds with these draws, build by build and source by source.
+    pub(super) fn new(draws: &[Vec<f64>], points: usize, variables: usize, width: Width) -> Self {
+        let at_once = width.lanes();
+        let stride = draws.len().next_multiple_of(MOST_LANES);
+        let sources = draws.first().map_or(0, Vec::len);
+        let mut by_source = vec![0.0; sources * stride];
+        for (build, draws) in draws.iter().enumerate() {
+            for (source, draw) in draws.iter().enumerate() {
+                by_source[source * stride + build] = *draw;
+            }
+        }
+        let groups = draws.len().div_ceil(at_once);
+        LaneBuilds {
+            width,
+            at_once,
+            points,
+            draws: by_source,
+            stride,
+            designs: vec![Vector3::default(); draws.len() * points],
+            ways: vec![0.0; groups * variables * points * 3 * at_once],
+            variables,
+            right: vec![false; draws.len()],
+        }
+    }
+
+    /// Numbers of the builds that are put together at once, group by group.
+    pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+        let (count, at_once) = (self.right.len(), self.at_once);
+        let firsts = (0..count).step_by(at_once);
+        firsts.map(move |first| first..count.min(first + at_once))
+    }
+
+    /// The designs of a group.
+    pub(super) fn designs(&self, group: &std::ops::Range<usize>) -> &[Vector3<f64>] {
+        &self.designs[group.start * self.points..group.end * self.points]
+    }
+
+    /// How every coordinate of the designs of a group moves with each variable, `[variable][point][axis][lane]`.
+    pub(super) fn ways(&self, group: &std::ops::Range<usize>) -> &[f64] {
+        let length = self.variables * self.points * 3 * self.at_once;
+        &self.ways[group.start / self.at_once * length..][..length]
+    }
+
+    /// Whether a build is right; if not, it is to be put together one by one.
+    pub(super) fn is_right(&self, build: usize) -> bool {
+        self.right[build]
+    }
+
+    /// Leaves a build to go one by one.
+    pub(super) fn refuse(&mut self, build: usize) {
+        self.right[build] = false;
+    }
+
+    /// Puts the builds of a drawing together; `drawn` are the ways of the drawing.
+    pub(super) fn assemble(
+        &mut self,
+        builds: &Builds<'_>,
+        alignment: Option<&Alignment>,
+        drawn: &[Way],
+    ) {
+        let (mechanism, parts) = (builds.mechanism(), builds.assembler().drawn());
+        let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)
+            .map(|column| {
+                let constant = |p: &Vector3<f64>| p.map(Jet::constant);
+                let mut moved: Vec<_> = parts.drawn.iter().map(constant).collect();
+                for way in drawn.iter().filter(|way| way.column == column) {
+                    let point = &mut moved[way.point];
+                    point.x.0[1] += way.by.x;
+                    point.y.0[1] += way.by.y;
+                    point.z.0[1] += way.by.z;
+                }
+                Parts::of_drawing(mechanism, &moved)
+            })
+            .collect();
+        self.width.run(Assembling {
+            lanes: self,
+            builds,
+            alignment,
+            along: &along,
+        });
+    }
+}
+
+struct Assembling<'s, 'b> {
+    lanes: &'s mut LaneBuilds,
+    builds: &'s Builds<'b>,
+    alignment: Option<&'s Alignment>,
+    /// The parts of the drawing with their derivatives by each variable.
+    along: &'s [Parts<Jet<f64, 2>>],
+}
+
+impl SimdTask for Assembling<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let Assembling {
+            lanes,
+            builds,
+            alignment,
+            along,
+        } = self;
+        let assembler = builds.assembler();
+        let mechanism = builds.mechanism();
+        let points = lanes.points;
+        let shape = Vector3::new(like, like, like);
+        let drawn = assembler.drawn().in_lanes(like);
+        let mut parts = drawn.clone();
+        let mut built = vec![shape; points];
+        let mut carrier = Vec::with_capacity(points);
+        let zero = Jet([like.zero(); 2]);
+        let nothing = Vector3::new(zero, zero, zero);
+        let mut series = Parts {
+            points: vec![nothing; points],
+            lengths: vec![zero; parts.lengths.len()],
+            drawn: vec![nothing; points],
+        };
+        let mut moving = vec![nothing; points];
+        let mut series_carrier = Vec::with_capacity(points);
+        let mut first = 0;
+        let mut place = 0;
+        while first < lanes.right.len() {
+            parts.points.copy_from_slice(&drawn.points);
+            parts.lengths.copy_from_slice(&drawn.lengths);
+            let mut draw = first;
+            for Source { changes, .. } in builds.sources() {
+                let z = like.load(&lanes.draws[draw..]);
+                for (parameter, share) in changes {
+                    parts.change(mechanism, *parameter, z.scaled(*share));
+                }
+                draw += lanes.stride;
+            }
+            let group =
+                assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut built);
+            let mut right = group.right;
+            for by in along {
+                for number in 0..points {
+                    series.points[number] =
+                        with_rate(parts.points[number], by.points[number], like);
+                    series.drawn[number] = with_rate(parts.drawn[number], by.drawn[number], like);
+                }
+                for (number, length) in by.lengths.iter().enumerate() {
+                    series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);
+                }
+                let lifted = assembler.lift_in_lanes(
+                    alignment,
+                    &group,
+                    &mut series,
+                    &mut series_carrier,
+                    &mut moving,
+                );
+                right = right & lifted;
+                for point in &moving {
+                    for rate in [point.x.0[1], point.y.0[1], point.z.0[1]] {
+                        rate.store(&mut lanes.ways[place..]);
+                        place += B::LANES;
+                    }
+                }
+            }
+            let count = (lanes.right.len() - first).min(B::LANES);
+            crate::sweep::scatter(&built, first, count, &mut lanes.designs);
+            for lane in 0..count {
+                lanes.right[first + lane] = B::lane(right, lane);
+            }
+            first += count;
+        }
+    }
+}
+
+/// A vector of the lanes with the rate of a series.
+#[inline(always)]
+fn with_rate<B: SimdReal>(
+    value: Vector3<B>,
+    rate: Vector3<Jet<f64, 2>>,
+    like: B,
+) -> Vector3<Jet<B, 2>> {
+    Vector3::new(
+        Jet([value.x, like.lit(rate.x.0[1])]),
+        Jet([value.y, like.lit(rate.y.0[1])]),
+        Jet([value.z, like.lit(rate.z.0[1])]),
+    )
+}

@@ -1,0 +1,372 @@
+//! Percentiles: of n values the smallest that so many percent of them do not exceed, exactly, in bounded memory.
+//!
+//! Of every value a few *windows* are kept, within which percentiles can still lie; outside only counts are. Whenever the
+//! number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds lies between those order
+//! statistics of the n that are
+//!
+//! ```text
+//! n p +- (7 sqrt(n p (1 - p)) + 24)
+//! ```
+//!
+//! (of a binomial number less than one in 10^10 is farther from its mean). What is kept grows as the root of n; equal values
+//! are kept as one. If a percentile
+//! came to lie outside all the same it would be known to, and have no value. Which windows a thread happens to use
+//! changes nothing: results have the same bytes for any number of threads.
+
+use super::PERCENTILES;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Builds at which windows narrow for the first time.
+const FIRST: u64 = 4096;
+/// Fewer values than these are kept even if they are equal.
+const FEW: usize = 4096;
+/// The most windows of a value.
+const MOST: usize = PERCENTILES.len();
+/// A window of nothing.
+const NONE: [f64; 2] = [f64::INFINITY; 2];
+
+/// The windows of every value, by cell, each from its least to its greatest value, by rising values.
+type Windows = Vec<[[f64; 2]; MOST]>;
+
+/// What some builds add.
+pub(super) struct Sifted {
+    windows: Arc<Windows>,
+    /// `[cell]`: how many values are below the first window, between the first and the second, and so on.
+    between: Vec<[u32; MOST + 1]>,
+    /// Values within windows, cell after cell.
+    kept: Vec<f64>,
+    /// Where those of each cell end.
+    ends: Vec<usize>,
+}
+
+/// The order of all values.
+pub(super) struct Order {
+    /// For whoever sifts.
+    windows: Mutex<Arc<Windows>>,
+}
+
+/// What has been gathered.
+pub(super) struct Gathered {
+    windows: Arc<Windows>,
+    cells: Vec<Cell>,
+    narrows_at: u64,
+}
+
+/// The values of a cell.
+#[derive(Clone, Default)]
+struct Cell {
+    between: [u64; MOST + 1],
+    /// Values within windows, and how often each is there.
+    kept: Vec<(f64, u64)>,
+    /// The length at which equal values are looked for again.
+    compact_at: usize,
+}
+
+impl Order {
+    /// Of so many cells; every value is kept at first.
+    pub(super) fn of(cells: usize) -> (Order, Gathered) {
+        let mut all = [NONE; MOST];
+        all[0] = [f64::NEG_INFINITY, f64::INFINITY];
+        let windows = Arc::new(vec![all; cells]);
+        let order = Order {
+            windows: Mutex::new(windows.clone()),
+        };
+        let gathered = Gathered {
+            windows,
+            cells: vec![Cell::default(); cells],
+            narrows_at: FIRST,
+        };
+        (order, gathered)
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Arc<Windows>> {
+        self.windows.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Ready to sift the values of some builds.
+    pub(super) fn begin(&self) -> Sifted {
+        let windows = self.lock().clone();
+        Sifted {
+            between: Vec::with_capacity(windows.len()),
+            kept: Vec::new(),
+            ends: Vec::with_capacity(windows.len()),
+            windows,
+        }
+    }
+}
+
+impl Sifted {
+    /// Adds the values of the next cell; NaN is none.
+    pub(super) fn cell<'v>(&mut self, values: impl Iterator<Item = &'v [f64]>) {
+        let windows = &self.windows[self.between.len()];
+        let used = windows.iter().take_while(|w| **w != NONE).count();
+        let windows = &windows[..used];
+        let mut between = [0_u32; MOST + 1];
+        for values in values {
+            for value in values {
+                let (mut above, mut inside) = (0, false);
+                for [least, greatest] in windows {
+                    above += usize::from(value > greatest);
+                    inside |= value >= least && value <= greatest;
+                }
+                if inside {
+                    self.kept.push(*value);
+                } else {
+                    between[above] += u32::from(!value.is_nan());
+                }
+            }
+        }
+        self.between.push(between);
+        self.ends.push(self.kept.len());
+    }
+}
+
+impl Gathered {
+    /// Takes what some builds add; `builds` are those so far.
+    pub(super) fn take(&mut self, sifted: &Sifted, builds: u64, order: &Order) {
+        let mut first = 0;
+        for (number, cell) in self.cells.iter_mut().enumerate() {
+            let (now, then) = (&self.windows[number], &sifted.windows[number]);
+            // Windows may have narrowed since: each lies within one that was.
+            for (gap, count) in sifted.between[number].iter().enumerate() {
+                cell.between[moved(gap, then, now)] += u64::from(*count);
+            }
+            let end = sifted.ends[number];
+            for value in &sifted.kept[first..end] {
+                cell.add(*value, 1, now);
+            }
+            first = end;
+            if cell.kept.len() >= cell.compact_at {
+                cell.compact();
+            }
+        }
+        if builds >= self.narrows_at {
+            self.narrows_at = 2 * builds;
+            self.narrow();
+            *order.lock() = self.windows.clone();
+        }
+    }
+
+    fn narrow(&mut self) {
+        let cells = self.cells.par_iter_mut().zip(&self.windows[..]);
+        let windows = cells.map(|(cell, windows)| cell.narrow(windows));
+        self.windows = Arc::new(windows.collect());
+    }
+
+    /// The percentiles of a cell; NaN without values.
+    pub(super) fn percentiles(&mut self, cell: usize) -> [f64; MOST] {
+        let windows = &self.windows[cell];
+        let cell = &mut self.cells[cell];
+        cell.compact();
+        let ranks = Ranks::of(cell, windows);
+        PERCENTILES.map(|percent| {
+            let number = (percent / 100.0 * ranks.count as f64).ceil().max(1.0) as u64;
+            ranks.at(number - 1).unwrap_or(f64::NAN)
+        })
+    }
+}
+
+impl Cell {
+    fn count(&self) -> u64 {
+        let kept: u64 = self.kept.iter().map(|(_, count)| count).sum();
+        self.between.iter().sum::<u64>() + kept
+    }
+
+    fn add(&mut self, value: f64, count: u64, windows: &[[f64; 2]; MOST]) {
+        let above = windows.iter().filter(|w| value > w[1]).count();
+        match windows.get(above).is_some_and(|w| value >= w[0]) {
+            true => self.kept.push((value, count)),
+            false => self.between[above] += count,
+        }
+    }
+
+    /// Sorts what is kept; equal values become one.
+    fn compact(&mut self) {
+        self.kept.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        self.kept.dedup_by(|next, last| {
+            let is_equal = next.0 == last.0;
+            last.1 += u64::from(is_equal) * next.1;
+            is_equal
+        });
+        self.compact_at = 2 * self.kept.len() + FEW;
+    }
+
+    /// Narrows the windows to what can still be a percentile.
+    fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
+        self.compact();
+        let ranks = Ranks::of(self, windows);
+        let (count, n) = (ranks.count, ranks.count as f64);
+        if count == 0 {
+            return *windows;
+        }
+        let mut into = [NONE; MOST];
+        let mut used = 0;
+        for percent in PERCENTILES {
+            let p = percent / 100.0;
+            let middle = ranks.at(((n * p) as u64).min(count - 1));
+            let own = middle.and_then(|m| windows.iter().find(|w| w[0] <= m && m <= w[1]));
+            let Some(own) = own else {
+                continue;
+            };
+            // Where there are not so many values, or the one is in no window, a window reaches as far as it did.
+            let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
+            let least = (n * p - reach).floor();
+            let least = match least < 0.0 {
+                true => None,
+                false => ranks.at(least as u64),
+            };
+            let greatest = ranks.at((n * p + reach).ceil() as u64);
+            let window = [
+                least.map_or(own[0], |v| v.max(own[0])),
+                greatest.map_or(own[1], |v| v.min(own[1])),
+            ];
+            match into[..used].last_mut() {
+                Some(last) if window[0] <= last[1] => last[1] = last[1].max(window[1]),
+                _ => {
+                    into[used] = window;
+                    used += 1;
+                }
+            }
+        }
+        let between = std::mem::take(&mut self.between);
+        for (gap, count) in between.into_iter().enumerate() {
+            self.between[moved(gap, windows, &into)] += count;
+        }
+        for (value, count) in std::mem::take(&mut self.kept) {
+            self.add(value, count, &into);
+        }
+        into
+    }
+}
+
+/// Where what lay between windows lies between those that each lie within one of them.
+fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
+    match gap {
+        0 => 0,
+        _ => now.iter().filter(|w| w[1] <= then[gap - 1][1]).count(),
+    }
+}
+
+/// The values of a cell by number, the least being number 0.
+struct Ranks<'c> {
+    cell: &'c Cell,
+    windows: &'c [[f64; 2]; MOST],
+    /// How many of the values that are kept come before each, and in all.
+    before: Vec<u64>,
+    count: u64,
+}
+
+impl<'c> Ranks<'c> {
+    /// Of a cell that is compact.
+    fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
+        let mut before = Vec::with_capacity(cell.kept.len() + 1);
+        let mut sum = 0;
+        before.push(0);
+        for (_, count) in &cell.kept {
+            sum += count;
+            before.push(sum);
+        }
+        Ranks {
+            cell,
+            windows,
+            before,
+            count: cell.count(),
+        }
+    }
+
+    /// The value of a number; none where it lies in no window.
+    fn at(&self, number: u64) -> Option<f64> {
+        let (mut below, mut first) = (0, 0);
+        for (between, [_, greatest]) in self.cell.between.iter().zip(self.windows) {
+            below += between;
+            let end = self.cell.kept.partition_point(|(v, _)| v <= greatest);
+            if number < below + self.before[end] {
+                let kept = number.checked_sub(below)?;
+                let place = self.before.partition_point(|before| *before <= kept) - 1;
+                return (place >= first).then(|| self.cell.kept[place].0);
+            }
+            first = end;
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::uniform;
+    use crate::tolerance::normal_quantile;
+
+    const BLOCK: usize = 128;
+
+    /// What normal, few-valued, rising and missing values come to, block by block; every third block is sifted by windows
+    /// that are two blocks old.
+    fn gathered(builds: usize) -> (Vec<Vec<f64>>, Order, Gathered) {
+        let value = |cell: usize, build: usize| {
+            let fraction = uniform(build as u64, cell, 9);
+            match cell {
+                0 => normal_quantile(fraction + 1e-17),
+                1 => (fraction * 3.0).floor(),
+                2 => build as f64,
+                _ if fraction < 0.4 => f64::NAN,
+                _ => fraction,
+            }
+        };
+        let (order, mut gathered) = Order::of(4);
+        let mut all = vec![Vec::new(); 4];
+        let mut old: Option<Sifted> = None;
+        for first in (0..builds).step_by(BLOCK) {
+            let last = (first + BLOCK).min(builds);
+            let mut sifted = match first / BLOCK % 3 {
+                2 => old.take().unwrap(),
+                _ => order.begin(),
+            };
+            if first / BLOCK % 3 == 0 {
+                old = Some(order.begin());
+            }
+            for (cell, all) in all.iter_mut().enumerate() {
+                let values: Vec<f64> = (first..last).map(|build| value(cell, build)).collect();
+                sifted.cell(values.chunks(16));
+                all.extend(values.into_iter().filter(|v| !v.is_nan()));
+            }
+            gathered.take(&sifted, last as u64, &order);
+        }
+        (all, order, gathered)
+    }
+
+    #[test]
+    fn percentiles_are_order_statistics() {
+        for builds in [1, 2, 100, 4096, 10_000, 150_000] {
+            let (all, _, mut gathered) = gathered(builds);
+            for (cell, mut values) in all.into_iter().enumerate() {
+                values.sort_unstable_by(f64::total_cmp);
+                let found = gathered.percentiles(cell);
+                // What rises with its number is no sample: where it is not known it is said not to be.
+                let is_sample = cell != 2;
+                for (percent, found) in PERCENTILES.into_iter().zip(found) {
+                    let number = (percent / 100.0 * values.len() as f64).ceil().max(1.0);
+                    let Some(expected) = values.get(number as usize - 1) else {
+                        assert!(found.is_nan());
+                        continue;
+                    };
+                    assert!(
+                        found == *expected || (!is_sample && found.is_nan()),
+                        "{cell} {percent} of {builds}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_kept_grows_as_the_root_of_the_number() {
+        let kept = |cell: usize, builds: usize| {
+            let (_, _, gathered) = gathered(builds);
+            gathered.cells[cell].kept.len()
+        };
+        let (few, many) = (kept(0, 8192), kept(0, 131_072));
+        assert!(few < 5000 && many < 5 * few, "{few} {many}");
+        assert!(kept(1, 131_072) < 2 * FEW + 10);
+    }
+}

@@ -163,10 +163,11 @@ impl SimdTask for Assembling<'_, '_> {
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut built);
             let mut right = group.right;
             for by in along {
-                for number in 0..points {
-                    series.points[number] =
-                        with_rate(parts.points[number], by.points[number], like);
-                    series.drawn[number] = with_rate(parts.drawn[number], by.drawn[number], like);
+                for (number, point) in series.points.iter_mut().enumerate() {
+                    *point = with_rate(parts.points[number], by.points[number], like);
+                }
+                for (number, point) in series.drawn.iter_mut().enumerate() {
+                    *point = with_rate(parts.drawn[number], by.drawn[number], like);
                 }
                 for (number, length) in by.lengths.iter().enumerate() {
                     series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);

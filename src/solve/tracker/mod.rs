@@ -481,9 +481,10 @@ impl Batch<'_> {
         let (mut filled, mut group) = (0, 0);
         for (number, place) in places.iter().enumerate() {
             if place.station.is_some() {
-                for k in 0..unknowns {
-                    history[unknowns * number + k].store(&mut first_lane);
-                    lanes[k][filled..].fill(first_lane[0]);
+                let here = &history[unknowns * number..];
+                for (lanes, unknown) in lanes[..unknowns].iter_mut().zip(here) {
+                    unknown.store(&mut first_lane);
+                    lanes[filled..].fill(first_lane[0]);
                 }
                 values[filled..].fill(place.value);
                 filled += 1;
@@ -507,8 +508,8 @@ impl Batch<'_> {
                 }
                 (Method::Linkage(way), Form::Linkage(form)) => {
                     let mut unknowns = [like; linkage::UNKNOWNS];
-                    for k in 0..linkage::UNKNOWNS {
-                        unknowns[k] = like.load(&lanes[k]);
+                    for (unknown, lanes) in unknowns.iter_mut().zip(&lanes) {
+                        *unknown = like.load(lanes);
                     }
                     way.revisit(
                         form,

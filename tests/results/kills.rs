@@ -27,9 +27,17 @@ fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     }
 }
 
+/// How much room there is for the files of the second run.
+#[derive(Clone, Copy, PartialEq)]
+enum Disk {
+    Empty,
+    /// It fills at random: some run out before anything is written, some in the last file.
+    Fills,
+}
+
 /// Sweeps and tunings killed at random moments, each with a second run in the same directory: what they leave is
 /// whole, what is of others is untouched, and the next run ends with the bytes of one that was left alone.
-fn kill(rounds: u64, samples: &str) {
+fn kill(rounds: u64, samples: &str, disk: Disk) {
     let bench = Bench::new();
     let many = format!("sweep.samples={samples}");
     let sweep = ["sweep", "study.toml", "--set", &many, "--out"];
@@ -40,7 +48,7 @@ fn kill(rounds: u64, samples: &str) {
         "optimise.starts=60",
         "--out",
     ];
-    let mut seed = 17;
+    let (mut seed, mut full_disks) = (17, 0);
     for (call, resume) in [(&sweep, true), (&tuning, false)] {
         let begun = Instant::now();
         bench.run(&[&call[..], &["whole"]].concat()).success();
@@ -65,14 +73,25 @@ fn kill(rounds: u64, samples: &str) {
                 let call = [&call[..], &[&run], more].concat();
                 let mut first = bench.start(&call);
                 sleep(time.mul_f64(1.1 * fraction(&mut seed)));
-                let second = bench.start(&call);
+                let second = match disk {
+                    Disk::Empty => bench.start(&call),
+                    Disk::Fills => {
+                        let blocks = 2.0 * 1024.0_f64.powf(1.3 * fraction(&mut seed));
+                        bench.start_with_room(&call, blocks as u64)
+                    }
+                };
                 sleep(Duration::from_millis((30.0 * fraction(&mut seed)) as u64));
                 first.kill().unwrap();
                 first.wait().unwrap();
                 // It has found the directory taken, or free and as the first has left it.
                 let second = second.wait_with_output().unwrap();
                 let said = String::from_utf8_lossy(&second.stderr);
-                assert!(matches!(second.status.code(), Some(0 | 2)), "{said}");
+                let is_full = said.contains("cannot write");
+                full_disks += usize::from(is_full);
+                match is_full && disk == Disk::Fills {
+                    false => assert!(matches!(second.status.code(), Some(0 | 2)), "{said}"),
+                    true => assert!(matches!(second.status.code(), Some(1 | 2)), "{said}"),
+                }
                 for name in ["notes.txt", "curves_of_mine.csv"] {
                     assert_eq!(fs::read(directory.join(name)).unwrap(), b"mine");
                 }
@@ -91,16 +110,31 @@ fn kill(rounds: u64, samples: &str) {
         }
         fs::remove_dir_all(bench.path("whole")).unwrap();
     }
+    assert!(disk == Disk::Empty || full_disks > 0);
 }
 
 #[test]
 fn a_dozen_kills_lose_nothing() {
-    kill(3, "20000");
+    kill(3, "20000", Disk::Empty);
+}
+
+/// The disk of whoever comes second is full, as a limit on the size of files.
+#[cfg(unix)]
+#[test]
+fn kills_on_a_full_disk_lose_nothing() {
+    kill(2, "20000", Disk::Fills);
 }
 
 /// Run by `.ci/long`: two sweeps or tunings are killed in each round, some in the middle of a second part.
 #[test]
 #[ignore = "takes minutes"]
 fn a_hundred_kills_lose_nothing() {
-    kill(25, "150000");
+    kill(25, "150000", Disk::Empty);
+}
+
+#[cfg(unix)]
+#[test]
+#[ignore = "takes minutes"]
+fn a_hundred_kills_on_a_full_disk_lose_nothing() {
+    kill(25, "150000", Disk::Fills);
 }

@@ -70,6 +70,18 @@ impl Bench {
         command.spawn().unwrap()
     }
 
+    /// The same where files may be no longer than so many blocks of 512 or 1024 bytes.
+    fn start_with_room(&self, arguments: &[&str], blocks: u64) -> Child {
+        // SIGXFSZ would kill it, a full disk would not.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.current_dir(self.0.path()).args(["-c", &script]);
+        let program = assert_cmd::cargo::cargo_bin("hardpoint");
+        shell.arg(program).args(arguments);
+        shell.stdout(Stdio::null()).stderr(Stdio::piped());
+        shell.spawn().unwrap()
+    }
+
     /// A call that is refused: what it says, which must have all the phrases.
     fn refused(&self, arguments: &[&str], phrases: &[&str]) {
         let assert = self.run(arguments).code(2);

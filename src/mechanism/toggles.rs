@@ -32,6 +32,9 @@ pub struct Toggles {
 /// A set of rockers, by number.
 type Stuck = u32;
 
+/// The rockers at a toggle, and where the rods of all that are watched are.
+type Seen = (Stuck, Vec<RodReach<f64>>);
+
 /// Where the march was last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
@@ -164,7 +167,7 @@ impl Toggles {
     /// so much of the way on.
     fn between(
         &self,
-        look: &mut dyn FnMut(f64, Stuck) -> Option<(Stuck, Vec<RodReach<f64>>)>,
+        look: &mut dyn FnMut(f64, Stuck) -> Option<Seen>,
         [from, to]: [f64; 2],
         ends: [&[RodReach<f64>]; 2],
         stuck: Stuck,
@@ -198,12 +201,7 @@ impl Toggles {
 
     /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
     /// a one turns; and where their rods are.
-    fn seen<T: Real>(
-        &self,
-        at: &Configuration<T>,
-        before: Stuck,
-        now: impl Fn(T) -> f64,
-    ) -> (Stuck, Vec<RodReach<f64>>) {
+    fn seen<T: Real>(&self, at: &Configuration<T>, before: Stuck, now: impl Fn(T) -> f64) -> Seen {
         let mechanism = at.mechanism;
         let (mut stuck, mut rods) = (before, Vec::with_capacity(self.watched.len()));
         for rocker in &self.watched {

@@ -322,7 +322,7 @@ mod tests {
                 2 => old.take().unwrap(),
                 _ => order.begin(),
             };
-            if first / BLOCK % 3 == 0 {
+            if (first / BLOCK).is_multiple_of(3) {
                 old = Some(order.begin());
             }
             for (cell, all) in all.iter_mut().enumerate() {

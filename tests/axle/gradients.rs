@@ -132,7 +132,7 @@ fn an_axle_is_a_function_of_its_design() {
                 values(moved)
             };
             let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut at);
-            for k in 0..outputs.len() {
+            for (k, output) in outputs.iter().enumerate() {
                 let row = k * stations..(k + 1) * stations;
                 let scale = row
                     .clone()
@@ -144,8 +144,7 @@ fn an_axle_is_a_function_of_its_design() {
                     let bound = 1e-5 * scale + 1e-10 * there[i].abs().max(1.0) / h;
                     assert!(
                         (found - slope).abs() < bound,
-                        "{} {j}: {found} {slope}",
-                        outputs[k]
+                        "{output} {j}: {found} {slope}"
                     );
                 }
             }

@@ -297,14 +297,13 @@ impl<T: Real> Matrix3<T> {
     fn turned_here(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
-        let [x, y, z] = self.columns;
-        let turned = |column: Vector3<T>| {
-            let across = rodrigues.cross(column);
-            column + (across + rodrigues.cross(across)) * factor
-        };
-        Matrix3 {
-            columns: [turned(x), turned(y), turned(z)],
+        // No closure: the compiler might leave it as a call, compiled for no lanes.
+        let mut columns = self.columns;
+        for column in &mut columns {
+            let across = rodrigues.cross(*column);
+            *column = *column + (across + rodrigues.cross(across)) * factor;
         }
+        Matrix3 { columns }
     }
 
     /// The nearest rotation, to second order in the deviation: one Newton step of the polar

@@ -44,7 +44,7 @@ pub trait Real:
     /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
     /// function that is compiled for them.
     const IN_REGISTERS: bool = false;
-    /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see [`called`]).
+    /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see `called`).
     const IS_NESTED: bool = false;
     /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would
     /// take the other with it.

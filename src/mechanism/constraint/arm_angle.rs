@@ -61,7 +61,7 @@ impl<T: Real> ArmAngle<T> {
         (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let arm = Turned::of(at);
         let (e, from, to) = (arm.axis, arm.designed, arm.now);

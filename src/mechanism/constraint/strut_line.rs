@@ -68,7 +68,7 @@ impl<T: Real> StrutLine<T> {
         at.pose.rotation.apply(self.normal).dot(gap) - self.offset
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let StrutLine { top, normal, .. } = *self;
         let gap = at.point(top) - at.pose.origin;

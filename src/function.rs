@@ -297,7 +297,8 @@ impl DesignFunction {
 
     /// Numbers of an evaluation of one design: outputs times stations.
     pub fn len(&self) -> usize {
-        self.outputs().len() * self.stations()
+        let of_axle = self.axle.as_ref().map(|course| course.columns.len());
+        of_axle.unwrap_or(self.outputs.len()) * self.stations()
     }
 
     /// Whether there is nothing to evaluate; there always is.

@@ -122,13 +122,12 @@ impl<B: SimdReal> Outlined for Lifting<'_, B> {
 
 #[inline(always)]
 fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
-    let zero = pose.origin.x.zero();
-    let series = |v: Vector3<B>| Vector3::new(Jet([v.x, zero]), Jet([v.y, zero]), Jet([v.z, zero]));
+    let zero = pose.origin.zero();
     let [x, y, z] = pose.rotation.columns;
     Pose {
-        origin: series(pose.origin),
+        origin: pose.origin.with_rate(zero),
         rotation: Matrix3 {
-            columns: [series(x), series(y), series(z)],
+            columns: [x.with_rate(zero), y.with_rate(zero), z.with_rate(zero)],
         },
     }
 }

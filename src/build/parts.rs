@@ -162,6 +162,32 @@ impl<T: Real> Parts<T> {
     }
 }
 
+impl<B: SimdReal> Parts<B> {
+    /// Makes these the parts of a drawing that scatter, of a build in each lane: what changes with each number that is
+    /// drawn, by how much per unit; and of the numbers, `[source][build]`, the first build's place and the distance from
+    /// source to source.
+    #[inline(always)]
+    pub(crate) fn scatter<'c>(
+        &mut self,
+        mechanism: &Mechanism,
+        drawn: &Self,
+        sources: impl Iterator<Item = &'c [(BuildParameter, f64)]>,
+        (draws, first, stride): (&[f64], usize, usize),
+    ) {
+        self.points.copy_from_slice(&drawn.points);
+        self.lengths.copy_from_slice(&drawn.lengths);
+        let like = drawn.points[0].x;
+        let mut place = first;
+        for changes in sources {
+            let z = like.load(&draws[place..]);
+            for (parameter, share) in changes {
+                self.change(mechanism, *parameter, z.scaled(*share));
+            }
+            place += stride;
+        }
+    }
+}
+
 /// Whether a point is one of the body; the rack's are.
 #[inline(always)]
 pub(crate) fn is_of_body(mechanism: &Mechanism, id: PointId) -> bool {

@@ -1,6 +1,6 @@
 //! The study of an imported wheel: a text that runs as it is.
 
-use super::import::Imported;
+use super::import::{Hardpoint, Imported};
 use crate::characteristics::Characteristic;
 use crate::curves::curves;
 use crate::model::LengthUnit;
@@ -146,47 +146,59 @@ impl Imported {
     }
 
     /// Where the ends of springs and rods stand, as far as the file says what is not so anyway.
-    fn bodies(&self) -> Vec<(&'static str, String)> {
+    fn bodies(&self) -> Vec<(&'static str, &'static str)> {
+        let seats = self.seats().into_iter();
+        let said = seats.filter_map(|seat| Some((seat.hardpoint, seat.usual, seat.said?)));
+        said.filter(|(_, usual, said)| said != usual)
+            .map(|(hardpoint, _, said)| (hardpoint, said))
+            .collect()
+    }
+
+    /// Where the ends of springs and rods are taken to stand that the file says nothing of.
+    pub(super) fn assumed_bodies(&self) -> Option<String> {
+        let seats = self.seats().into_iter().filter(|seat| seat.said.is_none());
+        let name =
+            |seat: Seat| format!("{} on the {}", seat.hardpoint, seat.usual.replace('_', " "));
+        let assumed: Vec<String> = seats.map(name).collect();
+        (!assumed.is_empty()).then(|| {
+            format!(
+                "bodies: {} is assumed, since the file says none; [suspension.bodies] says others",
+                assumed.join(", ")
+            )
+        })
+    }
+
+    /// The hardpoints that may stand on several bodies.
+    fn seats(&self) -> Vec<Seat> {
         let names: Vec<&'static str> = self.hardpoints.iter().map(|h| h.name).collect();
         let mechanism = (self.topology.build)(self.topology, &names);
-        let given = self.hardpoints.iter().filter_map(|hardpoint| {
-            let written = hardpoint.body.as_deref()?;
+        let seat = |hardpoint: &Hardpoint| {
             let id = mechanism.point(hardpoint.name)?;
             let possible = mechanism.possible_bodies(id);
-            let (name, body) = possible.iter().find(|(name, _)| *name == written)?;
-            (*body != mechanism.body(id)).then(|| (hardpoint.name, (*name).to_owned()))
-        });
-        given.collect()
+            let usual = possible
+                .iter()
+                .find(|(_, body)| *body == mechanism.body(id));
+            let said = possible
+                .iter()
+                .find(|(name, _)| hardpoint.body.as_deref() == Some(name));
+            let seat = Seat {
+                hardpoint: hardpoint.name,
+                usual: usual?.0,
+                said: said.map(|(name, _)| *name),
+            };
+            (possible.len() > 1).then_some(seat)
+        };
+        self.hardpoints.iter().filter_map(seat).collect()
     }
 }
 
-/// Where the ends of springs and rods are taken to stand that the file says nothing of.
-pub(super) fn assumed_bodies(imported: &Imported) -> Option<String> {
-    let names: Vec<&'static str> = imported.hardpoints.iter().map(|h| h.name).collect();
-    let mechanism = (imported.topology.build)(imported.topology, &names);
-    let assumed = imported.hardpoints.iter().filter_map(|hardpoint| {
-        let id = mechanism.point(hardpoint.name)?;
-        let possible = mechanism.possible_bodies(id);
-        let is_said = |name: &str| hardpoint.body.as_deref() == Some(name);
-        if possible.len() < 2 || possible.iter().any(|(name, _)| is_said(name)) {
-            return None;
-        }
-        let (usual, _) = possible
-            .iter()
-            .find(|(_, body)| *body == mechanism.body(id))?;
-        Some(format!(
-            "{} on the {}",
-            hardpoint.name,
-            usual.replace('_', " ")
-        ))
-    });
-    let assumed: Vec<String> = assumed.collect();
-    (!assumed.is_empty()).then(|| {
-        format!(
-            "bodies: {} is assumed, since the file says none; [suspension.bodies] says others",
-            assumed.join(", ")
-        )
-    })
+/// A hardpoint that may stand on several bodies.
+struct Seat {
+    hardpoint: &'static str,
+    /// Where it stands if nobody says another.
+    usual: &'static str,
+    /// Where the file says that it stands.
+    said: Option<&'static str>,
 }
 
 /// A text for a comment.

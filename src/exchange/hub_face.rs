@@ -30,11 +30,8 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let Some(offset) = figure(OFFSET) else {
         return Ok(());
     };
-    let millimetre = match table.unit.unwrap_or(LengthUnit::Millimetre) {
-        LengthUnit::Millimetre => 1.0,
-        LengthUnit::Metre => 1e-3,
-        LengthUnit::Inch => 1.0 / 25.4,
-    };
+    let unit = table.unit.unwrap_or(LengthUnit::Millimetre);
+    let millimetre = unit.per_metre() / 1000.0;
     let tyre = (
         figure(RIM_DIAMETER),
         figure(SECTION_WIDTH),

@@ -1,7 +1,6 @@
 //! A study from a file of points: who is who, which wheel, which axes, which unit. What is guessed is
 //! said; what is not certain is refused.
 
-use super::compose;
 use super::names::{self, Figure, Words};
 use super::orientation::Directions;
 use super::points::{NamedPoint, PointTable};
@@ -114,7 +113,7 @@ pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, Strin
         notes,
     };
     figures(table, wheel, &mut imported)?;
-    imported.notes.extend(compose::assumed_bodies(&imported));
+    imported.notes.extend(imported.assumed_bodies());
     Ok(imported)
 }
 

@@ -16,7 +16,7 @@ use crate::study::AxleStudy;
 #[derive(Clone, Debug)]
 pub(super) struct AxleCourse {
     pub both: AxleStudy,
-    columns: Vec<AxleColumn>,
+    pub columns: Vec<AxleColumn>,
     pub placements: Vec<Placement>,
 }
 

@@ -7,7 +7,6 @@ use super::builds::Builds;
 use super::moves::Way;
 use crate::build::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::study::Source;
 
 /// Puts the builds of a drawing together.
 pub(super) struct LaneBuilds {
@@ -149,25 +148,18 @@ impl SimdTask for Assembling<'_, '_> {
         let mut first = 0;
         let mut place = 0;
         while first < lanes.right.len() {
-            parts.points.copy_from_slice(&drawn.points);
-            parts.lengths.copy_from_slice(&drawn.lengths);
-            let mut draw = first;
-            for Source { changes, .. } in builds.sources() {
-                let z = like.load(&lanes.draws[draw..]);
-                for (parameter, share) in changes {
-                    parts.change(mechanism, *parameter, z.scaled(*share));
-                }
-                draw += lanes.stride;
-            }
+            let changes = builds.sources().map(|source| &source.changes[..]);
+            let numbers = (&lanes.draws[..], first, lanes.stride);
+            parts.scatter(mechanism, &drawn, changes, numbers);
             let group =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut built);
             let mut right = group.right;
             for by in along {
                 for (number, point) in series.points.iter_mut().enumerate() {
-                    *point = with_rate(parts.points[number], by.points[number], like);
+                    *point = with_rate(parts.points[number], by.points[number]);
                 }
                 for (number, point) in series.drawn.iter_mut().enumerate() {
-                    *point = with_rate(parts.drawn[number], by.drawn[number], like);
+                    *point = with_rate(parts.drawn[number], by.drawn[number]);
                 }
                 for (number, length) in by.lengths.iter().enumerate() {
                     series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);
@@ -199,14 +191,7 @@ impl SimdTask for Assembling<'_, '_> {
 
 /// A vector of the lanes with the rate of a series.
 #[inline(always)]
-fn with_rate<B: SimdReal>(
-    value: Vector3<B>,
-    rate: Vector3<Jet<f64, 2>>,
-    like: B,
-) -> Vector3<Jet<B, 2>> {
-    Vector3::new(
-        Jet([value.x, like.lit(rate.x.0[1])]),
-        Jet([value.y, like.lit(rate.y.0[1])]),
-        Jet([value.z, like.lit(rate.z.0[1])]),
-    )
+fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
+    let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);
+    value.with_rate(value.lit(rate))
 }

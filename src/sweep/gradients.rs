@@ -351,25 +351,8 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             let design = along.design(reader.mechanism(), &group);
             (along, design)
         });
-        let mut reading = Differentiating {
-            reader,
-            series: series.as_ref(),
-            series_gradient: vec![
-                Vector3::new(zero, zero, zero)
-                    .with_rate(Vector3::new(zero, zero, zero));
-                found.points
-            ],
-            wheels: &wheels,
-            members: &members,
-            inputs: reader.inputs(&wheels),
-            rack: like,
-            right: like.everywhere(),
-            count: stations.count(),
-            first: 0,
-            task: self.task,
-            sum: zero,
-            found,
-        };
+        let read = (&*reader, series.as_ref(), &wheels, &members);
+        let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         let mut rack = 0;
         while rack < stations.racks.len() {
             reading.first = stations.number(rack, 0);
@@ -435,25 +418,9 @@ impl SimdTask for OfOne<'_, '_, '_> {
             let design = along.design(reader.mechanism(), &group);
             (along, design)
         });
-        let mut reading = Differentiating {
-            reader,
-            series: series.as_ref(),
-            series_gradient: vec![
-                Vector3::new(zero, zero, zero)
-                    .with_rate(Vector3::new(zero, zero, zero));
-                found.points
-            ],
-            wheels: &wheels,
-            members: &members,
-            inputs: reader.inputs(&wheels),
-            rack: like.lit(stations.racks[0]),
-            right: like.everywhere(),
-            count: stations.count(),
-            first: 0,
-            task: self.task,
-            sum: zero,
-            found,
-        };
+        let read = (&*reader, series.as_ref(), &wheels, &members);
+        let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
+        reading.rack = like.lit(stations.racks[0]);
         batch.revisit(&design, 0, &history, &mut reading);
         right[0] = B::all(reading.right);
     }
@@ -523,6 +490,44 @@ struct Differentiating<'r, 't, B: SimdReal> {
     /// Of the deviations so far.
     sum: B,
     found: &'r mut Found,
+}
+
+/// What a pose is read and differentiated with: reader, designs along the travel, wheels and members.
+type ReadWith<'r, B> = (
+    &'r LaneReader<'r>,
+    Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
+    &'r LaneWheels<B>,
+    &'r LaneMembers<B>,
+);
+
+impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
+    /// Before the first station, the rack in its place in the design.
+    #[inline(always)]
+    fn of(
+        like: B,
+        (reader, series, wheels, members): ReadWith<'r, B>,
+        count: usize,
+        task: Task<'t>,
+        found: &'r mut Found,
+    ) -> Self {
+        let zero = like.zero();
+        let nothing = Vector3::new(zero, zero, zero);
+        Differentiating {
+            reader,
+            series,
+            series_gradient: vec![nothing.with_rate(nothing); found.points],
+            wheels,
+            members,
+            inputs: reader.inputs(wheels),
+            rack: zero,
+            right: like.everywhere(),
+            count,
+            first: 0,
+            task,
+            sum: zero,
+            found,
+        }
+    }
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {

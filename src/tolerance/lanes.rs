@@ -64,18 +64,9 @@ impl SimdTask for Assembling<'_, '_> {
         let mut carrier = Vec::with_capacity(points);
         let mut first = 0;
         while first < self.count {
-            parts.points.copy_from_slice(&drawn.points);
-            parts.lengths.copy_from_slice(&drawn.lengths);
-            let mut place = first;
-            for contributor in &problem.tolerance.scatter {
-                for source in &contributor.sources {
-                    let z = like.load(&draws[place..]);
-                    for (parameter, share) in &source.changes {
-                        parts.change(mechanism, *parameter, z.scaled(*share));
-                    }
-                    place += BLOCK;
-                }
-            }
+            let sources = problem.tolerance.scatter.iter().flat_map(|c| &c.sources);
+            let changes = sources.map(|source| &source.changes[..]);
+            parts.scatter(mechanism, &drawn, changes, (draws, first, BLOCK));
             let alignment = problem.alignment.as_ref();
             let built =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut group);

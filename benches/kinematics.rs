@@ -76,9 +76,13 @@ fn gradients<const N: usize>(bencher: Bencher) {
                     let view = WheelReading::of(&linearised.at, Constants::default());
                     for c in [Characteristic::Camber, Characteristic::KingpinInclination] {
                         let quantity = Quantity::Characteristic(c);
-                        view.gradients(&linearised, quantity, N - 1, &mut buffer, |_, _, g| {
-                            sum = sum + g
-                        });
+                        view.gradients(
+                            &linearised,
+                            quantity,
+                            N - 1,
+                            &mut buffer,
+                            &mut |_, _, g| sum = sum + g,
+                        );
                     }
                     ControlFlow::Continue(())
                 },

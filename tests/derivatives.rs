@@ -263,7 +263,7 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
                             quantity,
                             2,
                             &mut buffer,
-                            |order, p, gradient| {
+                            &mut |order, p, gradient| {
                                 found[order][k][p.0] = gradient;
                             },
                         );

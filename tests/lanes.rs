@@ -646,9 +646,15 @@ fn careful_gradients(
                 for (angle, quantity) in angles.iter().copied().enumerate() {
                     let at = angle * stations.count() + stations.number(number, k);
                     let mut gradient = vec![Vector3::default(); design.len()];
-                    view.gradients(&linearised, quantity, 0, &mut buffer, |_, point, by| {
-                        gradient[point.0] = by;
-                    });
+                    view.gradients(
+                        &linearised,
+                        quantity,
+                        0,
+                        &mut buffer,
+                        &mut |_, point, by| {
+                            gradient[point.0] = by;
+                        },
+                    );
                     found[at] = (view.value(&linearised.at, quantity)[0], gradient);
                 }
                 ControlFlow::Continue(())

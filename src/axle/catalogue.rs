@@ -9,7 +9,7 @@ use super::state::State;
 use super::unit::Unit;
 use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
 use crate::model::Side;
-use crate::number::Scalar;
+use crate::number::{Scalar, called};
 
 /// What a study must give for a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,10 +129,10 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value at one wheel.
+            /// The value at one wheel; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>, side: Side) -> T {
                 match self {
-                    $(WheelQuantity::$wheel => $wfunction(state, side),)*
+                    $(WheelQuantity::$wheel => called((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
             }
         }
@@ -152,10 +152,10 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value.
+            /// The value; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
                 match self {
-                    $(AxleQuantity::$axle => $function(state),)*
+                    $(AxleQuantity::$axle => called(state, $function),)*
                 }
             }
 

@@ -32,6 +32,84 @@ impl<'i, B> LaneWheel<'i, B> {
 impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
     #[inline(always)]
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
+        self.inputs.turn.x.outlined(Coefficient {
+            wheel: self,
+            part,
+            powers,
+        })
+    }
+
+    #[inline(always)]
+    fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<B> {
+        self.inputs.turn.x.outlined(Coefficients {
+            wheel: self,
+            first,
+            powers,
+        })
+    }
+
+    #[inline(always)]
+    fn twist(&self, powers: [usize; 2]) -> [Vector3<B>; 2] {
+        let inputs = self.inputs;
+        match powers {
+            [1, 0] => [inputs.rate.centre, inputs.turn],
+            [0, 1] => *self.by_rack,
+            _ => {
+                let unknown = inputs.turn.x.lit(f64::NAN);
+                [Vector3::new(unknown, unknown, unknown); 2]
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn inputs(&self, constants: Constants) -> Inputs<B> {
+        Inputs {
+            constants,
+            ..*self.inputs
+        }
+    }
+}
+
+struct Coefficient<'w, 'i, B> {
+    wheel: &'w LaneWheel<'i, B>,
+    part: usize,
+    powers: [usize; 2],
+}
+
+impl<B: SimdReal> Outlined for Coefficient<'_, '_, B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        self.wheel.read(self.part, self.powers)
+    }
+}
+
+struct Coefficients<'w, 'i, B> {
+    wheel: &'w LaneWheel<'i, B>,
+    first: usize,
+    powers: [usize; 2],
+}
+
+impl<B: SimdReal> Outlined for Coefficients<'_, '_, B> {
+    type Output = Vector3<B>;
+    #[inline(always)]
+    fn work(self) -> Vector3<B> {
+        let Coefficients {
+            wheel,
+            first,
+            powers,
+        } = self;
+        Vector3::new(
+            wheel.read(first, powers),
+            wheel.read(first + 1, powers),
+            wheel.read(first + 2, powers),
+        )
+    }
+}
+
+impl<B: SimdReal> LaneWheel<'_, B> {
+    #[inline(always)]
+    fn read(&self, part: usize, powers: [usize; 2]) -> B {
         let inputs = self.inputs;
         let unknown = inputs.turn.x.lit(f64::NAN);
         let of = |first: usize, vector: Vector3<B>| match part - first {
@@ -61,27 +139,6 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
             DESIGN_SPIN_AXIS..DESIGN_CENTRE => of(DESIGN_SPIN_AXIS, inputs.design.spin_axis),
             DESIGN_CENTRE.. => of(DESIGN_CENTRE, inputs.design.centre),
             _ => unknown,
-        }
-    }
-
-    #[inline(always)]
-    fn twist(&self, powers: [usize; 2]) -> [Vector3<B>; 2] {
-        let inputs = self.inputs;
-        match powers {
-            [1, 0] => [inputs.rate.centre, inputs.turn],
-            [0, 1] => *self.by_rack,
-            _ => {
-                let unknown = inputs.turn.x.lit(f64::NAN);
-                [Vector3::new(unknown, unknown, unknown); 2]
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn inputs(&self, constants: Constants) -> Inputs<B> {
-        Inputs {
-            constants,
-            ..*self.inputs
         }
     }
 }

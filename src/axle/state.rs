@@ -18,7 +18,7 @@ use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
 use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::{Jet, Real, Vector3};
+use crate::number::{Jet, Outlined, Real, Vector3};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -253,7 +253,11 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     /// The state along a motion, as series.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {
-        let Rates { travel, rack, roll } = self.rates(motion);
+        let finding = FindingRates {
+            state: self,
+            motion,
+        };
+        let Rates { travel, rack, roll } = self.like().outlined(finding);
         let [left, right] = &self.readings;
         let Ground { sine, cosine } = self.ground;
         State {
@@ -269,6 +273,20 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
             hold: self.hold,
             setup: self.setup,
         }
+    }
+}
+
+/// In a function of its own: most formulas take derivatives along some motion.
+struct FindingRates<'s, 'a, T, W> {
+    state: &'s State<'a, T, W>,
+    motion: Motion,
+}
+
+impl<T: Real, W: WheelParts<T>> Outlined for FindingRates<'_, '_, T, W> {
+    type Output = Rates<T>;
+    #[inline(always)]
+    fn work(self) -> Rates<T> {
+        self.state.rates(self.motion)
     }
 }
 

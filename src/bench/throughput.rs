@@ -465,10 +465,16 @@ impl<'a> Sweep<'a> {
                         if let Ok(linearised) = solver.linearised(design_series, pose, motion) {
                             let view = WheelReading::of(&linearised.at, constants);
                             for quantity in quantities {
-                                let take = |_, _, gradient| {
+                                let mut take = |_, _, gradient| {
                                     black_box(gradient);
                                 };
-                                view.gradients(&linearised, *quantity, N - 1, &mut buffer, take);
+                                view.gradients(
+                                    &linearised,
+                                    *quantity,
+                                    N - 1,
+                                    &mut buffer,
+                                    &mut take,
+                                );
                             }
                         }
                     },

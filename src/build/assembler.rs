@@ -23,7 +23,7 @@ use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
 use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, Turn};
 use crate::model::Point;
-use crate::model::{Arm, Body, Rod, SpinAxis, Suspension};
+use crate::model::{Body, Rod, SpinAxis, Suspension};
 use crate::model::{PointId, RockerId};
 use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
@@ -410,11 +410,9 @@ impl Assembler {
                 }
                 Body::Arm(number) => {
                     let arm = mechanism.arms[number.0];
-                    let from = ArmFrame::of(arm, drawn);
-                    let to = ArmFrame::of(arm, |id| match id == arm.outer {
-                        true => at.carried(id),
-                        false => parts.points[id.0],
-                    });
+                    let from = ArmFrame::of(drawn(arm.front), drawn(arm.rear), drawn(arm.outer));
+                    let [front, rear] = [parts.points[arm.front.0], parts.points[arm.rear.0]];
+                    let to = ArmFrame::of(front, rear, at.carried(arm.outer));
                     to.place(from.read(point))
                 }
             };
@@ -459,9 +457,8 @@ struct ArmFrame<T> {
 
 impl<T: Real> ArmFrame<T> {
     #[inline(always)]
-    fn of(arm: Arm, point: impl Fn(PointId) -> Vector3<T>) -> Self {
-        let (front, outer) = (point(arm.front), point(arm.outer));
-        let axis = (point(arm.rear) - front).normalised();
+    fn of(front: Vector3<T>, rear: Vector3<T>, outer: Vector3<T>) -> Self {
+        let axis = (rear - front).normalised();
         let from_front = outer - front;
         let radial = (from_front - axis * axis.dot(from_front)).normalised();
         ArmFrame {

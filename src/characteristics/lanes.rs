@@ -330,6 +330,25 @@ impl<'a> LaneReader<'a> {
         rates: bool,
         into: &mut LaneInputs<B>,
     ) -> B::Mask {
+        rack.outlined(ReadingPose {
+            reader: self,
+            wheels,
+            at,
+            rack,
+            rates,
+            into,
+        })
+    }
+
+    #[inline(always)]
+    fn read_here<B: SimdReal>(
+        &self,
+        wheels: &LaneWheels<B>,
+        at: &impl LanePose<B>,
+        rack: B,
+        rates: bool,
+        into: &mut LaneInputs<B>,
+    ) -> B::Mask {
         let reads = self.reads;
         let mut right = rack.everywhere();
         let LaneInputs {
@@ -713,6 +732,25 @@ impl<B: SimdReal> Outlined for Installing<'_, B> {
             }
         }
         right
+    }
+}
+
+/// In a function of its own, which all that visit poses share.
+struct ReadingPose<'r, 'm, B: SimdReal, P> {
+    reader: &'r LaneReader<'m>,
+    wheels: &'r LaneWheels<B>,
+    at: &'r P,
+    rack: B,
+    rates: bool,
+    into: &'r mut LaneInputs<B>,
+}
+
+impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
+    type Output = B::Mask;
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        self.reader
+            .read_here(self.wheels, self.at, self.rack, self.rates, self.into)
     }
 }
 

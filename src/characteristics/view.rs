@@ -175,7 +175,7 @@ impl<const N: usize> WheelReading<N> {
         quantity: Quantity,
         highest: usize,
         buffer: &mut [Vector3<Jet<f64, N>>],
-        mut receive: impl FnMut(usize, PointId, Vector3<f64>),
+        receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
     ) {
         let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         match quantity {
@@ -195,7 +195,7 @@ impl<const N: usize> WheelReading<N> {
                 buffer.fill(zero);
                 linearised.gradient(buffer, |seeds| {
                     for (slot, seed) in c.info().reads.iter().zip(gradient) {
-                        slot.push(seed, &linearised.at, seeds);
+                        slot.push_apart(seed, &linearised.at, seeds);
                     }
                 });
                 for order in 0..=highest {
@@ -237,7 +237,7 @@ impl<const N: usize> WheelReading<N> {
         gradient: Gradient<Jet<f64, N>>,
         highest: usize,
         buffer: &mut [Vector3<Jet<f64, N>>],
-        mut receive: impl FnMut(usize, PointId, Vector3<f64>),
+        receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
     ) {
         let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         for order in 0..=highest {
@@ -260,7 +260,7 @@ impl<const N: usize> WheelReading<N> {
                     } else {
                         seed.map(shifted)
                     };
-                    slot.push(seed, &linearised.at, seeds);
+                    slot.push_apart(seed, &linearised.at, seeds);
                 }
             });
             // Coefficient j+1 of the series, as the j-th derivative of the quantity: times j!.
@@ -274,6 +274,17 @@ impl<const N: usize> WheelReading<N> {
 }
 
 impl Slot {
+    /// As [`Slot::push`], in a function of its own.
+    #[inline(never)]
+    fn push_apart<T: Real, G: crate::derive::Gradient<T> + ?Sized>(
+        self,
+        seed: Vector3<T>,
+        at: &Configuration<T>,
+        seeds: &mut Seeds<'_, '_, T, G>,
+    ) {
+        self.push(seed, at, seeds);
+    }
+
     /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: crate::derive::Gradient<T> + ?Sized>(

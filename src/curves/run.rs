@@ -326,7 +326,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     output.quantity,
                     output.highest,
                     &mut buffer,
-                    |order, id, gradient| found[id.0][order] = gradient,
+                    &mut |order, id, gradient| found[id.0][order] = gradient,
                 ),
             }
             for column in columns {

@@ -25,10 +25,9 @@ use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Driver};
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
-use crate::number::Dual;
 use crate::number::Jet;
-use crate::number::Real;
 use crate::number::Vector3;
+use crate::number::{Outlined, Real};
 
 /// A series in the drive with its first derivative along the steering motion.
 type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
@@ -137,26 +136,38 @@ pub(crate) fn screw_axis<T: Real>(
     (point, upward)
 }
 
-/// The derivative of `by_point . point + by_direction . direction` of the screw axis by the twist.
-#[inline(never)]
+/// The derivative of `by_point . point + by_direction . direction` of the screw axis by the twist: with p the point from
+/// the origin and w the turn, p w.w = w x shift.
+#[inline(always)]
 pub(crate) fn screw_axis_gradient<T: Real>(
     twist: &Twist<T>,
     by_point: Vector3<T>,
     by_direction: Vector3<T>,
 ) -> Twist<T> {
-    let input = |v: Vector3<T>, first: usize| {
-        Vector3::new(
-            Dual::<T, 6>::input(v.x, first),
-            Dual::input(v.y, first + 1),
-            Dual::input(v.z, first + 2),
-        )
-    };
-    let seeded = Twist {
-        shift: input(twist.shift, 0),
-        turn: input(twist.turn, 3),
-    };
-    let (point, direction) = screw_axis(seeded.shift.zero(), &seeded);
-    let constant = |v: Vector3<T>| v.map(Dual::constant);
-    let output = constant(by_point).dot(point) + constant(by_direction).dot(direction);
-    Twist::from_array(output.partials)
+    by_point.x.outlined(ScrewAxisGradient {
+        twist: *twist,
+        by_point,
+        by_direction,
+    })
+}
+
+struct ScrewAxisGradient<T> {
+    twist: Twist<T>,
+    by_point: Vector3<T>,
+    by_direction: Vector3<T>,
+}
+
+impl<T: Real> Outlined for ScrewAxisGradient<T> {
+    type Output = Twist<T>;
+    #[inline(always)]
+    fn work(self) -> Twist<T> {
+        let Twist { shift, turn } = self.twist;
+        let inverse = turn.x.one() / turn.norm_squared();
+        let along = self.by_point.dot(turn.cross(shift)) * inverse;
+        let by_turn = shift.cross(self.by_point) - turn * (along + along);
+        Twist {
+            shift: self.by_point.cross(turn) * inverse,
+            turn: by_turn * inverse + self.by_direction * turn.z.sign(),
+        }
+    }
 }

@@ -104,10 +104,10 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     for (k, quantity) in quantities.iter().enumerate() {
                         let found = reading.value(&linearised.at, *quantity)[0];
                         into.put(number, k, station, found);
-                        let receive = |_: usize, id: PointId, by: Vector3<f64>| {
+                        let mut receive = |_: usize, id: PointId, by: Vector3<f64>| {
                             into.put_gradient((number, k, station), id, by);
                         };
-                        reading.gradients(&linearised, *quantity, 0, buffer, receive);
+                        reading.gradients(&linearised, *quantity, 0, buffer, &mut receive);
                     }
                     into.solved_of(number)[station] = true;
                     ControlFlow::Continue(())

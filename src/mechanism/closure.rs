@@ -8,8 +8,7 @@ use super::constraint::{ArmAngle, Row};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
-use crate::number::Real;
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Matrix3, Outlined, Real, Vector3};
 
 /// The sixth equation: what drives the mechanism, with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,14 +63,51 @@ pub struct Closure<T> {
     rows: [Row<T>; 5],
 }
 
+/// What rows are made of. (Not a closure, which lanes might leave as a call compiled for no lanes.)
+#[derive(Clone, Copy)]
+enum Dimensions<'a, T> {
+    Design(&'a [Vector3<T>]),
+    /// The points of the body and those of the undisplaced knuckle, and a length for each constraint.
+    Parts {
+        points: [&'a [Vector3<T>]; 2],
+        lengths: &'a [T],
+    },
+}
+
+/// One of the rows to be made: the number of its constraint, and its own among those.
+#[derive(Clone, Copy)]
+struct RowToMake<'a, T> {
+    mechanism: &'a Mechanism,
+    dimensions: Dimensions<'a, T>,
+    constraint: usize,
+    number: usize,
+}
+
+impl<T: Real> Outlined for RowToMake<'_, T> {
+    type Output = Row<T>;
+    #[inline(always)]
+    fn work(self) -> Row<T> {
+        let RowToMake {
+            mechanism,
+            constraint,
+            number,
+            ..
+        } = self;
+        let (kind, origin) = (mechanism.constraints[constraint], mechanism.origin);
+        match self.dimensions {
+            Dimensions::Design(design) => Row::of(kind, number, design, origin),
+            Dimensions::Parts { points, lengths } => {
+                Row::of_parts(kind, number, points, lengths[constraint], origin)
+            }
+        }
+    }
+}
+
 impl<T: Real> Closure<T> {
     /// The equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
-        Closure::of_rows(mechanism, |constraint, number| {
-            let constraint = mechanism.constraints[constraint];
-            Row::of(constraint, number, design, mechanism.origin)
-        })
+        Closure::of_rows(mechanism, Dimensions::Design(design))
     }
 
     /// The equations of parts whose dimensions are held apart: the points of the body, every point where the
@@ -83,24 +119,30 @@ impl<T: Real> Closure<T> {
         knuckle: &[Vector3<T>],
         lengths: &[T],
     ) -> Self {
-        Closure::of_rows(mechanism, |constraint, number| {
-            let (length, constraint) = (lengths[constraint], mechanism.constraints[constraint]);
-            let points = [body, knuckle];
-            Row::of_parts(constraint, number, points, length, mechanism.origin)
-        })
+        let points = [body, knuckle];
+        Closure::of_rows(mechanism, Dimensions::Parts { points, lengths })
     }
 
     /// Row by row, from the number of a constraint and that of the row among its own.
     #[inline(always)]
-    fn of_rows(mechanism: &Mechanism, row_of: impl Fn(usize, usize) -> Row<T>) -> Self {
-        let [mut constraint, mut number] = [0; 2];
-        let mut rows = [row_of(0, 0); 5];
+    fn of_rows(mechanism: &Mechanism, dimensions: Dimensions<T>) -> Self {
+        let like = match dimensions {
+            Dimensions::Design(design) => design[0].x,
+            Dimensions::Parts { lengths, .. } => lengths[0],
+        };
+        let mut next = RowToMake {
+            mechanism,
+            dimensions,
+            constraint: 0,
+            number: 0,
+        };
+        let mut rows = [like.outlined(next); 5];
         for row in &mut rows[1..] {
-            number += 1;
-            if number == mechanism.constraints[constraint].freedoms() {
-                (constraint, number) = (constraint + 1, 0);
+            next.number += 1;
+            if next.number == mechanism.constraints[next.constraint].freedoms() {
+                (next.constraint, next.number) = (next.constraint + 1, 0);
             }
-            *row = row_of(constraint, number);
+            *row = like.outlined(next);
         }
         Closure { rows }
     }
@@ -248,9 +290,9 @@ impl<T: Real> Closure<T> {
         at: &Configuration<T>,
         driver: Driver<T>,
         weights: &Vector6<T>,
-        sink: &mut impl Sink<T>,
+        mut sink: &mut dyn Sink<T>,
     ) {
-        self.differential_inlined(rows, at, driver, weights, sink);
+        self.differential_inlined(rows, at, driver, weights, &mut sink);
     }
 
     /// As [`Closure::differential`], for SIMD lanes.

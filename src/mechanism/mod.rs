@@ -4,6 +4,7 @@
 //! are read off it. The [`Closure`] is the list of constraint rows that a pose must obey, each row in a
 //! file of its own; its rows are written once, over any number.
 
+mod arm;
 mod builder;
 mod closure;
 pub(crate) mod constraint;

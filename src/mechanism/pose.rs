@@ -1,9 +1,8 @@
 //! The pose of a mechanism and where it puts every point.
 
+use super::arm::{self, arm_point, arm_point_gradient};
 use crate::model::{Arm, Body, Mechanism, PointId};
-use crate::number::Dual;
-use crate::number::Real;
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Matrix3, Outlined, Real, Vector3};
 use std::ops::Neg;
 
 /// Position and rotation of the knuckle, relative to the design position.
@@ -102,6 +101,21 @@ pub(crate) trait Sink<T> {
     fn rack(&mut self, _gradient: T) {}
 }
 
+impl<T, S: Sink<T> + ?Sized> Sink<T> for &mut S {
+    #[inline(always)]
+    fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        S::wrench(self, force, moment);
+    }
+    #[inline(always)]
+    fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
+        S::hardpoint(self, id, gradient);
+    }
+    #[inline(always)]
+    fn rack(&mut self, gradient: T) {
+        S::rack(self, gradient);
+    }
+}
+
 /// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
 /// pose. With it the force along the rack, which is the derivative by the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,10 +185,7 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// Present position of a point.
     #[inline(always)]
     pub fn point(&self, id: PointId) -> Vector3<T> {
-        match T::IN_REGISTERS {
-            true => self.point_here(id),
-            false => self.point_apart(id),
-        }
+        self.rack.outlined(PointNow { at: self, id })
     }
 
     /// As [`Configuration::point`], for one that does not stand on a rocker; inlined.
@@ -189,12 +200,6 @@ impl<'a, T: Real> Configuration<'a, T> {
             Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
             Body::Knuckle | Body::Rocker(_) => self.carried(id),
         }
-    }
-
-    /// Inlined everywhere, this would take the compiler minutes for derivative numbers.
-    #[inline]
-    fn point_apart(&self, id: PointId) -> Vector3<T> {
-        self.point_here(id)
     }
 
     #[inline(always)]
@@ -256,14 +261,20 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     pub(crate) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match T::IN_REGISTERS {
-            true => self.push_point_here(id, gradient, sink),
+            true => self.rack.outlined(PushingPoint {
+                at: self,
+                id,
+                gradient,
+                sink,
+            }),
             false => self.push_point_apart(id, gradient, sink),
         }
     }
 
-    #[inline]
-    fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
-        self.push_point_here(id, gradient, sink);
+    /// One function for every sink.
+    #[inline(never)]
+    fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
+        self.push_point_here(id, gradient, &mut sink);
     }
 
     #[inline(always)]
@@ -286,32 +297,31 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Out of line: it is rare, and large.
-    #[inline(never)]
+    /// In a function of its own: it is rare, and large.
+    #[inline(always)]
+    fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
+        self.rack.outlined(ArmPoint(self.arm_inputs(arm, id)))
+    }
+
+    /// Likewise.
+    #[inline(always)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
-        let by = gradient_by(self.arm_inputs(arm, id), gradient, arm_point);
+        let by = self.rack.outlined(ArmPointGradient {
+            inputs: self.arm_inputs(arm, id),
+            gradient,
+        });
         for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
             sink.hardpoint(hardpoint, by);
         }
         self.push_carried(arm.outer, by[4], sink);
     }
 
-    #[inline(never)]
-    fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
-        arm_point(self.arm_inputs(arm, id))
-    }
-
     /// Present position and velocity of a point that stands on no rocker, from the velocity of the knuckle.
     /// For SIMD lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
-        let carried = |id: PointId| {
-            let now = self.carried(id);
-            let rate = motion.shift + motion.turn.cross(now - self.pose.origin);
-            [now, rate]
-        };
         match self.mechanism.body(id) {
-            Body::Knuckle => carried(id),
+            Body::Knuckle => self.moving_carried(id, motion),
             Body::StrutRod(top) => {
                 let lever = self
                     .pose
@@ -324,7 +334,7 @@ impl<'a, T: Real> Configuration<'a, T> {
                 let now = arm_point(self.arm_inputs(arm, id));
                 let front = self.designed(arm.front);
                 let axis = self.designed(arm.rear) - front;
-                let [outer, outer_rate] = carried(arm.outer);
+                let [outer, outer_rate] = self.moving_carried(arm.outer, motion);
                 // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
                 let across = axis.cross(outer - front);
                 let turn = across.dot(outer_rate) / across.norm_squared();
@@ -337,9 +347,16 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
+    #[inline(always)]
+    fn moving_carried(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
+        let now = self.carried(id);
+        let rate = motion.shift + motion.turn.cross(now - self.pose.origin);
+        [now, rate]
+    }
+
     /// What [`arm_point`] reads.
     #[inline(always)]
-    fn arm_inputs(&self, arm: Arm, id: PointId) -> [Vector3<T>; 5] {
+    fn arm_inputs(&self, arm: Arm, id: PointId) -> arm::Inputs<T> {
         [
             self.designed(arm.front),
             self.designed(arm.rear),
@@ -350,60 +367,53 @@ impl<'a, T: Real> Configuration<'a, T> {
     }
 }
 
-/// A point fixed in an arm, turned about the arm's axis as far as its outer joint is.
-///
-/// `[front, rear, outer, point, outer now]`: with e the unit axis and r the part of `outer - front`
-/// normal to it, cos = r.r'/r^2 and sin = e.(r x r')/r^2.
-#[inline(always)]
-fn arm_point<T: Real>([front, rear, outer, point, outer_now]: [Vector3<T>; 5]) -> Vector3<T> {
-    let axis = (rear - front).normalised();
-    let across = |p: Vector3<T>| {
-        let from_front = p - front;
-        from_front - axis * axis.dot(from_front)
-    };
-    let (radius, radius_now, lever) = (across(outer), across(outer_now), across(point));
-    let inverse = axis.x.one() / radius.norm_squared();
-    let cosine = radius.dot(radius_now) * inverse;
-    let sine = axis.dot(radius.cross(radius_now)) * inverse;
-    point - lever + lever * cosine + axis.cross(lever) * sine
-}
+struct ArmPoint<T>(arm::Inputs<T>);
 
-/// The derivative of `gradient . image(inputs)` by each of the inputs.
-pub(crate) fn gradient_by<T: Real, const K: usize>(
-    inputs: [Vector3<T>; K],
-    gradient: Vector3<T>,
-    image: impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
-) -> [Vector3<T>; K] {
-    let zero = gradient.x.zero();
-    let mut by = [Vector3::new(zero, zero, zero); K];
-    // A loop, and the image of one seed in a function of its own: unrolled over nested numbers they would
-    // take the compiler longer than anything else.
-    for (k, by) in by.iter_mut().enumerate() {
-        *by = along_seed(&inputs, k, gradient, &image);
+impl<T: Real> Outlined for ArmPoint<T> {
+    type Output = Vector3<T>;
+    #[inline(always)]
+    fn work(self) -> Vector3<T> {
+        arm_point(self.0)
     }
-    by
 }
 
-/// The derivative of `gradient . image(inputs)` by one of the inputs.
-#[inline(never)]
-fn along_seed<T: Real, const K: usize>(
-    inputs: &[Vector3<T>; K],
-    number: usize,
+struct ArmPointGradient<T> {
+    inputs: arm::Inputs<T>,
     gradient: Vector3<T>,
-    image: &impl Fn([Vector3<Dual<T, 3>>; K]) -> Vector3<Dual<T, 3>>,
-) -> Vector3<T> {
-    let mut seeded = inputs.map(|p| p.map(Dual::constant));
-    let p = inputs[number];
-    seeded[number] = Vector3::new(
-        Dual::input(p.x, 0),
-        Dual::input(p.y, 1),
-        Dual::input(p.z, 2),
-    );
-    let image = image(seeded);
-    let along = |i: usize| {
-        gradient.x * image.x.partials[i]
-            + gradient.y * image.y.partials[i]
-            + gradient.z * image.z.partials[i]
-    };
-    Vector3::new(along(0), along(1), along(2))
+}
+
+impl<T: Real> Outlined for ArmPointGradient<T> {
+    type Output = arm::Inputs<T>;
+    #[inline(always)]
+    fn work(self) -> arm::Inputs<T> {
+        arm_point_gradient(self.inputs, self.gradient)
+    }
+}
+
+struct PointNow<'c, 'd, T> {
+    at: &'c Configuration<'d, T>,
+    id: PointId,
+}
+
+impl<T: Real> Outlined for PointNow<'_, '_, T> {
+    type Output = Vector3<T>;
+    #[inline(always)]
+    fn work(self) -> Vector3<T> {
+        self.at.point_here(self.id)
+    }
+}
+
+struct PushingPoint<'c, 'd, 's, T, S> {
+    at: &'c Configuration<'d, T>,
+    id: PointId,
+    gradient: Vector3<T>,
+    sink: &'s mut S,
+}
+
+impl<T: Real, S: Sink<T>> Outlined for PushingPoint<'_, '_, '_, T, S> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        self.at.push_point_here(self.id, self.gradient, self.sink);
+    }
 }

@@ -15,15 +15,32 @@
 //! the rod about the axis times |l|: |w|/(|r| |l|) is the rod's *leverage*, 1 where it stands square to the lever,
 //! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
 //! derivatives do not exist there.
+//!
+//! # Derivatives
+//!
+//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker and s' = n' - o' the rod from its outer to
+//! its inner end now. A change of axis and angle turns the rocker by the small rotation v = e dtheta + sin de +
+//! (1 - cos) e x de, with de normal to e, so
+//!
+//! ```text
+//! dx' = (1 - R) df + R dx + v x (x' - f)
+//! s'.(dn' - do') = l.(dn - do)                          the rod keeps its length
+//! ```
+//!
+//! A gradient g at x' and a moment t about the axis are balanced by the tension k = (e.(x' - f) x g + t)/(e.(n' - f) x s')
+//! of the rod: with M = (x' - f) x g - k (n' - f) x s', and h = g - k s', the derivatives of g.x' + t theta are
+//!
+//! ```text
+//! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'
+//! by f: h - R'h    by de: sin M + (1 - cos) M x e
+//! ```
 
-use super::pose::{Configuration, Sink, Twist, gradient_by};
+use super::pose::{Configuration, Sink, Twist};
 use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::Real;
-use crate::number::SimdReal;
-use crate::number::Vector3;
+use crate::number::{Outlined, Real, SimdReal, Vector3};
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
 /// position, and the outer end now.
@@ -76,6 +93,46 @@ impl<T: Real> Turn<T> {
         let from_first = point - self.first;
         let lever = from_first - self.axis * self.axis.dot(from_first);
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
+    }
+
+    /// A vector of the vehicle, seen from the rocker: turned back.
+    #[inline(always)]
+    fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
+        let lever = v - self.axis * self.axis.dot(v);
+        v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
+    }
+
+    /// The derivatives of `gradient . moved(point)` plus `moment` times the angle by the rod's ends, and that by the
+    /// point.
+    #[inline(always)]
+    fn gradient(
+        &self,
+        [first, second, inner, outer, outer_now]: Ends<T>,
+        point: Vector3<T>,
+        gradient: Vector3<T>,
+        moment: T,
+    ) -> (Ends<T>, Vector3<T>) {
+        let (axis, one) = (self.axis, self.sine.one());
+        let end = self.moved(inner);
+        let rod = end - outer_now;
+        let pull = (end - first).cross(rod);
+        let push = (self.moved(point) - first).cross(gradient);
+        let tension = (axis.dot(push) + moment) / axis.dot(pull);
+        let pulled = rod * tension;
+        let (back, rod_back) = (self.turned_back(gradient), self.turned_back(pulled));
+        let turning = push - pull * tension;
+        let by_axis = turning * self.sine + turning.cross(axis) * (one - self.cosine);
+        let along = axis.dot(second - first);
+        let by_second = (by_axis - axis * axis.dot(by_axis)) * (one / along);
+        let designed = (inner - outer) * tension;
+        let by_ends = [
+            gradient - pulled - back + rod_back - by_second,
+            by_second,
+            designed - rod_back,
+            -designed,
+            pulled,
+        ];
+        (by_ends, back)
     }
 
     /// The angle, positive as a rod of this kind turns it from the design position: pushed, or pulled by a
@@ -262,30 +319,33 @@ pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
 }
 
 impl<T: Real> Configuration<'_, T> {
-    #[inline]
+    #[inline(always)]
     pub(super) fn ends(&self, rocker: Rocker) -> Ends<T> {
         let [first, second, inner, outer] =
             [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
         [first, second, inner, outer, self.point(rocker.outer)]
     }
 
-    /// Present position of a point of a rocker. Out of line: it is rare, and large.
-    #[inline(never)]
+    /// Present position of a point of a rocker. In a function of its own: it is rare, and large.
+    #[inline(always)]
     pub(crate) fn rocker_point(&self, id: RockerId, designed: Vector3<T>) -> Vector3<T> {
-        Turn::of(self.ends(self.mechanism.rocker(id))).moved(designed)
+        self.rack.outlined(RockerPoint {
+            at: self,
+            id,
+            designed,
+        })
     }
 
     /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
     /// it. NaN beyond a toggle.
-    #[inline(never)]
+    #[inline(always)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
-        let rocker = self.mechanism.rocker(id);
-        Turn::of(self.ends(rocker)).angle(rocker.rod)
+        self.rack.outlined(RockerAngle { at: self, id })
     }
 
     /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, but for that by the place of
     /// the point in the design, which is returned.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn push_rocker_point(
         &self,
         id: RockerId,
@@ -293,38 +353,96 @@ impl<T: Real> Configuration<'_, T> {
         gradient: Vector3<T>,
         sink: &mut impl Sink<T>,
     ) -> Vector3<T> {
-        let rocker = self.mechanism.rocker(id);
-        let [first, second, inner, outer, now] = self.ends(rocker);
-        let inputs = [first, second, inner, outer, now, designed];
-        let [by @ .., by_point] = gradient_by(inputs, gradient, |[ends @ .., point]| {
-            Turn::of(ends).moved(point)
-        });
-        self.push_ends(rocker, by, sink);
-        by_point
+        self.push_rocker(id, RockerSeed::Point { designed, gradient }, sink)
     }
 
     /// Adds the derivative of `gradient * rocker_angle(id)` to the sink.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn push_rocker_angle(&self, id: RockerId, gradient: T, sink: &mut impl Sink<T>) {
-        let rocker = self.mechanism.rocker(id);
-        let zero = gradient.zero();
-        let by = gradient_by(
-            self.ends(rocker),
-            Vector3::new(gradient, zero, zero),
-            |ends| {
-                let angle = Turn::of(ends).angle(rocker.rod);
-                Vector3::new(angle, angle.zero(), angle.zero())
-            },
-        );
-        self.push_ends(rocker, by, sink);
+        self.push_rocker(id, RockerSeed::Angle(gradient), sink);
     }
 
-    fn push_ends(&self, rocker: Rocker, by: Ends<T>, sink: &mut impl Sink<T>) {
+    #[inline(always)]
+    fn push_rocker(
+        &self,
+        id: RockerId,
+        seed: RockerSeed<T>,
+        sink: &mut impl Sink<T>,
+    ) -> Vector3<T> {
+        let differentiating = RockerGradient { at: self, id, seed };
+        let (by, by_point) = self.rack.outlined(differentiating);
+        let rocker = self.mechanism.rocker(id);
         let designed = [rocker.first, rocker.second, rocker.inner, rocker.outer];
         for (id, gradient) in designed.into_iter().zip(by) {
             sink.hardpoint(id, gradient);
         }
         self.push_point(rocker.outer, by[4], sink);
+        by_point
+    }
+}
+
+struct RockerPoint<'c, 'd, T> {
+    at: &'c Configuration<'d, T>,
+    id: RockerId,
+    designed: Vector3<T>,
+}
+
+impl<T: Real> Outlined for RockerPoint<'_, '_, T> {
+    type Output = Vector3<T>;
+    #[inline(always)]
+    fn work(self) -> Vector3<T> {
+        let rocker = self.at.mechanism.rocker(self.id);
+        Turn::of(self.at.ends(rocker)).moved(self.designed)
+    }
+}
+
+struct RockerAngle<'c, 'd, T> {
+    at: &'c Configuration<'d, T>,
+    id: RockerId,
+}
+
+impl<T: Real> Outlined for RockerAngle<'_, '_, T> {
+    type Output = T;
+    #[inline(always)]
+    fn work(self) -> T {
+        let rocker = self.at.mechanism.rocker(self.id);
+        Turn::of(self.at.ends(rocker)).angle(rocker.rod)
+    }
+}
+
+/// What of a rocker is differentiated.
+enum RockerSeed<T> {
+    Point {
+        designed: Vector3<T>,
+        gradient: Vector3<T>,
+    },
+    Angle(T),
+}
+
+/// The derivatives by the rod's ends, and that by the point in the design.
+struct RockerGradient<'c, 'd, T> {
+    at: &'c Configuration<'d, T>,
+    id: RockerId,
+    seed: RockerSeed<T>,
+}
+
+impl<T: Real> Outlined for RockerGradient<'_, '_, T> {
+    type Output = (Ends<T>, Vector3<T>);
+    #[inline(always)]
+    fn work(self) -> (Ends<T>, Vector3<T>) {
+        let rocker = self.at.mechanism.rocker(self.id);
+        let ends = self.at.ends(rocker);
+        let turn = Turn::of(ends);
+        let zero = self.at.rack.zero();
+        let (designed, gradient, moment) = match self.seed {
+            RockerSeed::Point { designed, gradient } => (designed, gradient, zero),
+            // Any point, with no gradient: the axis.
+            RockerSeed::Angle(gradient) => {
+                let none = Vector3::new(zero, zero, zero);
+                (ends[0], none, gradient * turn.sense(rocker.rod))
+            }
+        };
+        turn.gradient(ends, designed, gradient, moment)
     }
 }
 
@@ -349,5 +467,47 @@ impl Configuration<'_, f64> {
         let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
         let moment = |at: Vector3<f64>, force: Vector3<f64>| axis.dot((at - first).cross(force));
         -moment(at, force) / moment(inner, (outer - inner).normalised())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::{Dual, Jet};
+
+    /// The derivatives by the rod's tension are those of dual numbers, with their rates along a motion.
+    #[test]
+    fn the_gradient_is_that_of_dual_numbers() {
+        let at = |x: f64, y: f64, z: f64| {
+            let series = |c: f64, k: f64| Jet::<f64, 2>([c, 0.2 * k - 0.3 * c]);
+            Vector3::new(series(x, y), series(y, z), series(z, x))
+        };
+        let ends = [
+            at(0.01, 0.32, 0.58),
+            at(-0.07, 0.33, 0.61),
+            at(0.02, 0.38, 0.66),
+            at(0.03, 0.64, 0.22),
+            at(0.04, 0.63, 0.26),
+        ];
+        let (point, gradient, moment) = (at(0.0, 0.3, 0.7), at(0.4, -1.2, 0.6), Jet([0.8, -0.5]));
+        let (by_ends, by_point) = Turn::of(ends).gradient(ends, point, gradient, moment);
+        let [a, b, c, d, e] = by_ends;
+        let [f, g, h, i, j] = ends;
+        let inputs = [f, g, h, i, j, point];
+        for (k, found) in [a, b, c, d, e, by_point].into_iter().enumerate() {
+            let mut seeded = inputs.map(|p| p.map(Dual::<_, 3>::constant));
+            let Vector3 { x, y, z } = inputs[k];
+            seeded[k] = Vector3::new(Dual::input(x, 0), Dual::input(y, 1), Dual::input(z, 2));
+            let [ends @ .., point] = seeded;
+            let turn = Turn::of(ends);
+            let angle = turn.sine.atan2(turn.cosine) * Dual::constant(moment);
+            let image = turn.moved(point).dot(gradient.map(Dual::constant)) + angle;
+            for (found, expected) in found.to_array().into_iter().zip(image.partials) {
+                for order in 0..2 {
+                    let (found, expected) = (found[order], expected[order]);
+                    assert!((found - expected).abs() < 1e-12, "{k}: {found} {expected}");
+                }
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@
 //! asin x = pi/2 - 2 asin sqrt((1-x)/2)        1/2 < x <= 1
 //! ```
 
-use super::SimdReal;
+use super::{Outlined, SimdReal};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 const ATAN: [f64; 11] = [
@@ -79,6 +79,24 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
     if B::all(!beyond) {
         return odd(x, &ASIN);
     }
+    x.outlined(AnyArc(x))
+}
+
+/// The arc sine anywhere; rarer than near zero.
+struct AnyArc<B>(B);
+
+impl<B: SimdReal> Outlined for AnyArc<B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        any_arc(self.0)
+    }
+}
+
+#[inline(always)]
+fn any_arc<B: SimdReal>(x: B) -> B {
+    let size = x.abs();
+    let beyond = x.lit(0.5).less(size);
     let half = x.lit(0.5);
     let root = (half - half * size).sqrt();
     let arc = odd(B::select(beyond, root, size), &ASIN);
@@ -89,11 +107,30 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
 /// The angle of the vector (x, y) from the x-axis; 0 for the null vector.
 #[inline(always)]
 pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
-    let (height, width) = (y.abs(), x.abs());
-    let flat = x.lit(TAN_EIGHTH);
-    if B::all(height.less(x * flat)) {
+    if B::all(y.abs().less(x * x.lit(TAN_EIGHTH))) {
         return odd(y / x, &ATAN);
     }
+    x.outlined(AnyAngle { y, x })
+}
+
+/// The angle in any direction; rarer than the small ones, and large.
+struct AnyAngle<B> {
+    y: B,
+    x: B,
+}
+
+impl<B: SimdReal> Outlined for AnyAngle<B> {
+    type Output = B;
+    #[inline(always)]
+    fn work(self) -> B {
+        any_angle(self.y, self.x)
+    }
+}
+
+#[inline(always)]
+fn any_angle<B: SimdReal>(y: B, x: B) -> B {
+    let (height, width) = (y.abs(), x.abs());
+    let flat = x.lit(TAN_EIGHTH);
     let steep = width.less(height);
     let (small, large) = (
         B::select(steep, width, height),

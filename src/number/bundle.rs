@@ -51,17 +51,6 @@ pub trait SimdReal: Real {
         let is_finite = self.abs().less(self.lit(f64::INFINITY));
         Self::select(is_finite, self, self.lit(f64::NAN))
     }
-    /// Does a piece of work in a function of its own, compiled for the same instructions. What is inlined
-    /// into one function all takes the compiler long.
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output;
-}
-
-/// A piece of work in lanes.
-pub trait Outlined {
-    /// What it yields.
-    type Output;
-    /// Does it. To be marked `#[inline(always)]`.
-    fn work(self) -> Self::Output;
 }
 
 impl SimdReal for f64 {
@@ -99,9 +88,5 @@ impl SimdReal for f64 {
     #[inline(always)]
     fn lane(mask: bool, _: usize) -> bool {
         mask
-    }
-    #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        piece.work()
     }
 }

@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Real, Scalar, called};
+use super::{Outlined, Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -14,7 +14,7 @@ pub struct Dual<T, const N: usize> {
 
 impl<T: Real, const N: usize> Dual<T, N> {
     /// Whether arithmetic is calls (see [`called`]).
-    const LARGE: bool = size_of::<T>() > 8;
+    const LARGE: bool = size_of::<T>() > 8 || T::HAS_DERIVATIVES;
 
     /// A constant: it depends on none of the inputs.
     #[inline]
@@ -90,19 +90,64 @@ impl<T: Real, const N: usize> Dual<T, N> {
         }
         Dual { value, partials }
     }
+
+    #[inline]
+    fn root(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, root.lit(0.5) / root)
+    }
+
+    #[inline]
+    fn arc_sine(self) -> Self {
+        let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
+        self.chain(self.value.asin(), slope)
+    }
+
+    #[inline]
+    fn angle_from(self, x: Self) -> Self {
+        let inverse = self.value.one() / (self.value.squared() + x.value.squared());
+        let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(x.partials) {
+            *p = *p * by_y + q * by_x;
+        }
+        Dual {
+            value: self.value.atan2(x.value),
+            partials,
+        }
+    }
+}
+
+/// Does an operation where it stands, or on large numbers in a function of its own, which for numbers in registers is
+/// compiled for them.
+macro_rules! perform {
+    ($operation:ident($($operand:ident),*) if $is_large:expr) => {{
+        struct Operands<T, const N: usize>($(#[doc = stringify!($operand)] Dual<T, N>),*);
+        impl<T: Real, const N: usize> Outlined for Operands<T, N> {
+            type Output = Dual<T, N>;
+            #[inline(always)]
+            fn work(self) -> Dual<T, N> {
+                let Operands($($operand),*) = self;
+                Dual::$operation($($operand),*)
+            }
+        }
+        if $is_large {
+            let operands = Operands($($operand),*);
+            operands.0.value.outlined(operands)
+        } else {
+            Dual::$operation($($operand),*)
+        }
+    }};
 }
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $operation:ident) => {
         impl<T: Real, const N: usize> $trait for Dual<T, N> {
             type Output = Self;
-            #[inline]
+            #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                if Self::LARGE {
-                    called((self, other), |(a, b)| a.$operation(b))
-                } else {
-                    self.$operation(other)
-                }
+                let number = self;
+                perform!($operation(number, other) if Self::LARGE)
             }
         }
     };
@@ -115,7 +160,7 @@ operator!(Div, div, over);
 
 impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         let mut partials = self.partials;
         for p in &mut partials {
@@ -130,38 +175,39 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
-    const IS_NESTED: bool = size_of::<T>() > 8 && !T::IN_REGISTERS;
+    const HAS_DERIVATIVES: bool = true;
+    const IS_NESTED: bool = (size_of::<T>() > 8 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
-    #[inline]
+    #[inline(always)]
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        self.value.outlined(piece)
+    }
+
+    #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Dual::constant(self.value.lit(value))
     }
+    #[inline(always)]
     fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        self.chain(root, root.lit(0.5) / root)
+        let number = self;
+        perform!(root(number) if true)
     }
+    #[inline(always)]
     fn asin(self) -> Self {
-        let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
-        self.chain(self.value.asin(), slope)
+        let number = self;
+        perform!(arc_sine(number) if true)
     }
+    #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        let inverse = self.value.one() / (self.value.squared() + x.value.squared());
-        let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
-        let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(x.partials) {
-            *p = *p * by_y + q * by_x;
-        }
-        Dual {
-            value: self.value.atan2(x.value),
-            partials,
-        }
+        let y = self;
+        perform!(angle_from(y, x) if true)
     }
-    #[inline]
+    #[inline(always)]
     fn sign(self) -> Self {
         Dual::constant(self.value.sign())
     }
-    #[inline]
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         let mut partials = self.partials;
         for p in &mut partials {
@@ -175,7 +221,7 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Scalar for Dual<T, N> {
-    #[inline]
+    #[inline(always)]
     fn value(self) -> f64 {
         self.value.value()
     }

@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Real, Scalar, called};
+use super::{Outlined, Real, Scalar, called};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -89,29 +89,38 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
     }
 }
 
-impl<T: Real, const N: usize> Add for Jet<T, N> {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        let mut sum = self.0;
-        for (s, o) in sum.iter_mut().zip(other.0) {
-            *s = *s + o;
+/// Adds or subtracts coefficient by coefficient; numbers in registers where they stand.
+macro_rules! by_coefficients {
+    ($trait:ident, $method:ident, $operation:ident, $operator:tt) => {
+        impl<T: Real, const N: usize> Jet<T, N> {
+            #[inline(always)]
+            fn $operation(mut self, other: Self) -> Self {
+                for (own, other) in self.0.iter_mut().zip(other.0) {
+                    *own = *own $operator other;
+                }
+                self
+            }
         }
-        Jet(sum)
-    }
+
+        impl<T: Real, const N: usize> $trait for Jet<T, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                #[inline]
+                fn apart<T: Real, const N: usize>(one: Jet<T, N>, other: Jet<T, N>) -> Jet<T, N> {
+                    one.$operation(other)
+                }
+                match T::IN_REGISTERS {
+                    true => self.$operation(other),
+                    false => apart(self, other),
+                }
+            }
+        }
+    };
 }
 
-impl<T: Real, const N: usize> Sub for Jet<T, N> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        let mut difference = self.0;
-        for (d, o) in difference.iter_mut().zip(other.0) {
-            *d = *d - o;
-        }
-        Jet(difference)
-    }
-}
+by_coefficients!(Add, add, plus, +);
+by_coefficients!(Sub, sub, minus, -);
 
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
@@ -127,21 +136,28 @@ impl<T: Real, const N: usize> Neg for Jet<T, N> {
 
 impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        if Self::LARGE {
-            called((self, other), |(a, b)| a.times(b))
-        } else {
-            self.times(other)
+        match T::IN_REGISTERS {
+            true => self.times(other),
+            false => self.times_apart(other),
         }
     }
 }
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// Whether products, quotients and roots are calls (see [`called`]).
-    const LARGE: bool = size_of::<Self>() > 16 && !T::IN_REGISTERS;
+    const LARGE: bool = (size_of::<Self>() > 16 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
 
     #[inline]
+    fn times_apart(self, other: Self) -> Self {
+        match Self::LARGE {
+            true => called((self, other), |(a, b)| a.times(b)),
+            false => self.times(other),
+        }
+    }
+
+    #[inline(always)]
     fn times(self, other: Self) -> Self {
         let mut product = self.0;
         for (k, p) in product.iter_mut().enumerate() {
@@ -215,8 +231,14 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
-    const IS_NESTED: bool = size_of::<T>() > 8 && !T::IN_REGISTERS;
+    const HAS_DERIVATIVES: bool = true;
+    const IS_NESTED: bool = (size_of::<T>() > 8 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
+
+    #[inline(always)]
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        self.0[0].outlined(piece)
+    }
 
     #[inline(always)]
     fn also(self, other: Self) -> Self {

@@ -9,79 +9,80 @@
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
 
-use super::{Outlined, Real, SimdReal, Unrolled2, arc};
+use super::registers::Registers;
+use super::{Outlined, Real, SimdReal, arc};
 use pulp::{Simd, WithSimd};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// A SIMD register.
+/// Numbers in SIMD registers.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes<S: Simd> {
+pub struct Lanes<S: Registers> {
     simd: S,
-    register: S::f64s,
+    numbers: S::Numbers,
 }
 
 /// A truth value for each lane of [`Lanes`].
 #[derive(Clone, Copy, Debug)]
-pub struct LaneMask<S: Simd> {
+pub struct LaneMask<S: Registers> {
     simd: S,
-    register: S::m64s,
+    truths: S::Truths,
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Registers> Lanes<S> {
     #[inline(always)]
     fn splat(simd: S, value: f64) -> Self {
         Lanes {
             simd,
-            register: simd.splat_f64s(value),
-        }
-    }
-
-    #[inline(always)]
-    fn with(self, register: S::f64s) -> Self {
-        Lanes {
-            simd: self.simd,
-            register,
+            numbers: simd.splat(value),
         }
     }
 }
 
+/// An operation of the instruction set on all lanes.
+macro_rules! operation {
+    ($simd_method:ident($lanes:ident $(, $other:ident)*)) => {
+        Lanes {
+            simd: $lanes.simd,
+            numbers: S::$simd_method($lanes.simd, $lanes.numbers $(, $other.numbers)*),
+        }
+    };
+}
+
 macro_rules! operator {
-    ($trait:ident, $method:ident, $simd_method:ident) => {
-        impl<S: Simd> $trait for Lanes<S> {
+    ($trait:ident, $method:ident) => {
+        impl<S: Registers> $trait for Lanes<S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.with(self.simd.$simd_method(self.register, other.register))
+                operation!($method(self, other))
             }
         }
     };
 }
 
-operator!(Add, add, add_f64s);
-operator!(Sub, sub, sub_f64s);
-operator!(Mul, mul, mul_f64s);
-operator!(Div, div, div_f64s);
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Registers> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.with(self.simd.neg_f64s(self.register))
+        operation!(neg(self))
     }
 }
 
-impl<S: Simd> Real for Lanes<S> {
+impl<S: Registers> Real for Lanes<S> {
     const IN_REGISTERS: bool = true;
 
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
-        let (a, b) = (a.register, b.register);
-        self.with(self.simd.mul_add_f64s(a, b, self.register))
+        operation!(mul_add(a, b, self))
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        let (a, b) = (a.register, b.register);
-        self.with(self.simd.negate_mul_add_f64s(a, b, self.register))
+        operation!(negate_mul_add(a, b, self))
     }
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
@@ -89,7 +90,7 @@ impl<S: Simd> Real for Lanes<S> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.with(self.simd.sqrt_f64s(self.register))
+        operation!(sqrt(self))
     }
     #[inline(always)]
     fn asin(self) -> Self {
@@ -103,97 +104,77 @@ impl<S: Simd> Real for Lanes<S> {
     fn sign(self) -> Self {
         self.one().copysign(self)
     }
+    #[inline(always)]
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        self.simd.vectorize(InOwnFunction(piece))
+    }
 }
 
-impl<S: Simd> SimdReal for Lanes<S> {
-    const LANES: usize = S::F64_LANES;
+impl<S: Registers> SimdReal for Lanes<S> {
+    const LANES: usize = <S as Registers>::LANES;
     type Mask = LaneMask<S>;
 
     #[inline(always)]
     fn load(self, from: &[f64]) -> Self {
-        self.with(S::as_simd_f64s(from).0[0])
+        Lanes {
+            simd: self.simd,
+            numbers: self.simd.load(from),
+        }
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
-        S::as_mut_simd_f64s(to).0[0] = self.register;
+        self.simd.store(self.numbers, to);
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.with(self.simd.abs_f64s(self.register))
+        operation!(abs(self))
     }
     #[inline(always)]
     fn copysign(self, other: Self) -> Self {
-        let minus = self.simd.splat_f64s(-0.0);
-        let sign = self.simd.and_f64s(minus, other.register);
-        let magnitude = self.simd.abs_f64s(self.register);
-        self.with(self.simd.or_f64s(magnitude, sign))
+        operation!(copysign(self, other))
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
         LaneMask {
             simd: self.simd,
-            register: self.simd.less_than_f64s(self.register, other.register),
+            truths: self.simd.less(self.numbers, other.numbers),
         }
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        yes.with(
-            yes.simd
-                .select_f64s(mask.register, yes.register, no.register),
-        )
+        Lanes {
+            simd: yes.simd,
+            numbers: yes.simd.select(mask.truths, yes.numbers, no.numbers),
+        }
     }
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
-        let unset = mask.simd.not_m64s(mask.register);
-        mask.simd.first_true_m64s(unset) == S::F64_LANES
-    }
-    #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        self.simd.vectorize(InOwnFunction(piece))
+        mask.simd.bits(mask.truths) == (1 << <Self as SimdReal>::LANES) - 1
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {
-        let simd = mask.simd;
-        let (one, zero) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
-        let flags = simd.select_f64s(mask.register, one, zero);
-        let mut numbers = [0.0; 8];
-        S::as_mut_simd_f64s(&mut numbers).0[0] = flags;
-        numbers[lane] == 1.0
+        mask.simd.bits(mask.truths) & (1 << lane) != 0
     }
 }
 
-impl<S: Simd> BitAnd for LaneMask<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        LaneMask {
-            simd: self.simd,
-            register: self.simd.and_m64s(self.register, other.register),
+macro_rules! logic {
+    ($trait:ident, $method:ident, $simd_method:ident $(, $other:ident)?) => {
+        impl<S: Registers> $trait for LaneMask<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self $(, $other: Self)?) -> Self {
+                LaneMask {
+                    simd: self.simd,
+                    truths: self.simd.$simd_method(self.truths $(, $other.truths)?),
+                }
+            }
         }
-    }
+    };
 }
 
-impl<S: Simd> BitOr for LaneMask<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        LaneMask {
-            simd: self.simd,
-            register: self.simd.or_m64s(self.register, other.register),
-        }
-    }
-}
-
-impl<S: Simd> Not for LaneMask<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        LaneMask {
-            simd: self.simd,
-            register: self.simd.not_m64s(self.register),
-        }
-    }
-}
+logic!(BitAnd, bitand, and, other);
+logic!(BitOr, bitor, or, other);
+logic!(Not, not, not);
 
 /// How many numbers are worked on at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -259,12 +240,12 @@ impl Width {
         match self {
             Width::Avx512 => {
                 if let Some(simd) = pulp::x86::V4::try_new() {
-                    return Simd::vectorize(simd, Task(task));
+                    return Simd::vectorize(simd, Task(task, simd));
                 }
             }
             Width::Avx2 => {
                 if let Some(simd) = pulp::x86::V3::try_new() {
-                    return Simd::vectorize(simd, Task(task));
+                    return Simd::vectorize(simd, Task(task, simd));
                 }
             }
             Width::Scalar => {}
@@ -291,13 +272,12 @@ impl<P: Outlined> WithSimd for InOwnFunction<P> {
     }
 }
 
-struct Task<T>(T);
+struct Task<T, R>(T, R);
 
-impl<T: SimdTask> WithSimd for Task<T> {
+impl<T: SimdTask, R: Registers> WithSimd for Task<T, R> {
     type Output = T::Output;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> T::Output {
-        let zero = Lanes::splat(simd, 0.0);
-        self.0.run(Unrolled2(zero, zero))
+    fn with_simd<S: Simd>(self, _: S) -> T::Output {
+        self.0.run(Lanes::splat(self.1, 0.0))
     }
 }

@@ -14,18 +14,17 @@ mod dual;
 mod interval;
 mod jet;
 mod lanes;
+mod registers;
 mod tape;
-mod twin;
 mod vector;
 
-pub use bundle::{MOST_LANES, Outlined, SimdReal};
+pub use bundle::{MOST_LANES, SimdReal};
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
 pub use tape::{Tape, Tracked};
-pub use twin::Unrolled2;
 pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -44,6 +43,8 @@ pub trait Real:
     /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
     /// function that is compiled for them.
     const IN_REGISTERS: bool = false;
+    /// Whether it carries derivatives.
+    const HAS_DERIVATIVES: bool = false;
     /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see `called`).
     const IS_NESTED: bool = false;
     /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would
@@ -83,6 +84,13 @@ pub trait Real:
         }
     }
 
+    /// Does a piece of work in a function of its own, compiled for the instructions that the number is made for:
+    /// what is inlined into one function all takes the compiler long.
+    #[inline(always)]
+    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+        called(piece, P::work)
+    }
+
     /// The same number, known in another way as well: an interval is narrowed to what both contain, any other number
     /// stays as it is.
     #[inline(always)]
@@ -112,10 +120,19 @@ pub trait Real:
     }
 }
 
+/// A piece of work on numbers of one kind.
+pub trait Outlined {
+    /// What it yields.
+    type Output;
+    /// Does it. To be marked `#[inline(always)]`.
+    fn work(self) -> Self::Output;
+}
+
 /// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
-/// series and of derivatives of series would make the crate take minutes to compile.
+/// series and of derivatives of series would make the crate take minutes to compile. Not for numbers in registers,
+/// which have [`Real::outlined`].
 #[inline(never)]
-fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
+pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 

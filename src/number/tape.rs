@@ -77,6 +77,7 @@ pub struct Tracked<'t> {
 
 impl<'t> Tracked<'t> {
     /// A number that depends on nothing.
+    #[inline(always)]
     pub fn constant(value: f64) -> Self {
         Tracked {
             value,
@@ -84,6 +85,7 @@ impl<'t> Tracked<'t> {
         }
     }
 
+    #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.origin {
             None => Tracked::constant(value),
@@ -91,6 +93,7 @@ impl<'t> Tracked<'t> {
         }
     }
 
+    #[inline(never)]
     fn of_two(self, other: Self, value: f64, [by_self, by_other]: [f64; 2]) -> Self {
         match (self.origin, other.origin) {
             (Some((tape, a)), Some((_, b))) => tape.note(value, [(a, by_self), (b, by_other)]),

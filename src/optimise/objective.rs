@@ -96,9 +96,15 @@ impl<const N: usize> Reader<N> {
     ) {
         match measure {
             Measure::Quantity(quantity) => {
-                view.gradients(linearised, *quantity, 0, buffer, |_, PointId(p), found| {
-                    gradient[p] = found;
-                });
+                view.gradients(
+                    linearised,
+                    *quantity,
+                    0,
+                    buffer,
+                    &mut |_, PointId(p), found| {
+                        gradient[p] = found;
+                    },
+                );
             }
             _ => {
                 buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));

@@ -16,7 +16,7 @@ use crate::characteristics::{
 use crate::derive::{Gradient, Seeds};
 use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, PointId, Suspension};
-use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
     Acceptance, AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
     Visit,
@@ -347,10 +347,10 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
-        let series = along_travel.as_ref().map(|along| {
-            let design = along.design(reader.mechanism(), &group);
-            (along, design)
-        });
+        let series = match along_travel {
+            Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
+            None => None,
+        };
         let read = (&*reader, series.as_ref(), &wheels, &members);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         let mut rack = 0;
@@ -414,10 +414,10 @@ impl SimdTask for OfOne<'_, '_, '_> {
         }
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
-        let series = along_travel.as_ref().map(|along| {
-            let design = along.design(reader.mechanism(), &group);
-            (along, design)
-        });
+        let series = match along_travel {
+            Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
+            None => None,
+        };
         let read = (&*reader, series.as_ref(), &wheels, &members);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         reading.rack = like.lit(stations.racks[0]);
@@ -549,7 +549,32 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
-        let station = self.first + station;
+        self.rack.outlined(AtPose {
+            station: self.first + station,
+            differentiating: self,
+            at,
+        });
+    }
+}
+
+/// In a function of its own, which poses of one design side by side share with those of many designs.
+struct AtPose<'v, 'r, 't, B: SimdReal, P> {
+    differentiating: &'v mut Differentiating<'r, 't, B>,
+    station: usize,
+    at: &'v P,
+}
+
+impl<B: SimdReal, P: LanePose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        self.differentiating.differentiate(self.station, self.at);
+    }
+}
+
+impl<B: SimdReal> Differentiating<'_, '_, B> {
+    #[inline(always)]
+    fn differentiate(&mut self, station: usize, at: &impl LanePose<B>) {
         let reads_rates = self.reader.reads_rates();
         let right = self
             .reader

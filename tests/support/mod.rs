@@ -214,7 +214,7 @@ pub fn sensitivity_errors(
                 quantity,
                 2,
                 &mut buffer,
-                |order, PointId(p), gradient| {
+                &mut |order, PointId(p), gradient| {
                     for axis in AXES {
                         let param = format!("{}.{}", case.names[p], axis.name());
                         let Some(row) = params.iter().position(|n| *n == param) else {

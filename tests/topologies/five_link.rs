@@ -197,9 +197,15 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
                 worst[1].note((rate - wanted[1][i].value()) / scale * 100.0);
                 let mut gradients = vec![[[0.0; 3]; 2]; design.len()];
                 let quantity = Quantity::Characteristic(c);
-                view.gradients(&linearised, quantity, 1, &mut buffer, |order, id, g| {
-                    gradients[id.0][order] = g.to_array();
-                });
+                view.gradients(
+                    &linearised,
+                    quantity,
+                    1,
+                    &mut buffer,
+                    &mut |order, id, g| {
+                        gradients[id.0][order] = g.to_array();
+                    },
+                );
                 let largest = |order: usize| {
                     let sizes = slopes.iter().map(|s| s[order][i].abs());
                     sizes.fold(0.0, f64::max)

@@ -47,7 +47,7 @@ fn read(
                 quantity,
                 2,
                 &mut buffer,
-                |order, id, gradient| {
+                &mut |order, id, gradient| {
                     sensitivities[i * design.len() + id.0][order] = gradient;
                 },
             );

@@ -370,7 +370,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                         quantity,
                         highest,
                         &mut buffer,
-                        |order, PointId(p), g| all[order][p] = g,
+                        &mut |order, PointId(p), g| all[order][p] = g,
                     );
                     all
                 };

@@ -82,17 +82,23 @@ fn turns_about_its_axis() {
                         let scale = solver.size().powi(1 - k as i32);
                         worst[k].note((found[k] - wanted.value[k]) / scale);
                     }
-                    view.gradients(&linearised, quantity, 2, &mut buffer, |order, id, g| {
-                        if id.0 >= 4 {
-                            assert_eq!(g, Vector3::default());
-                            return;
-                        }
-                        for (by, g) in g.to_array().into_iter().enumerate() {
-                            let wanted = wanted.partials[3 * id.0 + by].derivative(order);
-                            let scale = solver.size().powi(-(order as i32));
-                            gradients[order].note((g - wanted) / scale);
-                        }
-                    });
+                    view.gradients(
+                        &linearised,
+                        quantity,
+                        2,
+                        &mut buffer,
+                        &mut |order, id, g| {
+                            if id.0 >= 4 {
+                                assert_eq!(g, Vector3::default());
+                                return;
+                            }
+                            for (by, g) in g.to_array().into_iter().enumerate() {
+                                let wanted = wanted.partials[3 * id.0 + by].derivative(order);
+                                let scale = solver.size().powi(-(order as i32));
+                                gradients[order].note((g - wanted) / scale);
+                            }
+                        },
+                    );
                 }
             }
         })

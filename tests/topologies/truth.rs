@@ -279,7 +279,7 @@ impl Errors {
                         Quantity::Coordinate(*id, axis),
                         2,
                         &mut buffer,
-                        |order, PointId(p), gradient| {
+                        &mut |order, PointId(p), gradient| {
                             for (by, found) in gradient.to_array().into_iter().enumerate() {
                                 let wanted = wanted[3 * p + by][k][order].to_array()[axis as usize];
                                 self.sensitivities[order]

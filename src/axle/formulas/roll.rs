@@ -56,13 +56,17 @@ pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
 /// Track less that of the design position.
 #[inline(always)]
 pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
-    let designed = |side: Side| {
-        let wheel = state.wheel(side);
-        let level = Ground::level(state.like());
-        let lever = level.contact_lever(wheel.reading.design_spin_axis(), wheel.radius);
-        wheel.reading.design_centre().y + lever.y
-    };
-    state.track() - (designed(Side::Left) + designed(Side::Right))
+    let designed = designed_half_track(state, Side::Left) + designed_half_track(state, Side::Right);
+    state.track() - designed
+}
+
+/// How far outboard a contact point is in the design position.
+#[inline(always)]
+fn designed_half_track<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+    let wheel = state.wheel(side);
+    let level = Ground::level(state.like());
+    let lever = level.contact_lever(wheel.reading.design_spin_axis(), wheel.radius);
+    wheel.reading.design_centre().y + lever.y
 }
 
 /// Roll angle of the body.

@@ -123,7 +123,7 @@ impl<'t> Task<'t> {
         for (output, c) in self.outputs.iter().enumerate() {
             let quantity = Quantity::Characteristic(*c);
             let buffer = &mut adjoint.buffer;
-            view.gradients(&linearised, quantity, 0, buffer, |_, id, gradient| {
+            view.gradients(&linearised, quantity, 0, buffer, &mut |_, id, gradient| {
                 if let Some(point) = adjoint.place[id.0] {
                     gradients.put(station, output, point, gradient);
                 }

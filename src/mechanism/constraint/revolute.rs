@@ -47,18 +47,26 @@ impl<T: Real> Pinned<T> {
         // The drawn axis has the sign: builds on either side of a level axis have normals near each other.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
-        let pinned = |point: PointId, direction| Pinned {
-            point,
-            direction,
-            lever: knuckle[point.0] - knuckle[origin.0],
-        };
-        [
-            pinned(first, x),
-            pinned(first, y),
-            pinned(first, z),
-            pinned(second, across),
-            pinned(second, other),
-        ]
+        let equations = [
+            (first, x),
+            (first, y),
+            (first, z),
+            (second, across),
+            (second, other),
+        ];
+        let mut rows = [Pinned {
+            point: first,
+            direction: x,
+            lever: x,
+        }; 5];
+        for (row, (point, direction)) in rows.iter_mut().zip(equations) {
+            *row = Pinned {
+                point,
+                direction,
+                lever: knuckle[point.0] - knuckle[origin.0],
+            };
+        }
+        rows
     }
 
     #[inline(always)]

@@ -51,15 +51,22 @@ impl<T: Real> StrutLine<T> {
         let lever = knuckle[top.0] - knuckle[origin.0];
         let inverse_base = base.x.one() / base.norm();
         let along = base * inverse_base;
-        normals(along, along.z.sign()).map(|normal| StrutLine {
+        let [first, second] = normals(along, along.z.sign());
+        let across_first = StrutLine {
             top,
             lower,
             upper,
-            normal,
-            offset: normal.dot(lever),
+            normal: first,
+            offset: first.dot(lever),
             along,
             inverse_base,
-        })
+        };
+        let across_second = StrutLine {
+            normal: second,
+            offset: second.dot(lever),
+            ..across_first
+        };
+        [across_first, across_second]
     }
 
     #[inline(always)]
@@ -84,9 +91,9 @@ impl<T: Real> StrutLine<T> {
         sink.hardpoint(self.lower, -by_direction);
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
-        let gap = at.point(self.top) - at.pose.origin;
+        let gap = at.grounded(self.top) - at.pose.origin;
         let turned = at.pose.rotation.apply(self.normal);
         let turned_rate = along.turn.cross(turned);
         Wrench {

@@ -166,9 +166,13 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
 fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
     let lever = ground.contact_lever(wheel.axis, radius);
     let normal = ground.normal();
-    let rise = |[velocity, turn]: [Vector3<B>; 2]| normal.dot(velocity + turn.cross(lever));
+    let [rest, rest_turn] = wheel.rest;
+    let [rate, rate_turn] = wheel.rate;
     let here = normal.dot(wheel.centre + lever);
-    [here + rise(wheel.rest), rise(wheel.rate)]
+    [
+        here + normal.dot(rest + rest_turn.cross(lever)),
+        normal.dot(rate + rate_turn.cross(lever)),
+    ]
 }
 
 impl<'a> PairBatch<'a> {

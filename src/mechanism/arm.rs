@@ -1,0 +1,146 @@
+//! Where an arm carries a point to.
+//!
+//! An arm is hinged about the line through its front and rear bushing, along the unit vector e. With r the part
+//! of `outer - front` normal to e in the design position and r' now, it has turned by
+//!
+//! ```text
+//! cos = r.r'/r.r,   sin = e.(r x r')/r.r
+//! ```
+//!
+//! and a point whose lever, the part of `point - front` normal to e, is L moves by L (cos - 1) + e x L sin.
+
+use crate::number::{Real, Vector3};
+
+/// What the place of a point of an arm is made of: front, rear and outer joint and the point itself in the design
+/// position, and the outer joint now.
+pub(super) type Inputs<T> = [Vector3<T>; 5];
+
+/// The arm's turn, and what it came from.
+struct ArmTurn<T> {
+    axis: Vector3<T>,
+    /// 1/|rear - front|
+    inverse_length: T,
+    /// r, r' and L.
+    levers: [Vector3<T>; 3],
+    /// 1/r.r
+    inverse: T,
+    cosine: T,
+    sine: T,
+}
+
+/// What is left of a vector across a unit vector.
+#[inline(always)]
+fn across<T: Real>(axis: Vector3<T>, v: Vector3<T>) -> Vector3<T> {
+    v - axis * axis.dot(v)
+}
+
+impl<T: Real> ArmTurn<T> {
+    #[inline(always)]
+    fn of([front, rear, outer, point, outer_now]: Inputs<T>) -> Self {
+        let along = rear - front;
+        let inverse_length = along.x.one() / along.norm();
+        let axis = along * inverse_length;
+        let radius = across(axis, outer - front);
+        let radius_now = across(axis, outer_now - front);
+        let inverse = axis.x.one() / radius.norm_squared();
+        ArmTurn {
+            axis,
+            inverse_length,
+            levers: [radius, radius_now, across(axis, point - front)],
+            inverse,
+            cosine: radius.dot(radius_now) * inverse,
+            sine: axis.dot(radius.cross(radius_now)) * inverse,
+        }
+    }
+}
+
+/// Where the point is now.
+#[inline(always)]
+pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
+    let ArmTurn {
+        axis,
+        levers: [_, _, lever],
+        cosine,
+        sine,
+        ..
+    } = ArmTurn::of(inputs);
+    inputs[3] - lever + lever * cosine + axis.cross(lever) * sine
+}
+
+/// The derivative of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, backwards.
+#[inline(always)]
+pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T>) -> Inputs<T> {
+    let ArmTurn {
+        axis,
+        inverse_length,
+        levers: [radius, radius_now, lever],
+        inverse,
+        cosine,
+        sine,
+    } = ArmTurn::of(inputs);
+    let by_cosine = gradient.dot(lever) * inverse;
+    let by_sine = gradient.dot(axis.cross(lever)) * inverse;
+    let by_square = by_cosine * cosine + by_sine * sine;
+    let by_levers = [
+        radius_now * by_cosine + radius_now.cross(axis) * by_sine
+            - radius * (by_square + by_square),
+        radius * by_cosine + axis.cross(radius) * by_sine,
+        gradient * cosine + gradient.cross(axis) * sine - gradient,
+    ];
+    let mut by_axis = lever.cross(gradient) * sine + radius.cross(radius_now) * by_sine;
+    let [front, _, outer, point, outer_now] = inputs;
+    // Each lever is made of a point, the front bushing and the axis.
+    let points = [outer, outer_now, point];
+    let mut by_points = by_levers;
+    for k in 0..3 {
+        let (from_front, by) = (points[k] - front, by_levers[k]);
+        by_axis = by_axis - by * axis.dot(from_front) - from_front * axis.dot(by);
+        by_points[k] = across(axis, by);
+    }
+    let [by_outer, by_outer_now, by_lever] = by_points;
+    let by_rear = across(axis, by_axis) * inverse_length;
+    [
+        -(by_outer + by_outer_now + by_lever + by_rear),
+        by_rear,
+        by_outer,
+        gradient + by_lever,
+        by_outer_now,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::{Dual, Jet};
+
+    /// The derivative of one pass backwards is that of dual numbers, also where the outer joint has left its
+    /// circle, and with its rate along a motion.
+    #[test]
+    fn the_gradient_is_that_of_dual_numbers() {
+        let at = |x: f64, y: f64, z: f64| {
+            let series = |c: f64, k: f64| Jet::<f64, 2>([c, 0.3 * k - 0.1 * c]);
+            Vector3::new(series(x, y), series(y, z), series(z, x))
+        };
+        let inputs = [
+            at(0.2, 0.4, 0.21),
+            at(-0.15, 0.42, 0.19),
+            at(0.01, 0.7, 0.2),
+            at(0.03, 0.6, 0.25),
+            at(0.013, 0.69, 0.26),
+        ];
+        let gradient = at(0.7, -0.4, 1.1);
+        let found = arm_point_gradient(inputs, gradient);
+        for (k, found) in found.into_iter().enumerate() {
+            let mut seeded = inputs.map(|p| p.map(Dual::<_, 3>::constant));
+            let Vector3 { x, y, z } = inputs[k];
+            seeded[k] = Vector3::new(Dual::input(x, 0), Dual::input(y, 1), Dual::input(z, 2));
+            let image = arm_point(seeded).dot(gradient.map(Dual::constant));
+            for (found, expected) in found.to_array().into_iter().zip(image.partials) {
+                for order in 0..2 {
+                    let (found, expected) = (found[order], expected[order]);
+                    assert!((found - expected).abs() < 1e-13, "{k}: {found} {expected}");
+                }
+            }
+        }
+    }
+}

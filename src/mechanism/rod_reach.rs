@@ -73,17 +73,19 @@ impl<B: SimdReal> RodReach<B> {
     /// Of two places the one that is nearer to this.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
-        let away = |other: &Self| (other.outer - self.outer).norm_squared();
-        let is_first = away(first).less(away(second));
-        let one = |a: B, b: B| B::select(is_first, a, b);
-        let ([a, b, c], [x, y, z]) = (first.outer.to_array(), second.outer.to_array());
+        let first_away = (first.outer - self.outer).norm_squared();
+        let is_first = first_away.less((second.outer - self.outer).norm_squared());
         RodReach {
-            outer: Vector3::new(one(a, x), one(b, y), one(c, z)),
-            lever: one(first.lever, second.lever),
-            from_axis: one(first.from_axis, second.from_axis),
-            from_foot: one(first.from_foot, second.from_foot),
-            c: one(first.c, second.c),
-            w_squared: one(first.w_squared, second.w_squared),
+            outer: Vector3::new(
+                B::select(is_first, first.outer.x, second.outer.x),
+                B::select(is_first, first.outer.y, second.outer.y),
+                B::select(is_first, first.outer.z, second.outer.z),
+            ),
+            lever: B::select(is_first, first.lever, second.lever),
+            from_axis: B::select(is_first, first.from_axis, second.from_axis),
+            from_foot: B::select(is_first, first.from_foot, second.from_foot),
+            c: B::select(is_first, first.c, second.c),
+            w_squared: B::select(is_first, first.w_squared, second.w_squared),
         }
     }
 

@@ -19,7 +19,7 @@ pub struct Jet<T, const N: usize>(pub [T; N]);
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// A constant: every derivative is zero.
-    #[inline]
+    #[inline(always)]
     pub fn constant(value: T) -> Self {
         let mut series = [value.zero(); N];
         series[0] = value;
@@ -27,7 +27,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 
     /// The variable itself, at `value`: first derivative one.
-    #[inline]
+    #[inline(always)]
     pub fn variable(value: T) -> Self {
         let mut series = Jet::constant(value);
         if N > 1 {
@@ -37,14 +37,14 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 
     /// The `order`-th derivative.
-    #[inline]
+    #[inline(always)]
     pub fn derivative(&self, order: usize) -> T {
         const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
         self.0[order].scaled(FACTORIAL[order])
     }
 
     /// The derivative as a series. Its highest coefficient is unknown and given as zero.
-    #[inline]
+    #[inline(always)]
     pub fn differentiated(self) -> Self {
         let mut rate = [self.0[0].zero(); N];
         for k in 1..N {
@@ -54,7 +54,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
     }
 
     /// The series whose derivative is `rate` and whose constant is `value`.
-    #[inline]
+    #[inline(always)]
     fn integrated(value: T, rate: Self) -> Self {
         let mut series = [value; N];
         for k in 1..N {
@@ -83,7 +83,7 @@ impl<const N: usize> Jet<f64, N> {
 
 impl<T, const N: usize> Index<usize> for Jet<T, N> {
     type Output = T;
-    #[inline]
+    #[inline(always)]
     fn index(&self, order: usize) -> &T {
         &self.0[order]
     }
@@ -124,7 +124,7 @@ by_coefficients!(Sub, sub, minus, -);
 
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         let mut negative = self.0;
         for c in &mut negative {
@@ -172,7 +172,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
 impl<T: Real, const N: usize> Div for Jet<T, N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         if Self::LARGE {
             called((self, other), |(a, b)| a.over(b))
@@ -183,7 +183,7 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Jet<T, N> {
-    #[inline]
+    #[inline(always)]
     fn over(self, other: Self) -> Self {
         let mut quotient = self.0;
         for k in 0..N {
@@ -198,7 +198,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
 }
 
 impl<T: Real, const N: usize> Jet<T, N> {
-    #[inline]
+    #[inline(always)]
     fn root(self) -> Self {
         let mut root = self.0;
         root[0] = self.0[0].sqrt();
@@ -248,12 +248,12 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Jet::constant(self.0[0].lit(value))
     }
 
-    #[inline]
+    #[inline(always)]
     fn sqrt(self) -> Self {
         if Self::LARGE {
             called(self, Self::root)
@@ -284,12 +284,12 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sign(self) -> Self {
         Jet::constant(self.0[0].sign())
     }
 
-    #[inline]
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         let mut scaled = self.0;
         for c in &mut scaled {
@@ -300,7 +300,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Scalar for Jet<T, N> {
-    #[inline]
+    #[inline(always)]
     fn value(self) -> f64 {
         self.0[0].value()
     }

@@ -7,7 +7,8 @@
 //! library's product and sum makes up for a processor's: the same bits, slowly.)
 //!
 //! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
-//! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls.
+//! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls. What is large is a function of
+//! its own by [`Real::outlined`].
 
 use super::registers::Registers;
 use super::{Outlined, Real, SimdReal, arc};

@@ -129,8 +129,8 @@ pub trait Outlined {
 }
 
 /// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
-/// series and of derivatives of series would make the crate take minutes to compile. Not for numbers in registers,
-/// which have [`Real::outlined`].
+/// series and of derivatives of series would make the crate take minutes to compile. It is compiled for no instruction
+/// set: numbers in registers have [`Real::outlined`].
 #[inline(never)]
 pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)

@@ -340,104 +340,6 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    #[inline(always)]
-    fn read_here<B: SimdReal>(
-        &self,
-        wheels: &LaneWheels<B>,
-        at: &impl LanePose<B>,
-        rack: B,
-        rates: bool,
-        into: &mut LaneInputs<B>,
-    ) -> B::Mask {
-        let reads = self.reads;
-        let mut right = rack.everywhere();
-        let LaneInputs {
-            inputs,
-            points,
-            by_rack,
-            rods,
-            has_begun,
-        } = into;
-        if !rods.is_empty() {
-            right = rack.outlined(Watching {
-                rockers: &self.rockers,
-                at: &at.configuration(rack),
-                motion: &at.rates().twist(),
-                rods,
-                has_begun,
-            });
-        }
-        let now = &mut inputs.now;
-        if reads.spin_axis {
-            now.spin_axis = at.vector(&wheels.spin_axis);
-            right = right & now.spin_axis.z.abs().less(rack.lit(STEEPEST_SPIN_AXIS));
-        }
-        if reads.centre {
-            now.centre = at.point(&wheels.centre);
-        }
-        if reads.steering_axis {
-            let (point, direction, is_known) = at.steering_axis();
-            (now.steering_point, now.steering_direction) = (point, direction);
-            right = right & is_known;
-        }
-        if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
-            now.strut_upper = at.point(upper);
-        }
-        for (place, carried) in points.iter_mut().zip(&wheels.points) {
-            if let Some(carried) = carried {
-                place[0] = at.point(carried);
-            }
-        }
-        let is_installed = reads.installation != Installation::default();
-        if !rates && !is_installed && !reads.rocker_points {
-            if reads.other_points {
-                rack.outlined(Placing {
-                    ids: &self.points,
-                    at: &at.configuration(rack),
-                    points,
-                });
-            }
-            return right;
-        }
-        let rates = at.rates();
-        right = right & at.knows(&rates);
-        inputs.turn = rates.turn();
-        if reads.by_rack {
-            let Twist { shift, turn } = at.by_rack(&rates);
-            *by_rack = [shift + turn.cross(now.centre - at.origin()), turn];
-        }
-        if is_installed || reads.other_points {
-            let installing = Installing {
-                installation: reads.installation,
-                ids: &self.points,
-                at: &at.configuration(rack),
-                motion: &rates.twist(),
-                inputs,
-                points,
-            };
-            right = right & rack.outlined(installing);
-        }
-        for (place, carried) in points.iter_mut().zip(&wheels.points) {
-            if carried.is_some() {
-                place[1] = rates.point(at, place[0]);
-            }
-        }
-        let (now, rate) = (&inputs.now, &mut inputs.rate);
-        if reads.spin_axis {
-            rate.spin_axis = rates.vector(now.spin_axis);
-        }
-        if reads.centre {
-            rate.centre = rates.point(at, now.centre);
-        }
-        if reads.steering_axis {
-            (rate.steering_point, rate.steering_direction) = at.steering_axis_rates(&rates);
-        }
-        if reads.strut_upper {
-            rate.strut_upper = rates.point(at, now.strut_upper);
-        }
-        right
-    }
-
     /// Writes the values of all quantities, from what has been read, each `stride` numbers after the one
     /// before; NaN where one is not finite.
     #[inline(always)]
@@ -749,8 +651,101 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
     type Output = B::Mask;
     #[inline(always)]
     fn work(self) -> B::Mask {
-        self.reader
-            .read_here(self.wheels, self.at, self.rack, self.rates, self.into)
+        let ReadingPose {
+            reader,
+            wheels,
+            at,
+            rack,
+            rates,
+            into,
+        } = self;
+        let reads = reader.reads;
+        let mut right = rack.everywhere();
+        let LaneInputs {
+            inputs,
+            points,
+            by_rack,
+            rods,
+            has_begun,
+        } = into;
+        if !rods.is_empty() {
+            right = rack.outlined(Watching {
+                rockers: &reader.rockers,
+                at: &at.configuration(rack),
+                motion: &at.rates().twist(),
+                rods,
+                has_begun,
+            });
+        }
+        let now = &mut inputs.now;
+        if reads.spin_axis {
+            now.spin_axis = at.vector(&wheels.spin_axis);
+            right = right & now.spin_axis.z.abs().less(rack.lit(STEEPEST_SPIN_AXIS));
+        }
+        if reads.centre {
+            now.centre = at.point(&wheels.centre);
+        }
+        if reads.steering_axis {
+            let (point, direction, is_known) = at.steering_axis();
+            (now.steering_point, now.steering_direction) = (point, direction);
+            right = right & is_known;
+        }
+        if let (true, Some(upper)) = (reads.strut_upper, &wheels.strut_upper) {
+            now.strut_upper = at.point(upper);
+        }
+        for (place, carried) in points.iter_mut().zip(&wheels.points) {
+            if let Some(carried) = carried {
+                place[0] = at.point(carried);
+            }
+        }
+        let is_installed = reads.installation != Installation::default();
+        if !rates && !is_installed && !reads.rocker_points {
+            if reads.other_points {
+                rack.outlined(Placing {
+                    ids: &reader.points,
+                    at: &at.configuration(rack),
+                    points,
+                });
+            }
+            return right;
+        }
+        let rates = at.rates();
+        right = right & at.knows(&rates);
+        inputs.turn = rates.turn();
+        if reads.by_rack {
+            let Twist { shift, turn } = at.by_rack(&rates);
+            *by_rack = [shift + turn.cross(now.centre - at.origin()), turn];
+        }
+        if is_installed || reads.other_points {
+            let installing = Installing {
+                installation: reads.installation,
+                ids: &reader.points,
+                at: &at.configuration(rack),
+                motion: &rates.twist(),
+                inputs,
+                points,
+            };
+            right = right & rack.outlined(installing);
+        }
+        for (place, carried) in points.iter_mut().zip(&wheels.points) {
+            if carried.is_some() {
+                place[1] = rates.point(at, place[0]);
+            }
+        }
+        let (now, rate) = (&inputs.now, &mut inputs.rate);
+        if reads.spin_axis {
+            rate.spin_axis = rates.vector(now.spin_axis);
+        }
+        if reads.centre {
+            rate.centre = rates.point(at, now.centre);
+        }
+        if reads.steering_axis {
+            (rate.steering_point, rate.steering_direction) = at.steering_axis_rates(&rates);
+        }
+        if reads.strut_upper {
+            rate.strut_upper = rates.point(at, now.strut_upper);
+        }
+        right
     }
 }
 

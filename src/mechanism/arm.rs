@@ -28,25 +28,19 @@ struct ArmTurn<T> {
     sine: T,
 }
 
-/// What is left of a vector across a unit vector.
-#[inline(always)]
-fn across<T: Real>(axis: Vector3<T>, v: Vector3<T>) -> Vector3<T> {
-    v - axis * axis.dot(v)
-}
-
 impl<T: Real> ArmTurn<T> {
     #[inline(always)]
     fn of([front, rear, outer, point, outer_now]: Inputs<T>) -> Self {
         let along = rear - front;
         let inverse_length = along.x.one() / along.norm();
         let axis = along * inverse_length;
-        let radius = across(axis, outer - front);
-        let radius_now = across(axis, outer_now - front);
+        let radius = (outer - front).across(axis);
+        let radius_now = (outer_now - front).across(axis);
         let inverse = axis.x.one() / radius.norm_squared();
         ArmTurn {
             axis,
             inverse_length,
-            levers: [radius, radius_now, across(axis, point - front)],
+            levers: [radius, radius_now, (point - front).across(axis)],
             inverse,
             cosine: radius.dot(radius_now) * inverse,
             sine: axis.dot(radius.cross(radius_now)) * inverse,
@@ -95,10 +89,10 @@ pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T
     for k in 0..3 {
         let (from_front, by) = (points[k] - front, by_levers[k]);
         by_axis = by_axis - by * axis.dot(from_front) - from_front * axis.dot(by);
-        by_points[k] = across(axis, by);
+        by_points[k] = by.across(axis);
     }
     let [by_outer, by_outer_now, by_lever] = by_points;
-    let by_rear = across(axis, by_axis) * inverse_length;
+    let by_rear = by_axis.across(axis) * inverse_length;
     [
         -(by_outer + by_outer_now + by_lever + by_rear),
         by_rear,
@@ -109,7 +103,7 @@ pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
@@ -130,15 +124,30 @@ mod tests {
         ];
         let gradient = at(0.7, -0.4, 1.1);
         let found = arm_point_gradient(inputs, gradient);
+        assert_gradient(inputs, found, 1e-13, |inputs| {
+            arm_point(inputs).dot(gradient.map(Dual::constant))
+        });
+    }
+
+    /// That the derivatives of an output by each of some points are those of dual numbers, and so are their rates.
+    pub(in crate::mechanism) fn assert_gradient<const K: usize>(
+        inputs: [Vector3<Jet<f64, 2>>; K],
+        found: [Vector3<Jet<f64, 2>>; K],
+        tolerance: f64,
+        output: impl Fn([Vector3<Dual<Jet<f64, 2>, 3>>; K]) -> Dual<Jet<f64, 2>, 3>,
+    ) {
         for (k, found) in found.into_iter().enumerate() {
-            let mut seeded = inputs.map(|p| p.map(Dual::<_, 3>::constant));
+            let mut seeded = inputs.map(|p| p.map(Dual::constant));
             let Vector3 { x, y, z } = inputs[k];
             seeded[k] = Vector3::new(Dual::input(x, 0), Dual::input(y, 1), Dual::input(z, 2));
-            let image = arm_point(seeded).dot(gradient.map(Dual::constant));
-            for (found, expected) in found.to_array().into_iter().zip(image.partials) {
+            let expected = output(seeded).partials;
+            for (found, expected) in found.to_array().into_iter().zip(expected) {
                 for order in 0..2 {
                     let (found, expected) = (found[order], expected[order]);
-                    assert!((found - expected).abs() < 1e-13, "{k}: {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < tolerance,
+                        "{k}: {found} {expected}"
+                    );
                 }
             }
         }

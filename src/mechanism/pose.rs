@@ -205,14 +205,8 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     fn point_here(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack => self.grounded(id),
-            Body::Knuckle => self.carried(id),
-            Body::StrutRod(top) => {
-                let top = self.designed(top);
-                top + self.pose.rotation.apply(self.designed(id) - top)
-            }
-            Body::Arm(arm) => self.on_arm(self.mechanism.arms[arm.0], id),
             Body::Rocker(rocker) => self.rocker_point(rocker, self.designed(id)),
+            _ => self.place(id),
         }
     }
 

@@ -63,8 +63,7 @@ impl<T: Real> Turn<T> {
     #[inline(always)]
     pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
-        let from_first = inner - first;
-        let lever = from_first - axis * axis.dot(from_first);
+        let lever = (inner - first).across(axis);
         let centre = inner - lever;
         let turned = axis.cross(lever);
         let rod = inner - outer;
@@ -90,15 +89,14 @@ impl<T: Real> Turn<T> {
     /// Where a point of the rocker has come to.
     #[inline(always)]
     pub(crate) fn moved(&self, point: Vector3<T>) -> Vector3<T> {
-        let from_first = point - self.first;
-        let lever = from_first - self.axis * self.axis.dot(from_first);
+        let lever = (point - self.first).across(self.axis);
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
     /// A vector of the vehicle, seen from the rocker: turned back.
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
-        let lever = v - self.axis * self.axis.dot(v);
+        let lever = v.across(self.axis);
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
@@ -123,7 +121,7 @@ impl<T: Real> Turn<T> {
         let turning = push - pull * tension;
         let by_axis = turning * self.sine + turning.cross(axis) * (one - self.cosine);
         let along = axis.dot(second - first);
-        let by_second = (by_axis - axis * axis.dot(by_axis)) * (one / along);
+        let by_second = by_axis.across(axis) * (one / along);
         let designed = (inner - outer) * tension;
         let by_ends = [
             gradient - pulled - back + rod_back - by_second,
@@ -473,6 +471,7 @@ impl Configuration<'_, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::arm::tests::assert_gradient;
     use crate::number::{Dual, Jet};
 
     /// The derivatives by the rod's tension are those of dual numbers, with their rates along a motion.
@@ -494,20 +493,11 @@ mod tests {
         let [a, b, c, d, e] = by_ends;
         let [f, g, h, i, j] = ends;
         let inputs = [f, g, h, i, j, point];
-        for (k, found) in [a, b, c, d, e, by_point].into_iter().enumerate() {
-            let mut seeded = inputs.map(|p| p.map(Dual::<_, 3>::constant));
-            let Vector3 { x, y, z } = inputs[k];
-            seeded[k] = Vector3::new(Dual::input(x, 0), Dual::input(y, 1), Dual::input(z, 2));
-            let [ends @ .., point] = seeded;
+        let found = [a, b, c, d, e, by_point];
+        assert_gradient(inputs, found, 1e-12, |[ends @ .., point]| {
             let turn = Turn::of(ends);
             let angle = turn.sine.atan2(turn.cosine) * Dual::constant(moment);
-            let image = turn.moved(point).dot(gradient.map(Dual::constant)) + angle;
-            for (found, expected) in found.to_array().into_iter().zip(image.partials) {
-                for order in 0..2 {
-                    let (found, expected) = (found[order], expected[order]);
-                    assert!((found - expected).abs() < 1e-12, "{k}: {found} {expected}");
-                }
-            }
-        }
+            turn.moved(point).dot(gradient.map(Dual::constant)) + angle
+        });
     }
 }

@@ -53,8 +53,7 @@ impl<B: SimdReal> RodReach<B> {
     #[inline(always)]
     pub(super) fn of([first, second, inner, outer, now]: Ends<B>) -> Self {
         let axis = (second - first).normalised();
-        let from_first = inner - first;
-        let lever = from_first - axis * axis.dot(from_first);
+        let lever = (inner - first).across(axis);
         let q = inner - lever - now;
         let (along, from_foot) = (axis.dot(q), q.norm_squared());
         let (lever, rod) = (lever.norm_squared(), (inner - outer).norm_squared());

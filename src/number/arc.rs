@@ -89,19 +89,15 @@ impl<B: SimdReal> Outlined for AnyArc<B> {
     type Output = B;
     #[inline(always)]
     fn work(self) -> B {
-        any_arc(self.0)
+        let x = self.0;
+        let size = x.abs();
+        let beyond = x.lit(0.5).less(size);
+        let half = x.lit(0.5);
+        let root = (half - half * size).sqrt();
+        let arc = odd(B::select(beyond, root, size), &ASIN);
+        let far = x.lit(FRAC_PI_2) - (arc + arc - x.lit(FRAC_PI_2_REST));
+        B::select(beyond, far, arc).copysign(x)
     }
-}
-
-#[inline(always)]
-fn any_arc<B: SimdReal>(x: B) -> B {
-    let size = x.abs();
-    let beyond = x.lit(0.5).less(size);
-    let half = x.lit(0.5);
-    let root = (half - half * size).sqrt();
-    let arc = odd(B::select(beyond, root, size), &ASIN);
-    let far = x.lit(FRAC_PI_2) - (arc + arc - x.lit(FRAC_PI_2_REST));
-    B::select(beyond, far, arc).copysign(x)
 }
 
 /// The angle of the vector (x, y) from the x-axis; 0 for the null vector.
@@ -123,33 +119,29 @@ impl<B: SimdReal> Outlined for AnyAngle<B> {
     type Output = B;
     #[inline(always)]
     fn work(self) -> B {
-        any_angle(self.y, self.x)
+        let AnyAngle { y, x } = self;
+        let (height, width) = (y.abs(), x.abs());
+        let flat = x.lit(TAN_EIGHTH);
+        let steep = width.less(height);
+        let (small, large) = (
+            B::select(steep, width, height),
+            B::select(steep, height, width),
+        );
+        let near_diagonal = !small.less(large * flat);
+        let numerator = B::select(near_diagonal, small - large, small);
+        let denominator = B::select(near_diagonal, small + large, large);
+        let zero = x.zero();
+        let denominator = B::select(zero.less(denominator), denominator, x.one());
+        let arc = odd(numerator / denominator, &ATAN);
+        let arc = B::select(
+            near_diagonal & zero.less(large),
+            x.lit(FRAC_PI_4) + (arc + x.lit(FRAC_PI_4_REST)),
+            arc,
+        );
+        let arc = B::select(steep, x.lit(FRAC_PI_2) - (arc - x.lit(FRAC_PI_2_REST)), arc);
+        let behind = x.lit(PI) - (arc - x.lit(2.0 * FRAC_PI_2_REST));
+        B::select(x.less(zero), behind, arc).copysign(y)
     }
-}
-
-#[inline(always)]
-fn any_angle<B: SimdReal>(y: B, x: B) -> B {
-    let (height, width) = (y.abs(), x.abs());
-    let flat = x.lit(TAN_EIGHTH);
-    let steep = width.less(height);
-    let (small, large) = (
-        B::select(steep, width, height),
-        B::select(steep, height, width),
-    );
-    let near_diagonal = !small.less(large * flat);
-    let numerator = B::select(near_diagonal, small - large, small);
-    let denominator = B::select(near_diagonal, small + large, large);
-    let zero = x.zero();
-    let denominator = B::select(zero.less(denominator), denominator, x.one());
-    let arc = odd(numerator / denominator, &ATAN);
-    let arc = B::select(
-        near_diagonal & zero.less(large),
-        x.lit(FRAC_PI_4) + (arc + x.lit(FRAC_PI_4_REST)),
-        arc,
-    );
-    let arc = B::select(steep, x.lit(FRAC_PI_2) - (arc - x.lit(FRAC_PI_2_REST)), arc);
-    let behind = x.lit(PI) - (arc - x.lit(2.0 * FRAC_PI_2_REST));
-    B::select(x.less(zero), behind, arc).copysign(y)
 }
 
 #[cfg(test)]

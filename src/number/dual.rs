@@ -13,9 +13,6 @@ pub struct Dual<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// Whether arithmetic is calls (see [`called`]).
-    const LARGE: bool = size_of::<T>() > 8 || T::HAS_DERIVATIVES;
-
     /// A constant: it depends on none of the inputs.
     #[inline]
     pub fn constant(value: T) -> Self {
@@ -147,7 +144,7 @@ macro_rules! operator {
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 let number = self;
-                perform!($operation(number, other) if Self::LARGE)
+                perform!($operation(number, other) if T::IS_LARGE)
             }
         }
     };
@@ -175,8 +172,8 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
 
 impl<T: Real, const N: usize> Real for Dual<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
-    const HAS_DERIVATIVES: bool = true;
-    const IS_NESTED: bool = (size_of::<T>() > 8 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
+    const IS_LARGE: bool = true;
+    const IS_NESTED: bool = T::IS_LARGE && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]

@@ -147,7 +147,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// Whether products, quotients and roots are calls (see [`called`]).
-    const LARGE: bool = (size_of::<Self>() > 16 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
+    const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]
     fn times_apart(self, other: Self) -> Self {
@@ -231,8 +231,8 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
 impl<T: Real, const N: usize> Real for Jet<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
-    const HAS_DERIVATIVES: bool = true;
-    const IS_NESTED: bool = (size_of::<T>() > 8 || T::HAS_DERIVATIVES) && !T::IN_REGISTERS;
+    const IS_LARGE: bool = true;
+    const IS_NESTED: bool = T::IS_LARGE && !T::IN_REGISTERS;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]

@@ -43,8 +43,8 @@ pub trait Real:
     /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
     /// function that is compiled for them.
     const IN_REGISTERS: bool = false;
-    /// Whether it carries derivatives.
-    const HAS_DERIVATIVES: bool = false;
+    /// Whether it is more than a plain number: what is made of several of it does its arithmetic in calls.
+    const IS_LARGE: bool = size_of::<Self>() > 8;
     /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see `called`).
     const IS_NESTED: bool = false;
     /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would

@@ -60,10 +60,13 @@ pub trait Registers: pulp::Simd {
 #[repr(align(64))]
 pub struct Pair<R>(R, R);
 
-/// The operations of a set with registers of `$width` numbers: those of one register as closures of the set's.
+/// The operations of a set with registers of `$width` numbers, from what they are on one register.
 #[cfg(target_arch = "x86_64")]
 macro_rules! registers {
-    ($set:ty, $register:ty, $mask:ty, $width:literal, {$(
+    ($set:ty, $register:ty, $mask:ty, $width:literal, {
+        fn splat($splat_simd:ident, $value:ident) $splat:block
+        fn bits($bits_simd:ident, $one_mask:ident) $bits:block
+    $(
         fn $operation:ident($simd:ident, $($operand:ident: $kind:ident),*) -> $result:ident $body:block
     )*}) => {
         impl Registers for $set {
@@ -84,12 +87,16 @@ macro_rules! registers {
 
             #[inline(always)]
             fn splat(self, value: f64) -> Self::Numbers {
-                let register = self.splat_register(value);
+                let ($splat_simd, $value) = (self, value);
+                let register = $splat;
                 Pair(register, register)
             }
             #[inline(always)]
             fn bits(self, a: Self::Truths) -> u32 {
-                self.mask_bits(a.0) | (self.mask_bits(a.1) << $width)
+                let $bits_simd = self;
+                let low: u32 = { let $one_mask = a.0; $bits };
+                let high: u32 = { let $one_mask = a.1; $bits };
+                low | (high << $width)
             }
             #[inline(always)]
             fn load(self, from: &[f64]) -> Self::Numbers {
@@ -112,24 +119,9 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use std::arch::x86_64::{__m256d, __m512d, __mmask8, _CMP_LT_OQ};
 
-    /// What is not done register by register.
-    trait OfRegister<R, M> {
-        fn splat_register(self, value: f64) -> R;
-        fn mask_bits(self, mask: M) -> u32;
-    }
-
-    impl OfRegister<__m512d, __mmask8> for V4 {
-        #[inline(always)]
-        fn splat_register(self, value: f64) -> __m512d {
-            self.avx512f._mm512_set1_pd(value)
-        }
-        #[inline(always)]
-        fn mask_bits(self, mask: __mmask8) -> u32 {
-            u32::from(mask)
-        }
-    }
-
     registers!(V4, __m512d, __mmask8, 8, {
+        fn splat(simd, value) { simd.avx512f._mm512_set1_pd(value) }
+        fn bits(_simd, mask) { u32::from(mask) }
         fn add(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx512f._mm512_add_pd(a, b) }
         fn sub(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx512f._mm512_sub_pd(a, b) }
         fn mul(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx512f._mm512_mul_pd(a, b) }
@@ -159,18 +151,9 @@ mod x86 {
         fn not(_simd, a: Truths) -> Truths { !a }
     });
 
-    impl OfRegister<__m256d, __m256d> for V3 {
-        #[inline(always)]
-        fn splat_register(self, value: f64) -> __m256d {
-            self.avx._mm256_set1_pd(value)
-        }
-        #[inline(always)]
-        fn mask_bits(self, mask: __m256d) -> u32 {
-            self.avx._mm256_movemask_pd(mask) as u32
-        }
-    }
-
     registers!(V3, __m256d, __m256d, 4, {
+        fn splat(simd, value) { simd.avx._mm256_set1_pd(value) }
+        fn bits(simd, mask) { simd.avx._mm256_movemask_pd(mask) as u32 }
         fn add(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx._mm256_add_pd(a, b) }
         fn sub(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx._mm256_sub_pd(a, b) }
         fn mul(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx._mm256_mul_pd(a, b) }

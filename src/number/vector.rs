@@ -133,6 +133,12 @@ impl<T: Real> Vector3<T> {
         )
     }
 
+    /// What is left of it across a unit vector.
+    #[inline(always)]
+    pub fn across(self, axis: Self) -> Self {
+        self - axis * axis.dot(self)
+    }
+
     /// Squared length.
     #[inline(always)]
     pub fn norm_squared(self) -> T {

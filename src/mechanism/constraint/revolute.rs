@@ -47,26 +47,24 @@ impl<T: Real> Pinned<T> {
         // The drawn axis has the sign: builds on either side of a level axis have normals near each other.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
-        let equations = [
-            (first, x),
-            (first, y),
-            (first, z),
-            (second, across),
-            (second, other),
-        ];
-        let mut rows = [Pinned {
-            point: first,
-            direction: x,
-            lever: x,
-        }; 5];
-        for (row, (point, direction)) in rows.iter_mut().zip(equations) {
-            *row = Pinned {
-                point,
-                direction,
-                lever: knuckle[point.0] - knuckle[origin.0],
-            };
+        let at_first = knuckle[first.0] - knuckle[origin.0];
+        let at_second = knuckle[second.0] - knuckle[origin.0];
+        [
+            Pinned::new(first, x, at_first),
+            Pinned::new(first, y, at_first),
+            Pinned::new(first, z, at_first),
+            Pinned::new(second, across, at_second),
+            Pinned::new(second, other, at_second),
+        ]
+    }
+
+    #[inline(always)]
+    fn new(point: PointId, direction: Vector3<T>, lever: Vector3<T>) -> Self {
+        Pinned {
+            point,
+            direction,
+            lever,
         }
-        rows
     }
 
     #[inline(always)]

@@ -477,6 +477,62 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
     assert!(left_of_all > 0);
 }
 
+/// A design's stations side by side, or designs side by side: the same bits.
+#[test]
+fn one_design_alone_has_the_bits_it_has_among_others() {
+    let mut alone_in_lanes = 0;
+    for (name, rack, by) in [
+        ("macpherson_solve.toml", "[0.0, 12.0, -20.0]", 60.0),
+        ("double_wishbone_solve.toml", "[0.0]", 30.0),
+        ("double_wishbone_rocker.toml", "[0.0]", 15.0),
+        ("five_link_solve.toml", "[0.0, 10.0]", 10.0),
+        ("semi_trailing_arm_solve.toml", "[0.0]", 30.0),
+    ] {
+        let travels: Vec<String> = (0..41).map(|k| format!("{}.0", 3 * k - 60)).collect();
+        let study = study(name, &format!("[{}]", travels.join(", ")), rack);
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let quantities = differentiable(&study);
+        let mut evaluator =
+            GradientEvaluator::new(suspension, &stations, &quantities, Some(Width::widest()))
+                .expect("it is sound");
+        let points = suspension.design.len();
+        let mut scatter = Scatter {
+            random: Random(5),
+            base: suspension.design.clone(),
+            by,
+        };
+        let designs = scatter.block();
+        let designs = &designs[..16 * points];
+        let (mut among, mut alone) = (Evaluated::default(), Evaluated::default());
+        let left = evaluator.evaluate(designs, &mut among);
+        let mut left_alone = 0;
+        for (number, design) in designs.chunks_exact(points).enumerate() {
+            left_alone += evaluator.evaluate(design, &mut alone);
+            assert_eq!(among.unsolved(number), alone.unsolved(0), "{name}");
+            for k in 0..quantities.len() {
+                for station in 0..stations.count() {
+                    let values = [among.value(number, k, station), alone.value(0, k, station)];
+                    assert_eq!(
+                        values[0].to_bits(),
+                        values[1].to_bits(),
+                        "{name}: {:?}",
+                        quantities[k]
+                    );
+                    let among = among.gradient(number, k, station);
+                    for (a, b) in among.iter().zip(alone.gradient(0, k, station)) {
+                        let bits = [a, b].map(|v| v.to_array().map(f64::to_bits));
+                        assert_eq!(bits[0], bits[1], "{name}: {:?}", quantities[k]);
+                    }
+                }
+            }
+        }
+        assert_eq!(left, left_alone, "{name}");
+        alone_in_lanes += 16 - left_alone;
+    }
+    assert!(alone_in_lanes > 40, "{alone_in_lanes}");
+}
+
 /// In lanes gradients come from the adjoint of the closed form, one by one from that of the closure equations.
 #[test]
 fn gradients_in_lanes_are_those_of_the_closure_equations() {

@@ -93,7 +93,7 @@ impl Function {
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<u8>>)> {
         let f = &self.function;
         let (x, n) = self.rows(&x)?;
-        let values = PyArray3::<f64>::zeros(py, [n, f.outputs().len(), f.stations()], false);
+        let values = PyArray3::<f64>::zeros(py, [n, f.len() / f.stations(), f.stations()], false);
         let mut status = vec![DesignStatus::Ok; n];
         {
             let mut write = values.readwrite();
@@ -130,7 +130,8 @@ impl Function {
     )> {
         let f = &self.function;
         let (x, n) = self.rows(&x)?;
-        let (outputs, stations, k) = (f.outputs().len(), f.stations(), f.variables().len());
+        let (stations, k) = (f.stations(), f.variables().len());
+        let outputs = f.len() / stations;
         let values = PyArray3::<f64>::zeros(py, [n, outputs, stations], false);
         let jacobian = PyArrayDyn::<f64>::zeros(py, &[n, outputs, stations, k][..], false);
         let mut status = vec![DesignStatus::Ok; n];

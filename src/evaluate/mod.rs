@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients by the hardpoints, of several designs at a time.
 //!
-//! Designs are differentiated in SIMD lanes as far as the tracker vouches for them and what is asked for can be
-//! differentiated there; what is left goes one by one through the adjoint of the closure equations. Which of the
-//! two depends on the design alone.
+//! Designs are differentiated in SIMD lanes (a single one with its stations in them, to the same bits) as far as the
+//! tracker vouches for them and what is asked for can be differentiated there; what is left goes one by one through
+//! the adjoint of the closure equations. Which of the two depends on the design alone.
 
 mod one_by_one;
 
@@ -10,7 +10,7 @@ use crate::characteristics::Quantity;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::{PointId, Suspension};
 use crate::number::{Vector3, Width};
-use crate::sweep::{Gradients, Stations};
+use crate::sweep::{Gradients, Jacobians, Stations};
 use one_by_one::OneByOne;
 
 /// Why a design has no values.
@@ -109,10 +109,55 @@ pub struct GradientEvaluator<'a> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     points: usize,
-    lanes: Option<Gradients<'a>>,
+    /// Those by which gradients are wanted.
+    wanted: Vec<PointId>,
+    lanes: Option<InLanes<'a>>,
     one_by_one: ByRateOrder<'a>,
     /// Whether a design keeps the stations that have a pose where others have none.
     every_station: bool,
+}
+
+/// Designs side by side, or the stations of one.
+struct InLanes<'a> {
+    gradients: Gradients<'a>,
+    /// The stations of one design, group by group; none where they cannot be side by side.
+    groups: Vec<Vec<usize>>,
+}
+
+impl InLanes<'_> {
+    /// Evaluates as many designs as fit into the lanes at most, the first of which has this number.
+    fn evaluate(
+        &mut self,
+        designs: &[Vector3<f64>],
+        number: usize,
+        wanted: &[PointId],
+        into: &mut Evaluated,
+    ) {
+        let count = designs.len() / into.points;
+        let mut keep = |found: &Jacobians<'_>, lane: usize, design: usize, station: usize| {
+            for quantity in 0..into.quantities {
+                into.put(design, quantity, station, found.value(lane, quantity));
+                for id in wanted {
+                    let by = found.gradient(lane, quantity, *id);
+                    into.put_gradient((design, quantity, station), *id, by);
+                }
+            }
+        };
+        let InLanes { gradients, groups } = self;
+        if count == 1 && !groups.is_empty() {
+            gradients.jacobians_of_one(designs, |found| {
+                for (lane, station) in groups[found.station()].iter().enumerate() {
+                    keep(found, lane, number, *station);
+                }
+            });
+        } else {
+            gradients.jacobians(designs, |found| {
+                for lane in 0..count {
+                    keep(found, lane, number + lane, found.station());
+                }
+            });
+        }
+    }
 }
 
 /// The pose's derivatives that values take.
@@ -137,7 +182,13 @@ impl<'a> GradientEvaluator<'a> {
             stations,
             quantities,
             points: suspension.design.len(),
-            lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
+            wanted: (0..suspension.design.len()).map(PointId).collect(),
+            lanes: width
+                .and_then(|w| Gradients::new(suspension, stations, quantities, w))
+                .map(|gradients| InLanes {
+                    groups: gradients.side_by_side(),
+                    gradients,
+                }),
             one_by_one: match rates {
                 false => ByRateOrder::Positions(Box::new(OneByOne::new(
                     suspension, stations, quantities,
@@ -150,9 +201,10 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Leaves out gradients by any but these points where that saves work; they are not to be used.
+    /// Leaves out gradients by any but these points; they are not to be used.
     #[must_use]
     pub fn with_sensitivities_to(mut self, points: &[PointId]) -> Self {
+        points.clone_into(&mut self.wanted);
         match &mut self.one_by_one {
             ByRateOrder::Positions(one) => one.differentiate_by(points),
             ByRateOrder::Rates(one) => one.differentiate_by(points),
@@ -170,7 +222,7 @@ impl<'a> GradientEvaluator<'a> {
 
     /// Designs that are evaluated side by side.
     pub fn at_once(&self) -> usize {
-        self.lanes.as_ref().map_or(1, Gradients::at_once)
+        self.lanes.as_ref().map_or(1, |l| l.gradients.at_once())
     }
 
     /// Evaluates designs given as the points of one after the other; returns how many were left to be solved one
@@ -185,21 +237,15 @@ impl<'a> GradientEvaluator<'a> {
             let together = at_once.min(count - first);
             let group = &designs[first * points..(first + together) * points];
             if let Some(lanes) = &mut self.lanes {
-                lanes.jacobians(group, |found| {
-                    for design in 0..together {
-                        for quantity in 0..into.quantities {
-                            let place = (first + design, quantity, found.station());
-                            into.put(place.0, quantity, place.2, found.value(design, quantity));
-                            for id in (0..points).map(PointId) {
-                                into.put_gradient(place, id, found.gradient(design, quantity, id));
-                            }
-                        }
-                    }
-                });
+                lanes.evaluate(group, first, &self.wanted, into);
             }
             for (number, design) in group.chunks_exact(points).enumerate() {
                 let place = first + number;
-                if self.lanes.as_ref().is_some_and(|l| l.is_right(number)) {
+                if self
+                    .lanes
+                    .as_ref()
+                    .is_some_and(|l| l.gradients.is_right(number))
+                {
                     into.solved_of(place).fill(true);
                     continue;
                 }

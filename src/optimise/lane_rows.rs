@@ -23,7 +23,7 @@ pub(super) struct LaneRows<'a> {
 struct Leg<'a> {
     gradients: Gradients<'a>,
     /// Stations side by side, group by group.
-    stations: Vec<usize>,
+    groups: Vec<Vec<usize>>,
 }
 
 impl<'a> LaneRows<'a> {
@@ -42,7 +42,7 @@ impl<'a> LaneRows<'a> {
             let stations = Stations::at_rack(leg.drive, &leg.order, leg.rack);
             let gradients = Gradients::new(suspension, &stations, &quantities, width)?;
             Some(Some(Leg {
-                stations: gradients.side_by_side().collect(),
+                groups: gradients.side_by_side(),
                 gradients,
             }))
         });
@@ -79,11 +79,9 @@ impl<'a> LaneRows<'a> {
         let legs = layout.legs.iter().zip(&mut self.legs);
         legs.filter_map(|(leg, lanes)| Some((leg, lanes.as_mut()?)))
             .all(|(leg, lanes)| {
-                let stations = &lanes.stations;
-                let at_once = lanes.gradients.at_once();
+                let groups = &lanes.groups;
                 lanes.gradients.slopes_of_one(design, along, |found| {
-                    let group = stations.iter().skip(found.station() * at_once);
-                    for (lane, station) in group.take(at_once).enumerate() {
+                    for (lane, station) in groups[found.station()].iter().enumerate() {
                         for wish in &leg.targets[*station] {
                             let value = found.value(lane, wish.measure);
                             let slope = |column| found.slope(lane, wish.measure, column);

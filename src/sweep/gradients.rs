@@ -235,20 +235,25 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::slopes`] of a single design, whose stations are side by side: the visitor gets them as if they
-    /// were designs, group by group in the order of [`Gradients::side_by_side`]. The rack must have one place. `along` as
-    /// for one lane. Returns whether the design was right; if not, what was visited is not to be used. Where rods of rockers
-    /// are watched from station to station it is not.
+    /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets them as if they were
+    /// designs, the number of the group of [`Gradients::side_by_side`] in place of that of a station. Returns whether the
+    /// design was right; if not, what was visited is not to be used. Where rods of rockers are watched from station to
+    /// station it is not.
+    pub fn jacobians_of_one(
+        &mut self,
+        design: &[Vector3<f64>],
+        mut visit: impl FnMut(&Jacobians<'_>),
+    ) -> bool {
+        self.evaluate_one(design, Task::Jacobians(&mut visit))
+    }
+
+    /// As [`Gradients::jacobians_of_one`], along directions: `along` as that of [`Gradients::slopes`] for one lane.
     pub fn slopes_of_one(
         &mut self,
         design: &[Vector3<f64>],
         along: &[f64],
         mut visit: impl FnMut(&Slopes<'_>),
     ) -> bool {
-        assert_eq!(self.stations.racks.len(), 1, "one place of the rack");
-        if self.reader.watches_rods() {
-            return false;
-        }
         let one = self.found.points * 3;
         assert!(along.len().is_multiple_of(one), "whole directions");
         self.found.directions = along.len() / one;
@@ -260,21 +265,40 @@ impl<'a> Gradients<'a> {
             self.spread.extend(std::iter::repeat_n(*rate, at_once));
         }
         let along = std::mem::take(&mut self.spread);
+        let slopes = Task::Slopes {
+            along: &along,
+            visit: &mut visit,
+        };
+        let is_right = self.evaluate_one(design, slopes);
+        self.spread = along;
+        is_right
+    }
+
+    fn evaluate_one(&mut self, design: &[Vector3<f64>], task: Task<'_>) -> bool {
+        if self.reader.watches_rods() {
+            return false;
+        }
         self.width.run(OfOne {
             gradients: self,
             design,
-            task: Task::Slopes {
-                along: &along,
-                visit: &mut visit,
-            },
+            task,
         });
-        self.spread = along;
         self.is_right(0)
     }
 
-    /// The stations in the order in which [`Gradients::slopes_of_one`] has them.
-    pub fn side_by_side(&self) -> impl Iterator<Item = usize> {
-        self.batch.revisited(0)
+    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; none where it is never right.
+    pub fn side_by_side(&self) -> Vec<Vec<usize>> {
+        if self.reader.watches_rods() {
+            return Vec::new();
+        }
+        let racks = 0..self.stations.racks.len();
+        let groups = racks.flat_map(|rack| {
+            let values = self.batch.revisited(rack);
+            let stations: Vec<usize> = values.map(|v| self.stations.number(rack, v)).collect();
+            let groups = stations.chunks(self.at_once());
+            groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
+        });
+        groups.collect()
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
@@ -407,11 +431,6 @@ impl SimdTask for OfOne<'_, '_, '_> {
         gather(self.design, found.points, 0, 1, &mut group);
         let design = batch.design(&group);
         let mut history = batch.history(like);
-        let solved = batch.solve(&design, 0, &mut history, &mut Passing);
-        right[0] = B::all(solved.everywhere());
-        if !right[0] {
-            return;
-        }
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
         let series = match along_travel {
@@ -420,8 +439,18 @@ impl SimdTask for OfOne<'_, '_, '_> {
         };
         let read = (&*reader, series.as_ref(), &wheels, &members);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
-        reading.rack = like.lit(stations.racks[0]);
-        batch.revisit(&design, 0, &history, &mut reading);
+        let mut rack = 0;
+        while rack < stations.racks.len() {
+            reading.rack = like.lit(stations.racks[rack]);
+            let solved = batch.solve(&design, rack, &mut history, &mut Passing);
+            reading.right = reading.right & solved.everywhere();
+            if !B::all(reading.right) {
+                break;
+            }
+            batch.revisit(&design, rack, &history, &mut reading);
+            reading.first += batch.revisited(rack).count().div_ceil(B::LANES);
+            rack += 1;
+        }
         right[0] = B::all(reading.right);
     }
 }

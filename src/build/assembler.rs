@@ -17,7 +17,7 @@
 //! axis, the rod with its own length turning it; the upper part of a strut turns with the knuckle about its mount.
 
 use super::alignment::Alignment;
-use super::parts::{BuildParameter, Parts, is_of_body};
+use super::parts::{BuildParameter, Member, Parts, is_of_body};
 use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
@@ -43,6 +43,8 @@ pub enum Reject {
     },
     /// The rod of a rocker cannot reach, or is at toggle.
     Rod(Rod),
+    /// A member, by its name, would be of no length, or of less.
+    NoLength(String),
     /// The spring cannot be given its length at any height nearby.
     Spring,
     /// Toe and camber cannot be set to what they were drawn.
@@ -57,6 +59,7 @@ impl Reject {
         match self {
             Reject::OutOfReach { .. } => "out_of_reach",
             Reject::Rod(_) => "rod_out_of_reach",
+            Reject::NoLength(_) => "no_length",
             Reject::Spring => "no_rest",
             Reject::Unaligned => "not_aligned",
             Reject::Immovable(_) => "immovable",
@@ -73,6 +76,7 @@ impl fmt::Display for Reject {
                 100.0 * share
             ),
             Reject::Rod(rod) => write!(f, "the {rod} cannot reach, or is at toggle"),
+            Reject::NoLength(member) => write!(f, "{member} would have no length"),
             Reject::Spring => write!(f, "the spring keeps its length at no height nearby"),
             Reject::Unaligned => write!(f, "toe and camber cannot be set as they were drawn"),
             Reject::Immovable(_) => write!(f, "put together, it cannot move"),
@@ -184,8 +188,25 @@ impl Assembler {
         pose: &Pose<f64>,
         into: &mut [Vector3<f64>],
     ) -> Result<(), Reject> {
+        self.check_lengths(parts)?;
         self.place(parts, pose, into);
         self.check_rods(into)
+    }
+
+    /// Names the member that would have no length. The equations have squares of lengths, so that they would be content
+    /// with one of less than none.
+    fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), Reject> {
+        let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
+        // What is no rod has none.
+        let Some(place) = pairs.position(|(length, drawn)| *drawn > 0.0 && *length <= 0.0) else {
+            return Ok(());
+        };
+        let mechanism = &self.suspension.mechanism;
+        let mut members = Member::all(mechanism).into_iter();
+        let named = members.find(|(_, member)| member.place(mechanism) == place);
+        Err(Reject::NoLength(
+            named.map_or_else(String::new, |(name, _)| name),
+        ))
     }
 
     /// The twist of the carrier by a dimension of the parts, at the drawing: shift, then turn.

@@ -131,7 +131,7 @@ struct Placing<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for Placing<'_, B> {
-    /// The lanes whose rockers are far from their toggles.
+    /// The lanes whose members have lengths and whose rockers are far from their toggles.
     type Output = B::Mask;
 
     #[inline(always)]
@@ -141,6 +141,12 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
         let like = into[0].x;
         let least = like.lit(LEAST_LEVERAGE);
         let mut right = like.everywhere();
+        for (length, drawn) in self.parts.lengths.iter().zip(&assembler.drawn().lengths) {
+            // What is no rod has none.
+            if *drawn > 0.0 {
+                right = right & like.zero().less(*length);
+            }
+        }
         for rocker in &assembler.suspension().mechanism.rockers {
             let [first, second, inner, outer] =
                 [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| into[id.0]);

@@ -1,0 +1,535 @@
+//! Built mechanisms by other equations than the program's, in numbers of twice the precision.
+//!
+//! Unknown are the place o of the wheel centre, the turn q of the carrier as a quaternion, how far s the mount of a strut
+//! is from where it was drawn along the strut's axis, and cosine and sine of the turn of each rocker:
+//!
+//! ```text
+//! q.q = 1,  o.z = drawn + travel                   the wheel centre at its height
+//! (|place(outer) - place(inner)|^2 - l^2)/2l = 0   links, legs of arms, rods of rockers
+//! place(mount) = top                               a strut: mount = drawn top + s u, u the strut's axis in the carrier
+//! place(pivot) = pivot,  along x way = 0           a hinge: a point of its line, and two components of a cross product
+//! c^2 + s^2 = 1                                    a rocker
+//! ```
+//!
+//! place(p) is where the part has come to lie: o + q p q* for the carrier, a point of an arm in the frame of its axis and
+//! outer joint, a point of a rocker about its axis. Newton's method in doubles, with differences for a Jacobian, follows
+//! the parts from the drawn ones in steps; then residuals of twice the precision take it to some 28 digits.
+//!
+//! Hardpoints and topology are read from the study here; nothing of `hardpoint` but numbers and vectors is used.
+
+use hardpoint::number::{DoubleDouble, Real, Scalar, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+use toml::{Table, Value};
+
+type V<T> = Vector3<T>;
+type Factors = LU<f64, Dyn, Dyn>;
+
+/// 180 over pi.
+const DEGREES: DoubleDouble = DoubleDouble {
+    high: 57.295_779_513_082_32,
+    low: -1.987_849_567_057_628e-15,
+};
+/// A quaternion's entry moves points by about this many length units.
+const LEVER: f64 = 300.0;
+/// No correction of Newton's method moves anything farther than this.
+const FARTHEST: f64 = 60.0;
+/// The shortest step on the way from the drawn parts.
+const SHORTEST: f64 = 1.0 / 8192.0;
+
+/// What a point is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum On {
+    Body,
+    Rack,
+    Carrier,
+    StrutRod,
+    Arm(usize),
+    Rocker(usize),
+}
+
+/// A drawn suspension.
+pub struct Drawing {
+    /// Hardpoints and extra points.
+    pub names: Vec<String>,
+    points: Vec<V<f64>>,
+    on: Vec<On>,
+    /// Links with their ends, the body's first; then the rods of rockers, the rocker's end first.
+    pub members: Vec<(String, [usize; 2])>,
+    /// Front and rear pivot, outer joint.
+    arms: Vec<[usize; 3]>,
+    /// Both pivots.
+    rockers: Vec<[usize; 2]>,
+    /// Mount, lower point, and upper where the axis does not run to the mount.
+    strut: Option<(usize, usize, Option<usize>)>,
+    hinge: Option<[usize; 2]>,
+    centre: usize,
+    /// The spin axis in the drawing, where the study gives it by its angles; and the inboard point of it where it does
+    /// not.
+    pub spin: Result<usize, V<f64>>,
+}
+
+/// Dimensions of parts.
+#[derive(Clone)]
+pub struct Parts<T> {
+    /// Points as their parts have them.
+    pub points: Vec<V<T>>,
+    /// Lengths of members.
+    pub lengths: Vec<T>,
+}
+
+/// Displacements of wheel and rack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    pub travel: f64,
+    pub rack: f64,
+}
+
+/// A solution.
+pub struct Solved {
+    x: Vec<DoubleDouble>,
+    factors: Option<Factors>,
+}
+
+/// What is read off a solution.
+pub struct Reading {
+    /// Of every point.
+    pub places: Vec<V<DoubleDouble>>,
+    /// Camber and toe in degrees.
+    pub angles: [DoubleDouble; 2],
+}
+
+impl<T: Scalar> Parts<T> {
+    fn plain(&self) -> Parts<f64> {
+        Parts {
+            points: self.points.iter().map(|p| p.map(T::value)).collect(),
+            lengths: self.lengths.iter().map(|l| l.value()).collect(),
+        }
+    }
+}
+
+/// A table within tables, made where it is not there.
+fn section<'t>(table: &'t mut Table, keys: &[&str]) -> &'t mut Table {
+    keys.iter().fold(table, |table, key| {
+        let entry = table.entry(*key).or_insert(Value::Table(Table::new()));
+        entry.as_table_mut().unwrap()
+    })
+}
+
+fn vector(value: &Value) -> V<f64> {
+    let mut entries = value.as_array().unwrap().iter();
+    let mut next = || entries.next().unwrap().as_float().unwrap();
+    V::new(next(), next(), next())
+}
+
+impl Drawing {
+    /// Of a study's text, with `path=value` for what it has besides.
+    pub fn read(text: &str, further: &[&str]) -> Drawing {
+        let mut study: Table = text.parse().unwrap();
+        for entry in further {
+            let (path, value) = entry.split_once('=').unwrap();
+            let value: Table = format!("value={value}").parse().unwrap();
+            let keys: Vec<&str> = path.split('.').collect();
+            let (last, before) = keys.split_last().unwrap();
+            section(&mut study, before).insert((*last).to_owned(), value["value"].clone());
+        }
+        let angles = section(&mut study, &["wheel"]).clone();
+        let suspension = section(&mut study, &["suspension"]);
+        let topology = suspension["topology"].as_str().unwrap().to_owned();
+        let hardpoints = section(suspension, &["hardpoints"]).clone();
+        let extra = section(suspension, &["extra_points"]).clone();
+        let bodies = section(suspension, &["bodies"]).clone();
+        let mut names: Vec<String> = hardpoints.keys().cloned().collect();
+        let mut points: Vec<V<f64>> = hardpoints.values().map(vector).collect();
+        for (name, point) in &extra {
+            names.push(name.clone());
+            points.push(vector(&point["position"]));
+        }
+        let find = |name: &str| names.iter().position(|n| n == name);
+        let id = |name: &str| find(name).unwrap_or_else(|| panic!("no {name}"));
+
+        let arms: &[&str] = match &*topology {
+            "macpherson" => &["lower"],
+            "double_wishbone" => &["lower", "upper"],
+            _ => &[],
+        };
+        let mut members = Vec::new();
+        for arm in arms {
+            for leg in ["front", "rear"] {
+                let inner = format!("{arm}_arm_{leg}");
+                let ends = [id(&inner), id(&format!("{arm}_ball_joint"))];
+                members.push((inner, ends));
+            }
+        }
+        for name in &names {
+            if let Some(link) = name.strip_suffix("_inner")
+                && (link == "tie_rod" || (link.ends_with("_link") && link != "drop_link"))
+            {
+                members.push((link.to_owned(), [id(name), id(&format!("{link}_outer"))]));
+            }
+        }
+        let mut rockers = Vec::new();
+        for (rod, pivots) in [
+            ("pushrod", ["rocker_pivot_front", "rocker_pivot_rear"]),
+            ("pullrod", ["rocker_pivot_front", "rocker_pivot_rear"]),
+            ("drop_link", ["anti_roll_bar_inner", "anti_roll_bar_outer"]),
+        ] {
+            if let Some(inner) = find(&format!("{rod}_inner")) {
+                members.push((rod.to_owned(), [inner, id(&format!("{rod}_outer"))]));
+                rockers.push(pivots.map(id));
+            }
+        }
+        let has_rocker = find("rocker_pivot_front").is_some();
+        let bar = On::Rocker(usize::from(has_rocker));
+        let is_wishbone = topology == "double_wishbone";
+        let lower = if is_wishbone { On::Arm(0) } else { On::Carrier };
+        let upper = if is_wishbone { On::Arm(1) } else { On::Carrier };
+        let body = |name: &str| match name {
+            "chassis" => On::Body,
+            "strut_rod" => On::StrutRod,
+            "lower_arm" => On::Arm(0),
+            "upper_arm" => On::Arm(1),
+            "rocker" => On::Rocker(0),
+            "anti_roll_bar" => bar,
+            "knuckle" | "arm" => On::Carrier,
+            other => panic!("no body {other}"),
+        };
+        let on = names.iter().map(|name| match &**name {
+            name if bodies.contains_key(name) => body(bodies[name].as_str().unwrap()),
+            name if extra.contains_key(name) => body(extra[name]["body"].as_str().unwrap()),
+            "tie_rod_inner" | "toe_link_inner" => On::Rack,
+            "pushrod_inner" | "pullrod_inner" => On::Rocker(0),
+            "drop_link_inner" => bar,
+            "spring_lower" if has_rocker => On::Rocker(0),
+            "spring_lower" | "pushrod_outer" | "drop_link_outer" => lower,
+            "pullrod_outer" => upper,
+            "spindle_inner" => On::Carrier,
+            "strut_top" | "spring_upper" => On::Body,
+            "anti_roll_bar_inner" | "anti_roll_bar_outer" => On::Body,
+            name if name.ends_with("_inner") || name.contains("_pivot_") => On::Body,
+            name if name.ends_with("_arm_front") || name.ends_with("_arm_rear") => On::Body,
+            _ => On::Carrier,
+        });
+        let angle = |key: &str| {
+            let degrees = angles.get(key).and_then(Value::as_float).unwrap_or(0.0);
+            degrees.to_radians().sin_cos()
+        };
+        let spin = find("spindle_inner").ok_or_else(|| {
+            let ((camber, level), (toe, ahead)) = (angle("static_camber"), angle("static_toe"));
+            V::new(level * toe, level * ahead, -camber)
+        });
+        let pivots = ["arm_pivot_inner", "arm_pivot_outer"];
+        Drawing {
+            on: on.collect(),
+            arms: arms
+                .iter()
+                .map(|arm| {
+                    ["arm_front", "arm_rear", "ball_joint"].map(|p| id(&format!("{arm}_{p}")))
+                })
+                .collect(),
+            rockers,
+            strut: find("strut_top").map(|top| (top, id("strut_lower"), find("strut_upper"))),
+            hinge: find(pivots[0]).map(|_| pivots.map(id)),
+            centre: id("wheel_centre"),
+            spin,
+            members,
+            points,
+            names,
+        }
+    }
+
+    /// Whether its rack can be moved.
+    pub fn has_rack(&self) -> bool {
+        self.on.contains(&On::Rack)
+    }
+
+    /// The parts as drawn.
+    pub fn drawn(&self) -> Parts<DoubleDouble> {
+        let points: Vec<_> = self
+            .points
+            .iter()
+            .map(|p| p.map(DoubleDouble::from))
+            .collect();
+        let length = |(_, [a, b]): &(String, [usize; 2])| (points[*a] - points[*b]).norm();
+        Parts {
+            lengths: self.members.iter().map(length).collect(),
+            points,
+        }
+    }
+
+    /// Where every point has come to lie.
+    fn places<T: Scalar>(&self, parts: &Parts<T>, rack: f64, x: &[T]) -> Vec<V<T>> {
+        let drawn = |id: usize| self.points[id].map(|c| x[0].lit(c));
+        let carried = |p: V<T>| self.carried(parts, x, p);
+        let mut places: Vec<V<T>> = Vec::with_capacity(parts.points.len());
+        for (point, on) in parts.points.iter().zip(&self.on) {
+            places.push(match (on, self.strut) {
+                (On::Rack, _) => V::new(point.x, point.y + x[0].lit(rack), point.z),
+                (On::Carrier, _) => carried(*point),
+                (On::StrutRod, Some((top, ..))) => {
+                    parts.points[top] + turned(x, *point - drawn(top))
+                }
+                _ => *point,
+            });
+        }
+        for (number, [front, rear, outer]) in self.arms.iter().enumerate() {
+            let made = frame(drawn(*rear) - drawn(*front), drawn(*outer) - drawn(*front));
+            let lies = frame(
+                places[*rear] - places[*front],
+                places[*outer] - places[*front],
+            );
+            for (id, on) in self.on.iter().enumerate() {
+                if *on == On::Arm(number) {
+                    let lever = parts.points[id] - drawn(*outer);
+                    places[id] = places[*outer] + between(lever, made, lies);
+                }
+            }
+        }
+        let turns = 7 + usize::from(self.strut.is_some());
+        let rods = self.members.len() - self.rockers.len();
+        for (number, [first, second]) in self.rockers.iter().enumerate() {
+            let [c, s] = [x[turns + 2 * number], x[turns + 2 * number + 1]];
+            let (_, [inner, _]) = self.members[rods + number];
+            // Any frame about the axis will do: the rod finds the angle.
+            let arm = drawn(inner) - drawn(*first);
+            let made = frame(drawn(*second) - drawn(*first), arm);
+            let [e, radial, across] = frame(places[*second] - places[*first], arm);
+            let lies = [e, radial * c + across * s, across * c - radial * s];
+            for (id, on) in self.on.iter().enumerate() {
+                if *on == On::Rocker(number) {
+                    let lever = parts.points[id] - drawn(*first);
+                    places[id] = places[*first] + between(lever, made, lies);
+                }
+            }
+        }
+        places
+    }
+
+    /// A point of the carrier.
+    fn carried<T: Scalar>(&self, parts: &Parts<T>, x: &[T], point: V<T>) -> V<T> {
+        V::new(x[0], x[1], x[2]) + turned(x, point - parts.points[self.centre])
+    }
+
+    fn residuals<T: Scalar>(&self, parts: &Parts<T>, at: Motion, x: &[T]) -> Vec<T> {
+        let drawn = |id: usize| self.points[id].map(|c| x[0].lit(c));
+        let places = self.places(parts, at.rack, x);
+        let mut rows = Vec::with_capacity(x.len());
+        rows.push(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6] - x[0].one());
+        rows.push(x[2] - drawn(self.centre).z - x[0].lit(at.travel));
+        for ((_, [a, b]), length) in self.members.iter().zip(&parts.lengths) {
+            let d = places[*a] - places[*b];
+            rows.push((d.dot(d) - *length * *length) / (*length + *length));
+        }
+        if let Some((top, lower, upper)) = self.strut {
+            let end = upper.map_or_else(|| drawn(top), |upper| parts.points[upper]);
+            let mount = drawn(top) + unit(end - parts.points[lower]) * x[7];
+            rows.extend((self.carried(parts, x, mount) - places[top]).to_array());
+        }
+        if let Some([first, second]) = self.hinge {
+            let pivot = self.carried(parts, x, drawn(first));
+            rows.extend((pivot - places[first]).to_array());
+            // The axis is nowhere near upright in x and z alone.
+            let along = unit(places[second] - places[first]);
+            let c = along.cross(turned(x, drawn(second) - drawn(first)));
+            rows.extend([c.x, c.z]);
+        }
+        let turns = 7 + usize::from(self.strut.is_some());
+        for k in 0..self.rockers.len() {
+            let [c, s] = [x[turns + 2 * k], x[turns + 2 * k + 1]];
+            rows.push(c * c + s * s - c.one());
+        }
+        rows
+    }
+
+    fn jacobian(&self, parts: &Parts<f64>, at: Motion, x: &[f64]) -> Factors {
+        let n = x.len();
+        let mut jacobian = DMatrix::zeros(n, n);
+        let mut moved = x.to_vec();
+        for j in 0..n {
+            let h = 0.003 / self.weight(j);
+            moved[j] = x[j] + h;
+            let ahead = self.residuals(parts, at, &moved);
+            moved[j] = x[j] - h;
+            let behind = self.residuals(parts, at, &moved);
+            moved[j] = x[j];
+            for (i, (a, b)) in ahead.into_iter().zip(behind).enumerate() {
+                jacobian[(i, j)] = (a - b) / (2.0 * h);
+            }
+        }
+        jacobian.lu()
+    }
+
+    /// Length units by which points move with an unknown.
+    fn weight(&self, unknown: usize) -> f64 {
+        match unknown {
+            0..3 => 1.0,
+            7 if self.strut.is_some() => 1.0,
+            _ => LEVER,
+        }
+    }
+
+    /// Newton's method, until a correction is below `fine`; with the factors of a Jacobian nearby, if there are any.
+    fn newton<T: Scalar>(
+        &self,
+        parts: &Parts<T>,
+        at: Motion,
+        x: &mut [T],
+        factors: &mut Option<Factors>,
+        fine: f64,
+    ) -> bool {
+        let plain = parts.plain();
+        for _ in 0..12 {
+            let rows = self.residuals(parts, at, x).into_iter().map(T::value);
+            let rows = DVector::from_iterator(x.len(), rows);
+            let factors_here = factors.get_or_insert_with(|| {
+                let x: Vec<f64> = x.iter().map(|x| x.value()).collect();
+                self.jacobian(&plain, at, &x)
+            });
+            let Some(step) = factors_here.solve(&rows) else {
+                return false;
+            };
+            let mut moved = 0.0_f64;
+            for (j, (x, step)) in x.iter_mut().zip(step.iter()).enumerate() {
+                *x = *x - x.lit(*step);
+                moved += (self.weight(j) * step).abs();
+            }
+            if moved.is_nan() || moved > FARTHEST {
+                return false;
+            }
+            if moved < fine {
+                return true;
+            }
+            if moved > 1e-3 {
+                *factors = None;
+            }
+        }
+        false
+    }
+
+    /// Follows a way from 0 to 1, as far as the determinant keeps its sign.
+    fn follow(
+        &self,
+        mut x: Vec<f64>,
+        way: impl Fn(f64) -> (Parts<f64>, Motion),
+    ) -> Option<Vec<f64>> {
+        let (parts, at) = way(0.0);
+        let mut determinant = self.jacobian(&parts, at, &x).determinant();
+        let (mut reached, mut step) = (0.0, 0.25_f64);
+        while reached < 1.0 {
+            let target = (reached + step).min(1.0);
+            let (parts, at) = way(target);
+            let mut next = x.clone();
+            let goes = self.newton(&parts, at, &mut next, &mut None, 1e-8);
+            let there = match goes {
+                true => self.jacobian(&parts, at, &next).determinant(),
+                false => f64::NAN,
+            };
+            if (0.6..1.6).contains(&(there / determinant)) {
+                (x, determinant, reached) = (next, there, target);
+                step *= 2.0;
+            } else {
+                step *= 0.5;
+                if step < SHORTEST {
+                    return None;
+                }
+            }
+        }
+        Some(x)
+    }
+
+    /// Puts parts together, at rest, from the drawn ones.
+    pub fn put_together(&self, parts: &Parts<DoubleDouble>) -> Option<Solved> {
+        let (drawn, built) = (self.drawn().plain(), parts.plain());
+        let centre = self.points[self.centre];
+        let mut start = vec![centre.x, centre.y, centre.z, 1.0, 0.0, 0.0, 0.0];
+        start.extend(self.strut.map(|_| 0.0));
+        for _ in &self.rockers {
+            start.extend([1.0, 0.0]);
+        }
+        let rest = Motion {
+            travel: 0.0,
+            rack: 0.0,
+        };
+        let x = self.follow(start, |share| {
+            let mix = |from: f64, to: f64| from + (to - from) * share;
+            let points = drawn.points.iter().zip(&built.points);
+            let lengths = drawn.lengths.iter().zip(&built.lengths);
+            let parts = Parts {
+                points: points
+                    .map(|(a, b)| V::new(mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)))
+                    .collect(),
+                lengths: lengths.map(|(a, b)| mix(*a, *b)).collect(),
+            };
+            (parts, rest)
+        })?;
+        self.refined(parts, rest, x.into_iter().map(DoubleDouble::from).collect())
+    }
+
+    /// Moves what is at rest.
+    pub fn moved(&self, parts: &Parts<DoubleDouble>, rest: &Solved, to: Motion) -> Option<Solved> {
+        let plain = parts.plain();
+        let x = rest.x.iter().map(|x| x.value()).collect();
+        let x = self.follow(x, |share| {
+            let (travel, rack) = (share * to.travel, share * to.rack);
+            (plain.clone(), Motion { travel, rack })
+        })?;
+        self.refined(parts, to, x.into_iter().map(DoubleDouble::from).collect())
+    }
+
+    /// Of parts that hardly differ from those of a solution.
+    pub fn beside(
+        &self,
+        parts: &Parts<DoubleDouble>,
+        at: Motion,
+        solved: &Solved,
+    ) -> Option<Solved> {
+        let (mut x, mut factors) = (solved.x.clone(), solved.factors.clone());
+        self.newton(parts, at, &mut x, &mut factors, 1e-19)
+            .then_some(Solved { x, factors })
+    }
+
+    fn refined(
+        &self,
+        parts: &Parts<DoubleDouble>,
+        at: Motion,
+        mut x: Vec<DoubleDouble>,
+    ) -> Option<Solved> {
+        let mut factors = None;
+        self.newton(parts, at, &mut x, &mut factors, 1e-19)
+            .then_some(Solved { x, factors })
+    }
+
+    pub fn read_off(&self, parts: &Parts<DoubleDouble>, at: Motion, of: &Solved) -> Reading {
+        let places = self.places(parts, at.rack, &of.x);
+        let axis = match self.spin {
+            Ok(inner) => unit(places[self.centre] - places[inner]),
+            Err(drawn) => turned(&of.x, drawn.map(DoubleDouble::from)),
+        };
+        Reading {
+            angles: [-axis.z.asin() * DEGREES, axis.x.atan2(axis.y) * DEGREES],
+            places,
+        }
+    }
+}
+
+/// v turned by the quaternion among the unknowns: v + 2 w a x v + 2 a x (a x v).
+fn turned<T: Scalar>(x: &[T], v: V<T>) -> V<T> {
+    let axis = V::new(x[4], x[5], x[6]);
+    let t = axis.cross(v) * x[0].lit(2.0);
+    v + t * x[3] + axis.cross(t)
+}
+
+fn unit<T: Scalar>(v: V<T>) -> V<T> {
+    v * (v.x.one() / v.norm())
+}
+
+/// Along an axis, from it towards a lever's end, and across both.
+fn frame<T: Scalar>(axis: V<T>, lever: V<T>) -> [V<T>; 3] {
+    let e = unit(axis);
+    let radial = unit(lever - e * e.dot(lever));
+    [e, radial, e.cross(radial)]
+}
+
+/// A vector that keeps its coordinates from one frame to another.
+fn between<T: Scalar>(v: V<T>, [a, b, c]: [V<T>; 3], [d, e, f]: [V<T>; 3]) -> V<T> {
+    d * a.dot(v) + e * b.dot(v) + f * c.dot(v)
+}

@@ -97,6 +97,29 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     ))
 }
 
+/// The same as a series along the motion: in its second coefficient the derivative of the angle's slope by the direction,
+/// since the order in which a direction and the motion are differentiated by does not matter.
+#[inline(always)]
+pub(super) fn by_direction_along<T: Real>(
+    c: Characteristic,
+    inputs: &Inputs<T>,
+) -> Option<Vector3<Jet<T, 2>>> {
+    let nothing = Wheel::filled(Jet::constant(inputs.turn.x.zero()));
+    let (now, rate) = (&inputs.now, &inputs.rate);
+    let series = Inputs {
+        now: Wheel {
+            spin_axis: now.spin_axis.with_rate(rate.spin_axis),
+            steering_direction: now.steering_direction.with_rate(rate.steering_direction),
+            ..nothing
+        },
+        rate: nothing,
+        turn: nothing.centre,
+        design: nothing,
+        constants: inputs.constants,
+    };
+    by_direction(c, &series)
+}
+
 /// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {

@@ -3,7 +3,7 @@
 //! Only what is asked for is formed; which that is has been decided when the reader is made, by the [`Slot`]s of
 //! the formulas. What is not read is NaN, so that a formula which reads more than it declares has no value.
 
-use super::gains::{angle_of_gain, by_direction, by_drive, is_angle};
+use super::gains::{angle_of_gain, by_direction, by_direction_along, by_drive, is_angle};
 use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots, Wheel};
 use crate::derive::{DesignedSpinAxis, Gradient, Seeds};
 use crate::mechanism::{Configuration, RodReach, Twist};
@@ -845,14 +845,18 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
     #[inline(always)]
     fn work(self) {
         let zero = self.weight.zero();
+        if let Quantity::Characteristic(c) = self.quantity
+            && let Some(angle) = angle_of_gain(c)
+            && let Some(by) = by_direction_along(angle, self.inputs)
+        {
+            // The slope of the angle along the travel, by which the wheel centre rises evenly.
+            for slot in angle.info().reads {
+                slot.push(by * Jet::constant(self.weight), self.at, self.seeds);
+            }
+            return;
+        }
         let mut by_slot = [Vector3::new(zero, zero, zero); Slot::MOST];
         match self.quantity {
-            Quantity::Characteristic(c) if angle_of_gain(c).is_some() => {
-                // By the travel the wheel centre rises as fast as that; it need not have been read.
-                let mut inputs = *self.inputs;
-                inputs.rate.centre = Vector3::new(zero, zero, zero.one());
-                by_slot = gradient(c, &inputs);
-            }
             Quantity::Characteristic(c) => by_slot = gradient(c, self.inputs),
             Quantity::AngularVelocity(axis) => by_slot[0][axis] = zero.one(),
             Quantity::Coordinate(..) => {}

@@ -1,54 +1,157 @@
 //! Work on all threads, its results taken in order while it runs.
 
-use rayon::prelude::*;
+use std::collections::VecDeque;
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Pieces of work that each thread has before it, between two hand-overs.
+/// Pieces of work, for each thread, that may have been begun and not been taken.
 const AHEAD: u64 = 8;
 
 /// Does the pieces of work numbered `range` on the threads of the current rayon pool, each thread with
-/// a worker of its own, and hands the results to `take` in order: while one batch is worked on the one
-/// before is taken, so that memory holds two batches, however long the range is.
+/// a worker of its own, and hands the results to `take` in order: by whichever thread is free, while the others go on. No
+/// more than some pieces for each thread wait in memory, however long the range is.
 ///
 /// Ends early when `take` fails, or when `work` returns `None`; then every piece before that one has
 /// been taken.
-pub fn in_order<W: Send, T: Send, E: Send>(
+pub fn in_order<W, T: Send, E: Send>(
     range: Range<u64>,
     worker: impl Fn() -> W + Sync,
     work: impl Fn(&mut W, u64) -> Option<T> + Sync,
-    mut take: impl FnMut(T) -> Result<(), E> + Send,
+    take: impl FnMut(T) -> Result<(), E> + Send,
 ) -> Result<(), E> {
-    let threads = rayon::current_num_threads();
-    let workers: Vec<Mutex<Option<W>>> = (0..threads).map(|_| Mutex::new(None)).collect();
-    let done = |number: u64| {
-        let thread = rayon::current_thread_index().unwrap_or(0);
-        // A thread never waits here: nothing it does meanwhile leads back.
-        let mut place = workers[thread].lock().ok()?;
-        work(place.get_or_insert_with(&worker), number)
+    let queue = Queue {
+        most: AHEAD * rayon::current_num_threads() as u64,
+        state: Mutex::new(State {
+            next: range.start,
+            end: range.end,
+            first: range.start,
+            waiting: VecDeque::new(),
+            is_taking: false,
+            failed: None,
+        }),
+        changed: Condvar::new(),
     };
-    let batch = AHEAD * threads as u64;
-    let mut finished: Vec<Option<T>> = Vec::new();
-    let mut next = range.start;
-    loop {
-        let end = range.end.min(next.saturating_add(batch));
-        let (taken, results) = rayon::join(
-            || -> Result<bool, E> {
-                for result in finished {
-                    match result {
-                        Some(result) => take(result)?,
-                        None => return Ok(false),
-                    }
+    let take = Mutex::new(take);
+    rayon::broadcast(|_| {
+        let mut own = None;
+        // Others are not to wait for what will not come.
+        let _ends = EndsOnPanic(&queue);
+        while let Some(turn) = queue.turn() {
+            match turn {
+                Turn::Work(number) => {
+                    let result = work(own.get_or_insert_with(&worker), number);
+                    queue.put(number, result);
                 }
-                Ok(true)
-            },
-            || (next..end).into_par_iter().map(done).collect(),
-        );
-        // With nothing left to do the last batch has been taken, too.
-        if !taken? || next == end {
-            return Ok(());
+                Turn::Take(result) => {
+                    // One at a time, as the queue has it.
+                    let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
+                    let taken = take(result);
+                    queue.has_taken(taken);
+                }
+            }
         }
-        (finished, next) = (results, end);
+    });
+    let state = queue.state.into_inner();
+    let failed = state.unwrap_or_else(PoisonError::into_inner).failed;
+    failed.map_or(Ok(()), Err)
+}
+
+/// What is done, being done and to do.
+struct Queue<T, E> {
+    /// The most pieces that have been begun and not been taken.
+    most: u64,
+    state: Mutex<State<T, E>>,
+    changed: Condvar,
+}
+
+struct State<T, E> {
+    /// The next piece to begin, and where they end.
+    next: u64,
+    end: u64,
+    /// The first piece that has not been taken, and what has become of it and of those after it, as far as they are done.
+    first: u64,
+    waiting: VecDeque<Option<Option<T>>>,
+    is_taking: bool,
+    failed: Option<E>,
+}
+
+/// What a thread is to do.
+enum Turn<T> {
+    Work(u64),
+    Take(T),
+}
+
+impl<T, E> Queue<T, E> {
+    fn state(&self) -> MutexGuard<'_, State<T, E>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What to do next; `None` when there is no more.
+    fn turn(&self) -> Option<Turn<T>> {
+        let mut state = self.state();
+        loop {
+            if !state.is_taking && matches!(state.waiting.front(), Some(Some(_))) {
+                let Some(result) = state.waiting.pop_front().flatten().flatten() else {
+                    state.end_at_once();
+                    self.changed.notify_all();
+                    return None;
+                };
+                state.first += 1;
+                state.is_taking = true;
+                return Some(Turn::Take(result));
+            }
+            if state.next < state.end && state.next - state.first < self.most {
+                state.next += 1;
+                state.waiting.push_back(None);
+                return Some(Turn::Work(state.next - 1));
+            }
+            if state.next >= state.end && state.waiting.is_empty() {
+                return None;
+            }
+            let changed = self.changed.wait(state);
+            state = changed.unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// A piece is done.
+    fn put(&self, number: u64, result: Option<T>) {
+        let mut state = self.state();
+        // Nothing waits any more where it has ended early.
+        if let Some(place) = number.checked_sub(state.first)
+            && let Some(entry) = state.waiting.get_mut(place as usize)
+        {
+            *entry = Some(result);
+        }
+        self.changed.notify_all();
+    }
+
+    fn has_taken(&self, taken: Result<(), E>) {
+        let mut state = self.state();
+        state.is_taking = false;
+        if let Err(error) = taken {
+            state.failed = Some(error);
+            state.end_at_once();
+        }
+        self.changed.notify_all();
+    }
+}
+
+impl<T, E> State<T, E> {
+    fn end_at_once(&mut self) {
+        self.end = self.next;
+        self.waiting.clear();
+    }
+}
+
+/// Ends the queue where its thread panics.
+struct EndsOnPanic<'q, T, E>(&'q Queue<T, E>);
+
+impl<T, E> Drop for EndsOnPanic<'_, T, E> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.state().end_at_once();
+            self.0.changed.notify_all();
+        }
     }
 }
 
@@ -56,6 +159,7 @@ pub fn in_order<W: Send, T: Send, E: Send>(
 mod tests {
     use super::*;
     use std::convert::Infallible;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -94,6 +198,42 @@ mod tests {
         };
         on_threads(2, || in_order(0..1000, || (), work, take)).unwrap();
         assert!(taken.into_iter().eq(0..37));
+    }
+
+    #[test]
+    fn few_results_wait_at_a_time() {
+        let waiting = AtomicU64::new(0);
+        let mut most = 0;
+        let ended: Result<(), Infallible> = on_threads(3, || {
+            in_order(
+                0..500,
+                || (),
+                |(), n| Some((n, waiting.fetch_add(1, Ordering::SeqCst) + 1)),
+                |(_, count)| {
+                    most = most.max(count);
+                    std::thread::sleep(std::time::Duration::from_micros(200));
+                    waiting.fetch_sub(1, Ordering::SeqCst);
+                    Ok(())
+                },
+            )
+        });
+        assert!(ended.is_ok());
+        // With the one that is being taken.
+        assert!(most > 3 && most <= 3 * AHEAD + 1, "{most}");
+    }
+
+    #[test]
+    fn a_panic_ends_it_for_all_threads() {
+        let ended = std::panic::catch_unwind(|| {
+            on_threads(2, || {
+                let work = |_: &mut (), n: u64| match n {
+                    100 => panic!("of the test"),
+                    n => Some(n),
+                };
+                in_order(0..1_000_000, || (), work, |_| Ok::<(), Infallible>(()))
+            })
+        });
+        assert!(ended.is_err());
     }
 
     #[test]

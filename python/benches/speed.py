@@ -84,7 +84,11 @@ class Bench:
 
     def dask(self) -> Iterator[tuple[str, float, str, float]]:
         """What Dask adds to parts, and what a second worker gains."""
+        import dask
         from dask.distributed import Client, LocalCluster
+
+        # As the documentation advises.
+        dask.config.set({"distributed.worker.profile.enabled": False})
 
         def on(workers: int, folder: str, name: str) -> float:
             # Workers have imported the module before.

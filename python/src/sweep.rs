@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
 
-/// Blocks between two looks for Ctrl-C.
-const PIECE: u64 = 512;
+/// Blocks between two looks for Ctrl-C: a fraction of a second, at whose end the threads wait for one another.
+const PIECE: u64 = 2048;
 
 fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     let of_file = |errors: StudyErrors| crate::errors::study_error(&errors);
@@ -71,6 +71,14 @@ fn given(
     })
 }
 
+/// Appends rows, one after another, to columns.
+fn append(rows: &[f64], columns: &mut [Vec<f64>]) {
+    let width = columns.len();
+    for (k, column) in columns.iter_mut().enumerate() {
+        column.extend(rows.iter().skip(k).step_by(width));
+    }
+}
+
 /// The rows of a sweep: a column for each variable and output, the numbers of the designs that failed and why. Of
 /// the study's own designs, or of those in the rows of `x`.
 #[pyfunction]
@@ -93,6 +101,15 @@ pub(crate) fn sweep<'py>(
     let names = record.value_columns();
     let width = record.variables.len();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    for column in &mut columns {
+        let room = column.try_reserve_exact(usize::try_from(record.designs).unwrap_or(usize::MAX));
+        room.map_err(|_| {
+            let (designs, columns) = (record.designs, names.len());
+            failure(format!(
+                "{designs} designs with {columns} columns do not fit into memory"
+            ))
+        })?;
+    }
     let mut failed: Vec<i64> = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
     let blocks = record.blocks();
@@ -105,15 +122,10 @@ pub(crate) fn sweep<'py>(
                     first..end,
                     || true,
                     |rows| {
+                        let (of_variables, of_outputs) = columns.split_at_mut(width);
+                        append(&rows.variables, of_variables);
+                        append(&rows.outputs, of_outputs);
                         for design in 0..rows.designs() {
-                            for (column, value) in columns.iter_mut().zip(rows.variables(design)) {
-                                column.push(*value);
-                            }
-                            for (column, value) in
-                                columns[width..].iter_mut().zip(rows.outputs(design))
-                            {
-                                column.push(*value);
-                            }
                             if let Some(failing) = &rows.failing[design] {
                                 failed.push(rows.first as i64 + design as i64);
                                 reasons.push(failing.reason.clone());

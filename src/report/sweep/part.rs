@@ -93,6 +93,7 @@ pub fn write_part(
             statistics.absorb(record, &finished.statistics);
             left -= 1;
             watch(finished.statistics.designs);
+            text.give_back(finished.designs);
             Ok(())
         },
     )?;

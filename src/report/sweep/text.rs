@@ -4,10 +4,13 @@ use super::curves_csv::CurvesCsv;
 use super::rows_csv;
 use crate::study::Study;
 use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, Worker};
+use std::sync::{Mutex, PoisonError};
 
 /// Turns blocks into text.
 pub struct SweepText {
     curves: Option<CurvesCsv>,
+    /// Buffers that have been written, for the next blocks: to ask the system for others takes longer than to fill them.
+    spare: Mutex<Vec<Vec<u8>>>,
 }
 
 impl SweepText {
@@ -16,6 +19,7 @@ impl SweepText {
         let curves = plan.record.curves && in_directory;
         SweepText {
             curves: curves.then(|| CurvesCsv::of(plan, study)),
+            spare: Mutex::default(),
         }
     }
 
@@ -28,7 +32,7 @@ impl SweepText {
     pub fn finish(&self, record: &SweepRecord, worker: &mut Worker<'_>, block: u64) -> Finished {
         let rows = worker.rows(block);
         let (statistics, first) = (SweepStatistics::of(record, rows), rows.first);
-        let (mut designs, mut curves) = (Vec::new(), Vec::new());
+        let (mut designs, mut curves) = (self.empty(), Vec::new());
         rows_csv::append(rows, &mut designs);
         if let Some(csv) = &self.curves {
             csv.append(first, worker.block(), &mut curves);
@@ -38,6 +42,18 @@ impl SweepText {
             curves,
             statistics,
         }
+    }
+
+    fn empty(&self) -> Vec<u8> {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        spare.pop().unwrap_or_default()
+    }
+
+    /// Takes back the text of rows that have been written.
+    pub(super) fn give_back(&self, mut designs: Vec<u8>) {
+        designs.clear();
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        spare.push(designs);
     }
 }
 

@@ -20,6 +20,8 @@ pub struct SweepStatistics {
     pub designs: u64,
     /// Those solved at every station.
     pub solved: u64,
+    /// Those solved one by one, which the SIMD lanes left.
+    pub one_by_one: u64,
     /// Why the others were not, in the order the reasons came up.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
@@ -70,6 +72,7 @@ impl SweepStatistics {
         SweepStatistics {
             designs: 0,
             solved: 0,
+            one_by_one: 0,
             failures: Vec::new(),
             ranges: vec![None; record.outputs.len()],
             best: Vec::new(),
@@ -159,6 +162,7 @@ impl SweepStatistics {
     pub fn absorb(&mut self, record: &SweepRecord, next: &SweepStatistics) {
         self.designs += next.designs;
         self.solved += next.solved;
+        self.one_by_one += next.one_by_one;
         for failure in &next.failures {
             self.count_failure(failure);
         }

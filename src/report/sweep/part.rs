@@ -16,7 +16,7 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// The form of the statistics' file. A reader takes no other.
-pub(super) const FORM: u32 = 1;
+pub(super) const FORM: u32 = 2;
 
 /// The file with the statistics of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -21,6 +21,9 @@ pub struct SweepSummary {
     pub(in crate::report) done: u64,
     /// Designs solved at every station.
     pub(in crate::report) solved: u64,
+    /// Designs solved one by one, which the SIMD lanes left or cannot take.
+    #[serde(default)]
+    one_by_one: u64,
     /// Designs that mean, standard deviation, r2 and change are of: those with every output, and of Saltelli's
     /// samples only the two independent ones.
     statistics_designs: u64,
@@ -112,6 +115,7 @@ impl SweepSummary {
             designs: record.designs,
             done: tally.designs,
             solved: tally.solved,
+            one_by_one: tally.one_by_one,
             statistics_designs: tally.moments.count,
             failures: tally
                 .failures

@@ -31,9 +31,10 @@ impl SweepText {
     /// Works on a block: its rows and curves as text, and its statistics.
     pub fn finish(&self, record: &SweepRecord, worker: &mut Worker<'_>, block: u64) -> Finished {
         let rows = worker.rows(block);
-        let (statistics, first) = (SweepStatistics::of(record, rows), rows.first);
+        let (mut statistics, first) = (SweepStatistics::of(record, rows), rows.first);
         let (mut designs, mut curves) = (self.empty(), Vec::new());
         rows_csv::append(rows, &mut designs);
+        statistics.one_by_one = worker.one_by_one().len() as u64;
         if let Some(csv) = &self.curves {
             csv.append(first, worker.block(), &mut curves);
         }

@@ -10,9 +10,12 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
-/// Blocks between two looks for Ctrl-C: a fraction of a second, at whose end the threads wait for one another.
-const PIECE: u64 = 2048;
+/// Blocks between two looks for Ctrl-C at first, and how long they should take: at the end of a piece the threads wait for
+/// one another, and whoever stops it for the piece to end.
+const PIECE: u64 = 64;
+const SHORT: Duration = Duration::from_millis(200);
 
 fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     let of_file = |errors: StudyErrors| crate::errors::study_error(&errors);
@@ -113,9 +116,9 @@ pub(crate) fn sweep<'py>(
     let mut failed: Vec<i64> = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
     let blocks = record.blocks();
-    let mut first = 0;
+    let (mut first, mut piece) = (0, PIECE);
     while first < blocks {
-        let end = blocks.min(first + PIECE);
+        let (end, begun) = (blocks.min(first + piece), Instant::now());
         py.detach(|| {
             on_threads(threads, || {
                 plan.run(
@@ -137,6 +140,11 @@ pub(crate) fn sweep<'py>(
             })
         })?;
         py.check_signals()?;
+        piece = match begun.elapsed() {
+            took if took < SHORT => 2 * piece,
+            took if took > 4 * SHORT => (piece / 2).max(1),
+            _ => piece,
+        };
         first = end;
     }
     let table = PyDict::new(py);

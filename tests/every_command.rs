@@ -1,7 +1,9 @@
-//! Every command over mutilated studies, as processes: none panics, hangs or is killed, what is refused says why, and
-//! what is written has no number that is not finite, and no empty cell in a row that is `ok` but for a reason that is
-//! counted.
+//! Every command over mutilated studies, as processes: none panics, hangs or takes much memory, what is refused says
+//! why, and what is written has no number that is not finite, and no empty cell in a row that is `ok` but for a reason
+//! that is counted.
 
+#[path = "support/bounded.rs"]
+mod bounded;
 #[allow(dead_code)]
 #[path = "support/mutants.rs"]
 mod mutants;
@@ -9,6 +11,7 @@ mod mutants;
 #[path = "support/random.rs"]
 mod random;
 
+use bounded::wait_within_bounds;
 use hardpoint::study::{Designs, Study};
 use mutants::mutilated;
 use random::Random;
@@ -17,10 +20,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
-/// A command on a study of this size must be done by then.
-const MOST_SECONDS: u64 = 10;
 /// Stations, and stations of all designs, beyond which a study is meant to take long.
 const MANY_STATIONS: usize = 5_000;
 const MANY_POSES: u64 = 2_000_000;
@@ -28,22 +28,30 @@ const MANY_POSES: u64 = 2_000_000;
 struct Mutant<'a> {
     text: String,
     directory: &'a Path,
+    /// `None` where the reader refuses it.
+    size: Option<Size>,
 }
 
 /// What a study asks for that takes time.
+#[derive(Clone, Copy)]
 struct Size {
     stations: usize,
     sweep: Option<u64>,
     tuning: Option<u64>,
 }
 
-impl Mutant<'_> {
+impl Size {
     /// `None` where the reader refuses it.
-    fn size(&self, samples: &Path) -> Option<Size> {
-        let study = Study::from_text("study.toml", &self.text, samples).ok()?;
+    fn of(text: &str, samples: &Path) -> Option<Size> {
+        let study = Study::from_text("study.toml", text, samples).ok()?;
         let stations = match &study.axle {
             Some(both) => both.plan.course.stations(),
-            None => study.motion.values.len() * study.motion.rack.len(),
+            None => {
+                let further = study.motions.iter().map(|(_, motion)| motion);
+                let all = further.chain([&study.motion]);
+                all.map(|motion| motion.values.len() * motion.rack.len())
+                    .sum()
+            }
         };
         Some(Size {
             stations,
@@ -56,10 +64,11 @@ impl Mutant<'_> {
                 .map(|optimise| optimise.starts as u64 * optimise.max_iterations * 10),
         })
     }
+}
 
+impl Mutant<'_> {
     /// Runs a command: its output, or the reason why that must not be.
     fn run(&self, arguments: &[&str]) -> Result<Output, String> {
-        let begun = Instant::now();
         let path = |name: &str| self.directory.join(name);
         let [out, err] = ["stdout", "stderr"].map(path);
         let mut child = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
@@ -70,27 +79,18 @@ impl Mutant<'_> {
             .stderr(fs::File::create(&err).unwrap())
             .spawn()
             .unwrap();
-        let status = loop {
-            if let Some(status) = child.try_wait().unwrap() {
-                break status;
-            }
-            if begun.elapsed() > Duration::from_secs(MOST_SECONDS) {
-                child.kill().unwrap();
-                child.wait().unwrap();
-                return Err(format!("{arguments:?} hangs"));
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        };
+        let stations = self.size.map_or(0, |size| size.stations as u64);
+        let status = wait_within_bounds(&mut child, stations)
+            .map_err(|fault| format!("{arguments:?} {fault}"))?;
         let output = Output {
             status,
             stdout: fs::read(out).unwrap(),
             stderr: fs::read(err).unwrap(),
         };
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        let took = begun.elapsed();
         match status.code() {
             Some(0..=2) if !said.contains("panicked") => Ok(output),
-            _ => Err(format!("{arguments:?}: {status} after {took:?}\n{said}")),
+            _ => Err(format!("{arguments:?}: {status}\n{said}")),
         }
     }
 }
@@ -144,8 +144,10 @@ fn examine(
     let random = &mut Random(number.wrapping_mul(0x2545_F491_4F6C_DD1D) ^ 77);
     let base = &bases[(number % bases.len() as u64) as usize];
     let directory = tempfile::tempdir().unwrap();
+    let text = mutilated(base, random);
     let mutant = Mutant {
-        text: mutilated(base, random),
+        size: Size::of(&text, samples),
+        text,
         directory: directory.path(),
     };
     fs::write(directory.path().join("study.toml"), &mutant.text).unwrap();
@@ -154,10 +156,7 @@ fn examine(
         mutant.run(arguments)
     };
     let checked = run(&["check", "study.toml"])?;
-    let Some(size) = mutant
-        .size(samples)
-        .filter(|_| checked.status.code() != Some(2))
-    else {
+    let Some(size) = mutant.size.filter(|_| checked.status.code() != Some(2)) else {
         let said = String::from_utf8_lossy(&checked.stderr);
         let refused = checked.status.code() == Some(2) && said.starts_with("error: ");
         return match refused {
@@ -254,10 +253,10 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
                         break;
                     }
                     if let Err(reason) = examine(number, &samples, &bases, &ran, long) {
-                        failures
-                            .lock()
-                            .unwrap()
-                            .push(format!("mutant {number}: {reason}"));
+                        let failure = format!("mutant {number}: {reason}");
+                        // At once, too: a long run need not end for it to be seen.
+                        eprintln!("{failure}");
+                        failures.lock().unwrap().push(failure);
                     }
                 }
             });

@@ -1,0 +1,69 @@
+//! A child process within bounds of time and memory.
+
+use std::process::{Child, ExitStatus};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// What a command on a study of an ordinary size may take of the processors, all its threads together. Not of the
+/// clock: on a loaded machine that measures the load.
+const MOST_SECONDS: f64 = 10.0;
+/// By the clock, for what waits without computing; and where only the clock can be read.
+const MOST_SECONDS_ELAPSED: f64 = if cfg!(target_os = "linux") {
+    120.0
+} else {
+    MOST_SECONDS
+};
+/// The most it may have had in memory, and for each station that it was asked for, in KiB. Such a command takes some
+/// tens of MiB, a station some hundreds of bytes; a count that was read from a study and allocated unseen takes far more.
+const MOST_KIBIBYTES: u64 = 512 * 1024;
+const MOST_KIBIBYTES_PER_STATION: u64 = 2;
+/// Clock ticks per second in `/proc/PID/stat`: USER_HZ, which is 100 on every common architecture.
+const TICKS_PER_SECOND: f64 = 100.0;
+
+/// Waits for a child to end that was asked for so many stations; one that takes too much is killed, and why is said.
+pub fn wait_within_bounds(child: &mut Child, stations: u64) -> Result<ExitStatus, String> {
+    let begun = Instant::now();
+    let most_kibibytes = MOST_KIBIBYTES + MOST_KIBIBYTES_PER_STATION * stations;
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return Ok(status);
+        }
+        let elapsed = begun.elapsed();
+        let worked = seconds_of_processor(child.id()).unwrap_or(0.0);
+        let memory = kibibytes_of_memory(child.id()).unwrap_or(0);
+        let fault = if worked > MOST_SECONDS {
+            format!("takes more than {MOST_SECONDS} s of the processor")
+        } else if elapsed.as_secs_f64() > MOST_SECONDS_ELAPSED {
+            format!("hangs: {worked} s of the processor in {MOST_SECONDS_ELAPSED} s")
+        } else if memory > most_kibibytes {
+            format!("takes {memory} KiB for {stations} stations")
+        } else {
+            // Most are done within milliseconds; who waits for one must not take its processor.
+            let pause = elapsed / 8;
+            sleep(pause.clamp(Duration::from_micros(200), Duration::from_millis(20)));
+            continue;
+        };
+        child.kill().unwrap();
+        child.wait().unwrap();
+        return Err(fault);
+    }
+}
+
+/// What a process has taken of the processors so far, in user and system mode; `None` where that cannot be read.
+fn seconds_of_processor(id: u32) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    // proc(5): fields 14 and 15; the second is the name in parentheses and may hold anything.
+    let (_, after_name) = stat.rsplit_once(')')?;
+    let mut ticks = after_name.split_whitespace().skip(11);
+    let [user, system] = [ticks.next()?, ticks.next()?].map(str::parse::<f64>);
+    Some((user.ok()? + system.ok()?) / TICKS_PER_SECOND)
+}
+
+/// The most that a process has had in memory so far.
+fn kibibytes_of_memory(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse().ok()
+}

@@ -9,7 +9,7 @@ use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
 use super::{Axle, AxleQuantity, Quantity};
 use crate::characteristics::instant_centres_of;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
-use crate::mechanism::{Configuration, DesignFault};
+use crate::mechanism::{Configuration, DesignFault, Failure};
 use crate::model::{PointId, Side};
 use crate::number::Vector3;
 
@@ -24,6 +24,7 @@ pub fn axle_frames(
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreLateral));
     }
     let mut solver = AxleSolver::<2>::new(axle, &quantities, false)?;
+    solver.watch_all_rockers();
     let ground = design_ground(axle, &mut solver);
     let placed = solver.place_all(placements);
     let drawn = placed.into_iter().map(|placed| {
@@ -53,6 +54,16 @@ fn drawn(
     ground: f64,
 ) -> Result<Drawn, AxleFailure> {
     let read = solver.read(placed)?;
+    for side in [Side::Left, Side::Right] {
+        // Beyond a toggle what the rocker carries is nowhere.
+        if let Some(rod) = read.toggles[side as usize] {
+            return Err(AxleFailure::Wheel {
+                side,
+                travel: placed.travels[side as usize],
+                failure: Failure::Toggle(rod),
+            });
+        }
+    }
     let state = read.state;
     let has_ground = axle.setup.wheel_radius.is_some();
     let (sine, cosine) = placed.roll.sin_cos();

@@ -13,7 +13,7 @@ use super::{Axle, Quantity};
 use crate::analyse::Limits;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles};
-use crate::model::{Drive, Mechanism, PointId, RockerId, Side};
+use crate::model::{Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -400,14 +400,14 @@ fn read_wheel<const N: usize>(
     (lines, parts): (&[Line], &Parts),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    let (mut condition, mut toggled) = (0.0_f64, false);
+    let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {
         let motion = along(line, travel, rack);
         let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
         condition = condition.max(conditioning.number);
         snapshots[number] = Snapshot::of(&at, parts);
         if number == 0 {
-            toggled = toggles.note(Some(solver), &at, travel).is_some();
+            toggle = toggles.note(Some(solver), &at, travel);
         }
     }
     Ok(WheelRead {
@@ -415,7 +415,7 @@ fn read_wheel<const N: usize>(
         pose: *pose,
         reading: Reading::of(&snapshots[..lines.len()]),
         condition,
-        toggled,
+        toggle,
     })
 }
 
@@ -426,8 +426,8 @@ pub struct WheelRead {
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: f64,
-    /// Whether a rocker is at toggle or beyond.
-    toggled: bool,
+    /// A rod of a rocker that is at toggle or beyond.
+    toggle: Option<Rod>,
 }
 
 /// What is read in a position.
@@ -436,15 +436,15 @@ pub struct Read<'a> {
     pub state: State<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
-    /// Whether a rocker of either wheel is at toggle or beyond.
-    pub toggles: [bool; 2],
+    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    pub toggles: [Option<Rod>; 2],
 }
 
 impl Read<'_> {
     /// Whether a quantity moves with a rocker that is at toggle or beyond.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = [Side::Left, Side::Right].into_iter();
-        sides.any(|side| self.toggles[side as usize] && quantity.moves_with_rocker(side))
+        sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
     }
 }
 
@@ -484,6 +484,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             buffer: vec![zero.map(Jet::constant); points],
             gradients: [vec![zero; points], vec![zero; points]],
         })
+    }
+
+    /// Looks for toggles of every rocker, not only of those that the quantities move with.
+    pub fn watch_all_rockers(&mut self) {
+        for corner in &mut self.corners {
+            let rockers = (0..corner.mechanism.rockers.len()).map(RockerId);
+            corner.toggles = Toggles::of(corner.mechanism, rockers);
+            corner.begun = None;
+        }
     }
 
     /// Takes over other designs of the same mechanisms, each in the frame of its side.
@@ -830,7 +839,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Read {
             state: self.state([left.reading, right.reading], placed),
             condition: left.condition.max(right.condition),
-            toggles: [left.toggled, right.toggled],
+            toggles: [left.toggle, right.toggle],
         }
     }
 

@@ -156,6 +156,35 @@ fn a_failed_station_is_a_gap_with_a_reason() {
     }
 }
 
+/// Where a drop link of an axle no longer reaches its lever nothing is drawn, with the reason; elsewhere every
+/// point has its place.
+#[test]
+fn an_axle_is_drawn_as_far_as_its_rockers_go() {
+    let text = study("macpherson_axle.toml").replace(
+        "anti_roll_bar_outer = [ 200.0, 600.0, 200.0]",
+        "anti_roll_bar_outer = [   3.0, 600.0, 200.0]",
+    );
+    let run = Run::of("solve", "short", &text, &[]);
+    let data = run.data();
+    let frames = data["record"]["designs"][0]["frames"].as_array().unwrap();
+    let (mut drawn, mut stuck) = (0, 0);
+    for frame in frames {
+        let Some(placed) = frame["pose"].get("Ok") else {
+            let reason = frame["pose"]["Err"].as_str().unwrap();
+            assert!(
+                reason.contains("drop link") && reason.contains("toggle"),
+                "{reason}"
+            );
+            stuck += 1;
+            continue;
+        };
+        let points = placed["points"].as_array().unwrap();
+        assert!(points.iter().all(|point| numbers(point).len() == 3));
+        drawn += 1;
+    }
+    assert!(drawn > 0 && stuck > 0, "{drawn} drawn, {stuck} not");
+}
+
 #[test]
 fn a_hostile_name_is_text() {
     let page = hostile().page();

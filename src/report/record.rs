@@ -93,6 +93,9 @@ pub struct BandCurve {
     /// Drive value, the least and the most that is wanted there; none where there is no limit. In the units of the CSV
     /// files.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
+    /// By how much they may be missed, in the column's unit.
+    #[serde(default)]
+    pub tolerance: f64,
 }
 
 /// One design of the run.
@@ -231,6 +234,7 @@ fn bands(study: &Study) -> Vec<BandCurve> {
             BandCurve {
                 column: target.of.column.clone(),
                 limits,
+                tolerance: target.tolerance * factor.abs(),
             }
         })
         .collect()

@@ -107,9 +107,18 @@ fn sweep(name: &str, more: &[&str]) -> Run {
     Run::of("sweep", name, &study("macpherson_sweep.toml"), more)
 }
 
-/// A tuning whose study is named so.
+/// A tuning whose study is named so, with constraints that the page draws.
 fn hostile() -> Run {
     let outputs = "[outputs]\npoints = [\"wheel_centre\"]";
-    let text = study("macpherson_front.toml").replace("[outputs]", outputs);
+    let mut text = study("macpherson_front.toml").replace("[outputs]", outputs);
+    text += r#"
+[[optimise.constraints]]
+point = "lower_ball_joint"
+inside = { rim = 400.0, from = -300.0, to = 300.0 }
+
+[[optimise.constraints]]
+members = ["tie_rod", "strut"]
+clearance = 1.0
+"#;
     Run::of("optimise", HOSTILE_NAME, &text, &[])
 }

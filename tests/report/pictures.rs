@@ -193,3 +193,48 @@ fn racks_are_told_apart() {
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
     assert!((2..=5).contains(&picture.matches(">rack ").count()));
 }
+
+/// Limits are drawn where they hold, between two of them is shaded, and what is outside of them by more than the
+/// tolerance is marked.
+#[test]
+fn bands_are_drawn_and_what_is_outside_is_marked() {
+    let out_of_reach = "between = [[[-60.0, 0.2], [60.0, 0.2]], [[-60.0, 1.5], [60.0, 1.5]]]";
+    let text = study("macpherson_steering.toml").replace(
+        "between = [[[-60.0, -0.15], [60.0, -0.15]], [[-60.0, 0.15], [60.0, 0.15]]]",
+        out_of_reach,
+    );
+    assert!(text.contains(out_of_reach));
+    let once = [
+        "--set",
+        "optimise.starts=1",
+        "--set",
+        "optimise.max_iterations=1",
+    ];
+    let run = Run::of("optimise", "bands", &text, &once);
+    let picture = |name: &str| fs::read_to_string(run.plots().join(name)).unwrap();
+    let count =
+        |name: &str, class: &str| picture(name).matches(&format!("class=\"{class}\"")).count();
+
+    let (header, columns) = run.csv("curves.csv");
+    let toe = &columns[header.iter().position(|name| name == "toe_deg").unwrap()];
+    let outside = toe
+        .iter()
+        .filter(|toe| !(0.15..=1.55).contains(&toe.parse::<f64>().unwrap()));
+    let outside = outside.count();
+    assert!(
+        (1..toe.len()).contains(&outside),
+        "{outside} of {}",
+        toe.len()
+    );
+    // And once in the legend.
+    assert_eq!(count("toe_deg.svg", "missed"), outside + 1);
+    assert_eq!(count("toe_deg.svg", "limit"), 2 + 1);
+    assert_eq!(count("toe_deg.svg", "band"), 1);
+    // At one place a limit is a short line across.
+    assert_eq!(count("kingpin_inclination_deg.svg", "limit"), 2 + 1);
+    assert_eq!(count("kingpin_inclination_deg.svg", "band"), 0);
+    assert_eq!(count("caster_deg.svg", "limit"), 0);
+    let overview = picture("overview.svg");
+    assert!(overview.contains("toe [°]") && overview.contains("kingpin inclination [°]"));
+    assert!(!overview.contains("camber [°]"));
+}

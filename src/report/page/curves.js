@@ -153,9 +153,13 @@ const missTraces = (c, output, { abscissa }) => {
   const table = run.curves[run.curves.length - 1];
   const racks = record.rack ? column(table, record.rack) : null;
   const [drives, values, places] = [record.drive, output.column, abscissa].map((name) => column(table, name));
-  const missed = record.targets.filter((t) => t.column === output.column && !t.over).flatMap(({ points, tolerance }) => points.flatMap(([drive, wanted]) => {
+  const own = (wanted) => wanted.column === output.column && !wanted.over;
+  const targets = record.targets.filter(own).map(({ points, tolerance }) => ({ tolerance, limits: points.map(([drive, value]) => [drive, value, value]) }));
+  const missed = [...targets, ...(record.bands ?? []).filter(own)].flatMap(({ limits, tolerance }) => limits.flatMap(([drive, low, high]) => {
     const row = drives.findIndex((d, i) => d === drive && (!racks || racks[i] === 0));
-    return row >= 0 && values[row] !== null && Math.abs(values[row] - wanted) > tolerance ? [row] : [];
+    const value = row < 0 ? null : values[row];
+    const outside = value !== null && ((low !== null && value < low - tolerance) || (high !== null && value > high + tolerance));
+    return outside ? [row] : [];
   }));
   if (!missed.length) return [];
   return [{

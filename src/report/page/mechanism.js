@@ -22,15 +22,15 @@ const isAxle = scene?.right_wheel_centre != null;
 // Bodies of the right wheel follow those of the left one and look like them.
 const bodiesPerSide = scene ? scene.bodies.length / (isAxle ? 2 : 1) : 0;
 
-// A wheel's rim: a circle about its centre, normal to the spin axis.
-const rim = ({ centre, spin_axis: n }) => {
+// A wheel, or another circle about its centre, normal to the spin axis.
+const rim = ({ centre, spin_axis: n }, r = radius) => {
   const across = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (v) => v.map((x) => x / Math.hypot(...v));
   const first = unit(across(n, [0, 0, 1]));
   const second = across(n, first);
   return Array.from({ length: ROUND + 1 }, (_, i) => {
     const [cosine, sine] = [Math.cos((2 * Math.PI * i) / ROUND), Math.sin((2 * Math.PI * i) / ROUND)];
-    return centre.map((p, k) => p + radius * (cosine * first[k] + sine * second[k]));
+    return centre.map((p, k) => p + r * (cosine * first[k] + sine * second[k]));
   });
 };
 
@@ -105,9 +105,8 @@ const middle = (placement, { lines: [line] }, number) => {
 const places = record?.places ?? { shapes: [], rims: [], clearances: [] };
 const rimLines = (p, { radius: r, ends }) => {
   const n = p.spin_axis.map((v) => v * Math.sign(p.spin_axis[1] * outboard || 1));
-  const turned = rim({ ...p, spin_axis: n });
   const centre = p.points[scene.wheel_centre];
-  const at = (end) => turned.map((q) => q.map((v, k) => centre[k] + ((v - centre[k]) * r) / radius + n[k] * end));
+  const at = (end) => rim({ centre: offset(centre, n.map((v) => v * end)), spin_axis: n }, r);
   const [first, second] = ends.map(at);
   const posts = [0, ROUND / 4, ROUND / 2, (3 * ROUND) / 4].flatMap((i) => [first[i], second[i], null]);
   return [...first, null, ...second, null, ...posts];
@@ -273,7 +272,7 @@ const stageRanges = () => {
     if (!placement) continue;
     const wheels = wheelsOf(placement);
     const ground = radius && placement.contact ? [...wheels.flatMap(road), ...arrow(placement).filter(Boolean)] : [];
-    for (const p of [...placement.points, ...(radius ? wheels.flatMap(rim) : []), ...ground]) {
+    for (const p of [...placement.points, ...(radius ? wheels.flatMap((wheel) => rim(wheel)) : []), ...ground]) {
       for (let k = 0; k < 3; k += 1) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);

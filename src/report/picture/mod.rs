@@ -5,15 +5,17 @@ mod lettering;
 mod panel;
 mod raster;
 mod scale;
+mod wanted;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
-use super::record::{OutputRecord, Record, TargetRecord};
+use super::record::{OutputRecord, Record};
 use super::run::Run;
 use crate::curves::Status;
 use crate::model::Rod;
 use lettering::Lettering;
-use panel::{Band, Line, Look, Panel, SIZE};
+use panel::{Line, Look, Panel, SIZE};
+use wanted::Wanted;
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +34,8 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 .grid{stroke:#e3e7eb}.main{stroke:#0b63c5;stroke-width:2.2}\
 .former{stroke:#8a929b;stroke-width:1.6;stroke-dasharray:6 4}\
 .target{stroke:#b45f06;stroke-width:1.3;stroke-dasharray:1 3}.band{fill:#f0cfa6;stroke:#f0cfa6;stroke-width:1}\
-.spot{fill:#b45f06}.bar{stroke:#b45f06;stroke-width:1.6}.failed{stroke:#b3261e;stroke-width:1.5}\
-.missed{fill:none;stroke:#b3261e;stroke-width:1.6}\
+.limit,.bar{stroke:#b45f06;stroke-width:1.6}.spot{fill:#b45f06}\
+.failed{stroke:#b3261e;stroke-width:1.5}.missed{fill:none;stroke:#b3261e;stroke-width:1.6}\
 .rack0{stroke:#0b63c5}.rack1{stroke:#c2570c}.rack2{stroke:#0b8a8a}.rack3{stroke:#b3267a}\
 .rack4{stroke:#6b7d00}.rack5{stroke:#7a4fc9}.rack6{stroke:#8a5a2b}";
 
@@ -52,7 +54,11 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let outputs = &run.record.outputs;
     let named = |output: &OutputRecord| (file_name(&output.column), vec![panel(run, output)]);
     let mut sheets: Vec<(String, Vec<Panel>)> = outputs.iter().map(named).collect();
-    let has_target = |o: &&OutputRecord| run.record.targets.iter().any(|t| t.column == o.column);
+    let has_target = |o: &&OutputRecord| {
+        let targets = run.record.targets.iter().map(|t| &t.column);
+        let bands = run.record.bands.iter().map(|b| &b.column);
+        targets.chain(bands).any(|column| *column == o.column)
+    };
     let mut chosen: Vec<&OutputRecord> = outputs.iter().filter(has_target).collect();
     if chosen.is_empty() {
         chosen = outputs.iter().collect();
@@ -128,29 +134,40 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     lines.sort_by_key(|line: &Line| line.look.main);
     failed.sort_by(f64::total_cmp);
     failed.dedup();
-    let over_drive = |t: &&TargetRecord| t.over.as_ref().is_none_or(|over| *over == record.drive);
-    let targets = || {
-        let own = record.targets.iter().filter(|t| t.column == output.column);
-        own.filter(over_drive)
-    };
+    let mut wanted = Vec::new();
+    let mut missed = Vec::new();
+    for target in record.targets.iter().filter(|t| t.column == output.column) {
+        if target
+            .over
+            .as_ref()
+            .is_none_or(|over| *over == record.drive)
+        {
+            let (points, tolerance) = (target.points.clone(), target.tolerance);
+            let limits = points
+                .iter()
+                .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
+            missed.extend(places_outside(run, &output.column, limits, tolerance));
+            wanted.push(Wanted::Values { points, tolerance });
+        }
+    }
+    for band in record.bands.iter().filter(|b| b.column == output.column) {
+        let limits = band.limits.iter().copied();
+        missed.extend(places_outside(run, &output.column, limits, band.tolerance));
+        wanted.push(Wanted::Limits(band.limits.clone()));
+    }
     Panel {
         value: with_unit(&output.title, &output.unit),
         motion: axis_title(abscissa),
         upright: by_time.is_none(),
         lines,
-        bands: match by_time {
-            // Targets are by drive value.
+        // Targets are by drive value.
+        wanted: match by_time {
             Some(_) => Vec::new(),
-            None => targets()
-                .map(|t| Band {
-                    points: t.points.clone(),
-                    tolerance: t.tolerance,
-                })
-                .collect(),
+            None => wanted,
         },
         missed: match by_time {
             Some(_) => Vec::new(),
-            None => targets().flat_map(|t| missed(run, t)).collect(),
+            None => missed,
         },
         failed,
     }
@@ -182,9 +199,14 @@ fn families(record: &Record, table: &CurveTable) -> Vec<Vec<usize>> {
     families.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Where the last design of a tuning misses a target by more than its tolerance, with the rack straight ahead or
-/// where the study has it.
-fn missed(run: &Run, target: &TargetRecord) -> Vec<[f64; 2]> {
+/// Where the last design of a tuning is outside of limits by more than the tolerance, with the rack straight ahead or
+/// where the study has it: drive value and the column's value. Limits are the drive value, the least and the most.
+fn places_outside(
+    run: &Run,
+    column: &str,
+    limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
+    tolerance: f64,
+) -> Vec<[f64; 2]> {
     let Some(table) = run
         .curves
         .last()
@@ -198,9 +220,7 @@ fn missed(run: &Run, target: &TargetRecord) -> Vec<[f64; 2]> {
         // Targets of an axle are over several numbers; the tables say which are missed.
         return Vec::new();
     }
-    let columns = table
-        .column(&run.record.drive)
-        .zip(table.column(&target.column));
+    let columns = table.column(&run.record.drive).zip(table.column(column));
     let Some((drives, values)) = columns else {
         return Vec::new();
     };
@@ -209,9 +229,11 @@ fn missed(run: &Run, target: &TargetRecord) -> Vec<[f64; 2]> {
         rows.find(|row| drives[*row] == Some(drive))
             .and_then(|row| values[row])
     };
-    let places = target.points.iter().filter_map(|[drive, wanted]| {
-        let value = value_at(*drive)?;
-        ((value - wanted).abs() > target.tolerance).then_some([*drive, value])
+    let places = limits.filter_map(|(drive, low, high)| {
+        let value = value_at(drive)?;
+        let is_below = low.is_some_and(|low| value < low - tolerance);
+        let is_above = high.is_some_and(|high| value > high + tolerance);
+        (is_below || is_above).then_some([drive, value])
     });
     places.collect()
 }

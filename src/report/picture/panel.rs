@@ -1,8 +1,8 @@
-//! One plot as SVG: curves over the motion, a target with its tolerance, and gaps where nothing was
-//! solved.
+//! One plot as SVG: curves over the motion, what was wanted of them, and gaps where nothing was solved.
 
 use super::lettering::{Anchor, Lettering, Words};
 use super::scale::Scale;
+use super::wanted::Wanted;
 use std::fmt::Write;
 
 /// Width and height of a panel.
@@ -38,15 +38,6 @@ pub(super) struct Line {
     pub points: Vec<Option<[f64; 2]>>,
 }
 
-/// A target: motion and value, and what may be missed.
-#[derive(Clone, Debug)]
-pub(super) struct Band {
-    /// Its points.
-    pub points: Vec<[f64; 2]>,
-    /// The tolerance.
-    pub tolerance: f64,
-}
-
 /// One plot.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
@@ -58,8 +49,8 @@ pub(super) struct Panel {
     pub upright: bool,
     /// Curves, the most important one last.
     pub lines: Vec<Line>,
-    /// Targets.
-    pub bands: Vec<Band>,
+    /// What was wanted.
+    pub wanted: Vec<Wanted>,
     /// Places of the last design that miss a target by more than its tolerance.
     pub missed: Vec<[f64; 2]>,
     /// Motion values that were not solved.
@@ -71,13 +62,9 @@ impl Panel {
     pub(super) fn svg(&self, shift: f64, lettering: &Lettering) -> String {
         let [left, top, right, bottom] = PLOT;
         let points = || self.lines.iter().flat_map(|l| l.points.iter().flatten());
-        let wanted = || self.bands.iter().flat_map(|b| &b.points);
-        let edges = self.bands.iter().flat_map(|b| {
-            let both = |p: &[f64; 2]| [p[1] - b.tolerance, p[1] + b.tolerance];
-            b.points.iter().flat_map(both)
-        });
-        let values = points().map(|p| p[1]).chain(edges);
-        let motion = points().chain(wanted()).map(|p| p[0]);
+        let wanted: Vec<[f64; 2]> = self.wanted.iter().flat_map(Wanted::edges).collect();
+        let values = points().chain(&wanted).map(|p| p[1]);
+        let motion = points().chain(&wanted).map(|p| p[0]);
         let motion = motion.chain(self.failed.iter().copied());
         let (x, y) = match self.upright {
             true => (
@@ -95,8 +82,8 @@ impl Panel {
         };
         let mut svg = format!("<g transform=\"translate({} 0)\">\n", number(shift));
         self.axes(&mut svg, lettering, &x, &y);
-        for band in &self.bands {
-            band_svg(&mut svg, band, &place);
+        for wanted in &self.wanted {
+            wanted.draw(&mut svg, &place);
         }
         for line in &self.lines {
             for piece in line.points.split(Option::is_none) {
@@ -169,8 +156,10 @@ impl Panel {
                 entries.push((line.look.class(), name));
             }
         }
-        if !self.bands.is_empty() {
-            entries.push(("target".to_owned(), "target ± tolerance"));
+        for (class, name) in Wanted::KINDS {
+            if self.wanted.iter().any(|wanted| wanted.class() == class) {
+                entries.push((class.to_owned(), name));
+            }
         }
         if !self.missed.is_empty() {
             entries.push(("missed".to_owned(), "missed"));
@@ -235,47 +224,13 @@ fn in_power(title: &str, power: i32) -> String {
     }
 }
 
-fn band_svg(svg: &mut String, band: &Band, place: &impl Fn([f64; 2]) -> [f64; 2]) {
-    if let [only] = band.points.as_slice() {
-        return bar_svg(svg, *only, band.tolerance, place);
-    }
-    let side = |sign: f64| {
-        let points = band.points.iter();
-        points.map(move |[motion, value]| [*motion, value + sign * band.tolerance])
-    };
-    let outline = side(1.0).chain(side(-1.0).rev()).map(place);
-    path(svg, "band", outline, true);
-    path(svg, "target", band.points.iter().map(|p| place(*p)), false);
-}
-
-/// A target at one place: a spot, with a bar over its tolerance.
-fn bar_svg(
-    svg: &mut String,
-    [motion, value]: [f64; 2],
-    tolerance: f64,
-    place: &impl Fn([f64; 2]) -> [f64; 2],
-) {
-    let [[x, y], low, high] = [0.0, -tolerance, tolerance].map(|by| place([motion, value + by]));
-    // Its ends stand across it.
-    let across = if low[1] == high[1] {
-        [0.0, 5.0]
-    } else {
-        [5.0, 0.0]
-    };
-    path(svg, "bar", [low, high].into_iter(), false);
-    for end in [low, high] {
-        let ends = [-1.0, 1.0].map(|sign| [end[0] + sign * across[0], end[1] + sign * across[1]]);
-        path(svg, "bar", ends.into_iter(), false);
-    }
-    let [x, y] = [x, y].map(number);
-    let _ = writeln!(
-        svg,
-        "<circle class=\"spot\" cx=\"{x}\" cy=\"{y}\" r=\"3.5\"/>"
-    );
-}
-
 /// A line through some points; a lone one becomes a dot.
-fn path(svg: &mut String, class: &str, points: impl Iterator<Item = [f64; 2]>, closed: bool) {
+pub(super) fn path(
+    svg: &mut String,
+    class: &str,
+    points: impl Iterator<Item = [f64; 2]>,
+    closed: bool,
+) {
     let places: Vec<String> = points
         .map(|[x, y]| format!("{} {}", number(x), number(y)))
         .collect();

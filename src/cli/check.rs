@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::limits::motion_alone;
+use super::motions::NamedCurves;
 use super::output::design_fault;
 use super::printer::Printer;
 use super::terminal::is_quiet;
@@ -36,6 +37,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
 
     let alone = motion_alone(&study);
     let moved = curves(&alone.suspension, &Plan::of(&alone)).map_err(fault)?;
+    let of_motions = NamedCurves::all(&alone).map_err(fault)?;
     let mut said = doubts(&study.suspension).map_err(fault)?;
     said.extend(variable_doubts(&study));
     said.extend(remarks(&alone, &moved));
@@ -47,6 +49,10 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     }
     for failure in FailureRange::all(&moved, plan.drive, study.suspension.length_unit) {
         out.failure(&format!("not solved: {failure}\n\n"))?;
+    }
+    let length = study.suspension.length_unit;
+    for failure in of_motions.iter().flat_map(|motion| motion.failures(length)) {
+        out.failure(&format!("{failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {
         out.say(&format!("{}\n\n", motion(&study, &plan)))?;
@@ -65,7 +71,11 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         out.table("design", values)?;
         out.finish()?;
     }
-    Ok(match moved.are_complete() {
+    let of_motions = of_motions.iter().map(|motion| &motion.curves);
+    let is_complete = of_motions
+        .chain([&moved])
+        .all(|curves| curves.are_complete());
+    Ok(match is_complete {
         true => Exit::Done,
         false => Exit::Incomplete,
     })

@@ -2,6 +2,7 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
+use super::motions::NamedCurves;
 use super::output::design_fault;
 use super::printer::Printer;
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
@@ -27,7 +28,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let limits = solver.limits().map_err(fault)?;
     let by_rack = ranges_by_rack(&study, &mut solver).map_err(fault)?;
-    let moved = curves(suspension, &Plan::of(&motion_alone(&study))).map_err(fault)?;
+    let alone = motion_alone(&study);
+    let moved = curves(suspension, &Plan::of(&alone)).map_err(fault)?;
+    let of_motions = NamedCurves::all(&alone).map_err(fault)?;
 
     let mut out = Printer::new(arguments.format);
     out.table("limits", table(&study, &limits, &by_rack))?;
@@ -35,9 +38,15 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
         out.say(&format!("\n{margin}\n"))?;
     }
-    let failures = FailureRange::all(&moved, study.motion.drive, study.suspension.length_unit);
+    let length = suspension.length_unit;
+    let failures = FailureRange::all(&moved, study.motion.drive, length);
+    let failures = failures
+        .iter()
+        .map(|failure| format!("not solved: {failure}"));
+    let of_motions = of_motions.iter().flat_map(|motion| motion.failures(length));
+    let failures: Vec<String> = failures.chain(of_motions).collect();
     for failure in &failures {
-        out.failure(&format!("\nnot solved: {failure}\n"))?;
+        out.failure(&format!("\n{failure}\n"))?;
     }
     out.finish()?;
     Ok(match failures.is_empty() {

@@ -13,6 +13,7 @@ mod import;
 mod limits;
 mod man;
 mod merge;
+mod motions;
 mod new;
 mod optimise;
 mod output;

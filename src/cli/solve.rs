@@ -2,40 +2,15 @@
 
 use super::RunArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault, motion_file};
+use super::motions::NamedCurves;
+use super::output::{Output, design_fault};
 use super::report::Wanted;
-use crate::curves::{Curves, curves};
-use crate::mechanism::DesignFault;
+use crate::curves::curves;
 use crate::plan::Plan;
 use crate::report::{
     FailureRange, Record, SolveSummary, curves_csv, doubts, remarks, sensitivities_csv,
 };
 use crate::study::Study;
-
-/// The curves of a named motion.
-struct NamedCurves {
-    name: String,
-    file: String,
-    plan: Plan,
-    curves: Curves,
-}
-
-/// Those of every named motion.
-fn of_motions(study: &Study) -> Result<Vec<NamedCurves>, DesignFault> {
-    let named = study.motions.iter().map(|(name, motion)| {
-        let plan = Plan::of(&Study {
-            motion: motion.clone(),
-            ..study.clone()
-        });
-        Ok(NamedCurves {
-            file: motion_file(name),
-            name: name.clone(),
-            curves: curves(&study.suspension, &plan)?,
-            plan,
-        })
-    });
-    named.collect()
-}
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
@@ -60,7 +35,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.file("sensitivities.csv", &csv)?;
         files.push("sensitivities.csv");
     }
-    let of_motions = of_motions(&study).map_err(|fault| design_fault(&study, path, &fault))?;
+    let of_motions =
+        NamedCurves::all(&study).map_err(|fault| design_fault(&study, path, &fault))?;
     for motion in &of_motions {
         let csv = curves_csv(&motion.curves, &motion.plan, length);
         output.file(&motion.file, &csv)?;
@@ -94,15 +70,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
     let mut complete = curves.are_complete();
-    for NamedCurves {
-        name, plan, curves, ..
-    } in &of_motions
-    {
-        complete &= curves.are_complete();
-        let stations = curves.stations.len();
-        for failure in FailureRange::all(curves, plan.drive, length) {
-            output.say_failure(&format!("\nmotion {name}: not solved: {failure}\n"))?;
+    for motion in &of_motions {
+        complete &= motion.curves.are_complete();
+        for failure in motion.failures(length) {
+            output.say_failure(&format!("\n{failure}\n"))?;
         }
+        let (name, stations) = (&motion.name, motion.curves.stations.len());
         output.say(&format!("\nmotion {name}: {stations} stations\n"))?;
     }
     output.print_files(&files)?;

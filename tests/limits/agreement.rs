@@ -54,6 +54,24 @@ fn travel_that_is_not_reached_is_said_by_all_three() {
 }
 
 #[test]
+fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
+    for (set, code) in [
+        ("motions.left_lock.rack=60.0", 0),
+        ("motions.left_lock.rack=360.0", 1),
+    ] {
+        for command in ["check", "solve", "limits"] {
+            let output = run(command, "macpherson_steering.toml", &[set]);
+            let said = said(&output);
+            assert_eq!(output.status.code(), Some(code), "{command}: {said}");
+            let told = said.contains(
+                "motion left_lock: not solved: travel -40 to 40, rack 360 (9 stations): the rack moves no further than",
+            );
+            assert_eq!(told, code == 1, "{command}: {said}");
+        }
+    }
+}
+
+#[test]
 fn a_column_without_a_value_is_not_done() {
     // Points that the definition tells apart are at one place, so that the quotient has no value.
     let set = "suspension.hardpoints.wheel_centre=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";

@@ -1,0 +1,44 @@
+//! The named motions of a study, beside its own.
+
+use super::output::motion_file;
+use crate::curves::{Curves, curves};
+use crate::mechanism::DesignFault;
+use crate::model::LengthUnit;
+use crate::plan::Plan;
+use crate::report::FailureRange;
+use crate::study::Study;
+
+/// The curves of a named motion.
+pub(super) struct NamedCurves {
+    pub name: String,
+    pub file: String,
+    pub plan: Plan,
+    pub curves: Curves,
+}
+
+impl NamedCurves {
+    /// Those of every named motion.
+    pub(super) fn all(study: &Study) -> Result<Vec<Self>, DesignFault> {
+        let named = study.motions.iter().map(|(name, motion)| {
+            let plan = Plan::of(&Study {
+                motion: motion.clone(),
+                ..study.clone()
+            });
+            Ok(NamedCurves {
+                file: motion_file(name),
+                name: name.clone(),
+                curves: curves(&study.suspension, &plan)?,
+                plan,
+            })
+        });
+        named.collect()
+    }
+
+    /// What of it is not solved, a line each.
+    pub(super) fn failures(&self, length: LengthUnit) -> Vec<String> {
+        let failures = FailureRange::all(&self.curves, self.plan.drive, length);
+        let said = failures.iter();
+        said.map(|failure| format!("motion {}: not solved: {failure}", self.name))
+            .collect()
+    }
+}

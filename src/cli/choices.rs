@@ -78,7 +78,7 @@ impl Choices {
             }
         }
         if let Some(table) = summary.prices_table() {
-            output.say(
+            output.lead_on(
                 "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
             )?;
             output.table("prices", &table)?;

@@ -33,15 +33,15 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.say("\n  rms and worst in tolerances\n")?;
+        output.lead_on("\n  rms and worst in tolerances\n")?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
-        output.say("\n")?;
+        output.lead_on("\n")?;
         output.table("variables", &summary.variables_table())?;
     }
     if let Some(table) = summary.constraints_table().filter(|_| summary.has_design()) {
-        output.say("\n")?;
+        output.lead_on("\n")?;
         output.table("constraints", &table)?;
     }
     for remark in summary.remarks() {
@@ -77,7 +77,7 @@ pub(super) fn say_openings(
             "\n  nor by {more} more such moves, in summary.json\n"
         ))?;
     }
-    output.say("\n")?;
+    output.lead_on("\n")?;
     match summary.starts_in_words().filter(|_| output.is_text()) {
         Some(words) => output.say(&format!("{words}\n"))?,
         None => output.table("starts", &summary.starts_table())?,

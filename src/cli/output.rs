@@ -250,11 +250,21 @@ impl Output {
         if terminal::is_quiet() {
             return Ok(());
         }
-        match self.directory.is_some() && self.is_text() {
-            true => terminal::print(text)?,
-            false => terminal::note(text),
+        match (self.directory.is_some(), self.is_text()) {
+            (true, true) => terminal::print(text)?,
+            (false, true) => terminal::note(text),
+            // Without the empty lines that set it off from tables.
+            (_, false) => terminal::note(&format!("{}\n", text.trim_matches('\n'))),
         }
         Ok(())
+    }
+
+    /// Prints what leads on to a table: to a reader, as a program knows its tables by their names.
+    pub(super) fn lead_on(&self, text: &str) -> Result<(), Stop> {
+        match self.is_text() {
+            true => self.say(text),
+            false => Ok(()),
+        }
     }
 
     /// Says what was asked for and could not be had: an error, also where quiet was asked for.

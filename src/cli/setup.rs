@@ -76,12 +76,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
 
     let topology = study.suspension.mechanism.topology.name;
-    output.say(&format!(
-        "{}: {topology}\n\nwhat each adjustment does\n\n",
-        study.name
-    ))?;
+    output.say(&format!("{}: {topology}\n", study.name))?;
+    output.lead_on("\nwhat each adjustment does\n\n")?;
     output.table("effects", &summary.effects_table())?;
-    output.say("\nset up, in this order\n\n")?;
+    output.lead_on("\nset up, in this order\n\n")?;
     output.table("steps", &summary.steps_table())?;
     for (column, miss) in summary.missed() {
         let left = format!("{column} is missed by {}", crate::report::brief(miss));

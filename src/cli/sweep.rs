@@ -367,7 +367,7 @@ pub(super) fn finish(
     let failures = summary.failures_table();
     if !(output.is_text() && failures.is_empty()) {
         output.table("not_solved", &failures)?;
-        output.say("\n")?;
+        output.lead_on("\n")?;
     }
     output.table("outputs", &summary.outputs_table())?;
     if let Some(remark) = summary.of_which() {
@@ -379,7 +379,7 @@ pub(super) fn finish(
     }
     let best = summary.best_table();
     if !best.is_empty() {
-        output.say("\nBest by misfit, in tolerances:\n\n")?;
+        output.lead_on("\nBest by misfit, in tolerances:\n\n")?;
     }
     if !(output.is_text() && best.is_empty()) {
         output.table("best", &best)?;

@@ -91,12 +91,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.say("\nfirst-order shares of the variance in the drawn position\n\n")?;
+        output.lead_on("\nfirst-order shares of the variance in the drawn position\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
-        output.say("\n")?;
+        output.lead_on("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.say("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.lead_on("\nwhat to hold tighter, what may be looser\n\n")?;
         output.table("ranking", &summary.ranking_table())?;
     }
     for line in summary.failures() {

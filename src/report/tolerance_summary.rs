@@ -248,6 +248,10 @@ impl ToleranceSummary {
                     }
                     None => "not known",
                 };
+                let because = match value.linear_holds {
+                    Some(true) => "",
+                    _ => words,
+                };
                 let numbers = [
                     value.drawn,
                     value.mean,
@@ -264,7 +268,7 @@ impl ToleranceSummary {
                     None => Cell::from(""),
                 };
                 let cells = head.into_iter().chain(rack).chain(numbers.map(figure));
-                table.push_row(cells.chain([holds, words.into()]));
+                table.push_row(cells.chain([holds, because.into()]));
             }
         }
         table

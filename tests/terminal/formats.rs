@@ -90,6 +90,11 @@ fn json_and_csv_say_the_same() {
                 "{}",
                 called.complained()
             );
+            // What is said beside is lines by themselves: no heading without its table.
+            for line in called.complained().lines() {
+                let is_remark = !line.trim().is_empty() && !line.ends_with(':');
+                assert!(is_remark, "{command}: {}", called.complained());
+            }
             called.said()
         });
         let json: Value = serde_json::from_str(&formats[0]).unwrap();
@@ -238,5 +243,35 @@ fn a_comparison_is_complete_for_programs() {
                 .any(|first| line.starts_with(first)),
             "{line}"
         );
+    }
+}
+
+/// Of an output that no design moves there are no effects: the toe that was given is met by every design, but for
+/// rounding, and shares of that are chance.
+#[test]
+fn rounding_has_no_effects() {
+    let sweep = "sweep={method=\"random\",samples=256,seed=1,variables=[\
+                 {hardpoint=\"tie_rod_inner\",axis=\"z\",range=[-5.0,5.0]},\
+                 {hardpoint=\"lower_arm_front\",axis=\"z\",range=[-5.0,5.0]}]}";
+    let outputs = "outputs.characteristics=[\"toe\"]";
+    let more = ["--set", sweep, "--set", outputs, "--format", "json"];
+    let called = Called::on("sweep", "double_wishbone_pushrod", &more);
+    assert_eq!(called.code(), Some(0), "{}", called.complained());
+    let tables: Value = serde_json::from_str(&called.said()).unwrap();
+    let outputs = tables["outputs"].as_array().unwrap();
+    let find = |name: &str| outputs.iter().find(|o| o["output"] == name).unwrap();
+    let [met, moved] = ["toe_design_deg", "toe_max_deg"].map(find);
+    let spread = met["max"].as_f64().unwrap() - met["min"].as_f64().unwrap();
+    assert!(0.0 < spread && spread < 1e-10, "{met}");
+    assert!(met["r2"].is_null() && moved["r2"].is_f64());
+    let effects = tables["effects"].as_array().unwrap();
+    for (name, is_known) in [("toe_design_deg", false), ("toe_max_deg", true)] {
+        let of_it = effects.iter().filter(|e| e["output"] == name);
+        for effect in of_it.clone() {
+            for key in ["change", "share"] {
+                assert_eq!(effect[key].is_f64(), is_known, "{effect}");
+            }
+        }
+        assert_eq!(of_it.count(), 2);
     }
 }

@@ -339,6 +339,8 @@ fn output(
     let (column, range) = (&record.outputs[k], tally.ranges[k]);
     let of = effects.map_or(&[][..], |e| &e.of);
     let named = record.variables.iter().zip(of);
+    // Shares and slopes of rounding are chance.
+    let is_moved = range.is_some_and(|r| !is_rounding(r.max.0 - r.min.0, &column.unit));
     OutputSummary {
         column: column.column.clone(),
         unit: column.unit.clone(),
@@ -350,23 +352,28 @@ fn output(
         max_design: range.map(|r| r.max.1),
         mean: effects.map(|e| e.mean),
         standard_deviation: effects.map(|e| e.deviation),
-        r2: effects.and_then(|e| e.r2),
+        r2: effects.and_then(|e| e.r2).filter(|_| is_moved),
         effects: named
             .map(|(variable, effect)| EffectSummary {
                 variable: variable.column.clone(),
-                change: effect.change,
-                share: effect.share,
-                total: effect.total,
+                change: effect.change.filter(|_| is_moved),
+                share: effect.share.filter(|_| is_moved),
+                total: effect.total.filter(|_| is_moved),
             })
             .collect(),
     }
+}
+
+/// Whether a range in a unit is what rounding makes of none.
+fn is_rounding(range: f64, unit: &str) -> bool {
+    range < resolution(unit)
 }
 
 impl OutputSummary {
     /// Whether no design moves it by more than rounding does.
     pub(in crate::report) fn is_unmoved(&self) -> bool {
         let range = self.min.zip(self.max);
-        range.is_none_or(|(min, max)| max - min < resolution(&self.unit))
+        range.is_none_or(|(min, max)| is_rounding(max - min, &self.unit))
     }
 
     /// The variables with the largest shares of the variance, or else with the largest changes, in words.

@@ -77,11 +77,17 @@ pub struct Range {
 impl Range {
     /// What is left from `value` to the nearer end; negative beyond it.
     pub fn margin(&self, value: f64) -> f64 {
+        let [lower, upper] = self.ends();
+        (upper - value).min(value - lower)
+    }
+
+    /// Both ends; half a turn where it turns right round.
+    pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {
             RangeEnd::FullTurn => -std::f64::consts::PI,
             end => end.value(),
         };
-        (self.upper.value() - value).min(value - lower)
+        [lower, self.upper.value()]
     }
 }
 

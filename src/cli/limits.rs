@@ -1,10 +1,10 @@
 //! `hardpoint limits`
 
-use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::motions::NamedCurves;
 use super::output::design_fault;
 use super::printer::Printer;
+use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
 use crate::axle::{AxleEnd, AxlePlan, AxleSolver, axle_curves};
 use crate::curves::{Curves, curves};
@@ -17,9 +17,13 @@ use crate::solve::Solver;
 use crate::study::{AxleStudy, Drive, Study};
 use std::ops::ControlFlow;
 
-pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
+pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
+    let (builds, arguments) = (arguments.builds, &arguments.study);
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
+    if let Some(count) = builds {
+        return super::limits_of_builds::run(arguments, &study, count);
+    }
     if let Some(axle) = &study.axle {
         return of_axle(arguments, &study, axle);
     }
@@ -139,7 +143,10 @@ pub(super) fn motion_alone(study: &Study) -> Study {
 }
 
 /// The range of the study's drive at each displacement of the rack that the study asks for, in its axes.
-fn ranges_by_rack(study: &Study, solver: &mut Solver) -> Result<Vec<(f64, Range)>, DesignFault> {
+pub(super) fn ranges_by_rack(
+    study: &Study,
+    solver: &mut Solver,
+) -> Result<Vec<(f64, Range)>, DesignFault> {
     let plan = Plan::of(study);
     let drive = plan.drive.in_kernel();
     let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));

@@ -11,6 +11,7 @@ mod exit;
 mod export;
 mod import;
 mod limits;
+mod limits_of_builds;
 mod man;
 mod merge;
 mod motions;
@@ -66,9 +67,9 @@ enum Command {
     /// Adjustments that give the static values wanted, and what a turn of each does
     Setup(RunArguments),
     /// What manufacturing scatter does: sigma, percentiles, yield, who contributes
-    Tolerance(RunArguments),
+    Tolerance(ToleranceArguments),
     /// How far travel, rack and arm go from the design position, and what stops them
-    Limits(StudyArguments),
+    Limits(LimitsArguments),
     /// Every way to assemble the design's lengths at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
@@ -127,6 +128,26 @@ struct RunArguments {
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+}
+
+/// What builds need besides.
+#[derive(Args)]
+struct ToleranceArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    /// Print one build, by its number from 0, as a study of its own, and nothing else
+    #[arg(long, value_name = "N", conflicts_with_all = ["out", "force", "threads", "report", "plots"])]
+    build: Option<u64>,
+}
+
+/// What limits need besides.
+#[derive(Args)]
+struct LimitsArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// How far the first N builds of [tolerance] go at least, each part of the table with the build that ends it
+    #[arg(long, value_name = "N")]
+    builds: Option<std::num::NonZeroU64>,
 }
 
 /// What a tuning needs besides.

@@ -1,10 +1,11 @@
 //! `hardpoint tolerance`
 
-use super::RunArguments;
+use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
 use super::report::Wanted;
+use super::terminal;
 use crate::build::NoSetUp;
 use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
@@ -12,7 +13,9 @@ use crate::plan::Plan;
 use crate::report::{Record, ToleranceSummary, curves_csv};
 use crate::study::{Order, Study, Tolerance};
 use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+use std::io::Write;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
@@ -23,37 +26,26 @@ const FANS: [(&str, &str, usize); 4] = [
     ("99 %", "curves_p99.csv", 5),
 ];
 
-pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
+    let (build, arguments) = (arguments.build, &arguments.run);
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "builds of two wheels scatter by themselves, and only those of one are drawn";
-    super::axle::refuse(&study, path, "tolerance", why)?;
-    let Some(tolerance) = &study.tolerance else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no [tolerance] section, which says how parts scatter",
-            path.display()
-        )));
-    };
+    let tolerance = scatter(&study, path, "tolerance")?;
+    if let Some(number) = build {
+        return print_build(&problem(&study, tolerance, path)?, number);
+    }
     let fault = |fault: DesignFault| design_fault(&study, path, &fault);
-    let not_aligned = |reason: NoSetUp| match reason {
-        NoSetUp::Fault(reason) => fault(reason),
-        NoSetUp::Reject(reject) => Stop::wrong_input(format!("{}: {reject}", path.display())),
-        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::wrong_input(format!(
-            "{}: aligned = true, but what [setup] adjusts does not move toe and camber one by one",
-            path.display()
-        )),
-    };
     let pool = pool(
         arguments.threads,
         tolerance.builds.div_ceil(crate::sweep::BLOCK as u64),
     )?;
-    let problem = Problem::of(&study, tolerance).map_err(not_aligned)?;
+    let problem = problem(&study, tolerance, path)?;
     let drawn = problem.drawn().map_err(fault)?;
     let output = Output::open(arguments, &study, "tolerance")?;
     let wanted = Wanted::open(arguments)?;
     let expansion = pool
         .install(|| Expansion::of(&problem))
-        .map_err(not_aligned)?;
+        .map_err(|reason| not_aligned(&study, path, reason))?;
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
         .map_err(fault)?;
@@ -91,7 +83,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.lead_on("\nfirst-order shares of the variance in the drawn position\n\n")?;
+        output.lead_on("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
         output.lead_on("\n")?;
@@ -114,6 +106,69 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         false => Exit::Done,
         true => Exit::Incomplete,
     })
+}
+
+/// How the parts of a study scatter.
+pub(super) fn scatter<'s>(
+    study: &'s Study,
+    path: &Path,
+    command: &str,
+) -> Result<&'s Tolerance, Stop> {
+    let why = "builds of two wheels scatter by themselves, and only those of one are drawn";
+    super::axle::refuse(study, path, command, why)?;
+    study.tolerance.as_ref().ok_or_else(|| {
+        Stop::wrong_input(format!(
+            "{}: there is no [tolerance] section, which says how parts scatter",
+            path.display()
+        ))
+    })
+}
+
+/// A study's tolerances, made ready.
+pub(super) fn problem<'s>(
+    study: &'s Study,
+    tolerance: &'s Tolerance,
+    path: &Path,
+) -> Result<Problem<'s>, Stop> {
+    Problem::of(study, tolerance).map_err(|reason| not_aligned(study, path, reason))
+}
+
+fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
+    match reason {
+        NoSetUp::Fault(reason) => design_fault(study, path, &reason),
+        NoSetUp::Reject(reject) => Stop::wrong_input(format!("{}: {reject}", path.display())),
+        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::wrong_input(format!(
+            "{}: aligned = true, but what [setup] adjusts does not move toe and camber one by one",
+            path.display()
+        )),
+    }
+}
+
+/// Prints a build as a study.
+fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
+    let (study, seed) = (problem.study, problem.tolerance.seed);
+    match problem.built(number) {
+        Ok(built) => {
+            let aligned = match problem.tolerance.aligned {
+                true => "aligned",
+                false => "as assembled",
+            };
+            let text = format!(
+                "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts make at rest.\n{}",
+                study.name,
+                study.with_built(&built)
+            );
+            std::io::stdout().write_all(text.as_bytes())?;
+            Ok(Exit::Done)
+        }
+        Err(reject) => {
+            terminal::eprint(&format!(
+                "build {number} of {} (seed {seed}): {reject}\n",
+                study.name
+            ));
+            Ok(Exit::Incomplete)
+        }
+    }
 }
 
 fn with_progress(

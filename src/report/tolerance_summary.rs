@@ -24,6 +24,8 @@ pub struct ToleranceSummary {
     pub rejects: Vec<RejectRecord>,
     /// Builds without a pose somewhere in the motion.
     pub incomplete: u64,
+    /// Number of the first of these.
+    pub first_incomplete: Option<u64>,
     /// Every value that was looked at.
     pub values: Vec<ValueRecord>,
     /// The bands.
@@ -82,6 +84,12 @@ pub struct ValueRecord {
     pub range: [Option<f64>; 2],
     /// First-order share of each contributor in the variance, in the order of the study.
     pub shares: Vec<Option<f64>>,
+    /// The part of the builds' variance that first order leaves: curvature and interaction.
+    pub remainder: Option<f64>,
+    /// Its standard error.
+    pub remainder_error: Option<f64>,
+    /// What second order says it is.
+    pub remainder_second_order: Option<f64>,
     /// Whether this is the drawn position.
     at_rest: bool,
     /// Of the values.
@@ -118,6 +126,13 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
+impl ValueRecord {
+    /// The part of the builds' variance that a contributor is responsible for by first order.
+    fn share_of_builds(&self, contributor: usize) -> Option<f64> {
+        Some(self.shares[contributor]? * (1.0 - self.remainder?))
+    }
+}
+
 impl ToleranceSummary {
     /// Of what was found.
     pub fn of(
@@ -146,6 +161,7 @@ impl ToleranceSummary {
                 })
                 .collect(),
             incomplete: builds.incomplete,
+            first_incomplete: builds.first_incomplete,
             values: values(problem, drawn, expansion, builds),
             bands: yields.map_or_else(Vec::new, |yields| {
                 let bands = tolerance.bands.iter().zip(&yields.bands);
@@ -205,9 +221,9 @@ impl ToleranceSummary {
                 )
             })
             .collect();
-        if self.incomplete > 0 {
+        if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} builds have no pose somewhere in the motion; there they have no values",
+                "{} builds have no pose somewhere in the motion, build {first} the first; there they have no values",
                 self.incomplete
             ));
         }
@@ -315,18 +331,25 @@ impl ToleranceSummary {
         table
     }
 
-    /// First-order shares in the drawn position, where there are no bands to rank by.
+    /// Shares of the builds' variance in the drawn position, and what they leave, where there are no bands to rank by.
     pub fn shares_table(&self, contributors: &[String]) -> Table {
         let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
         let outputs = rest.iter().map(|v| v.output.clone());
         let mut table = Table::with_columns(["contributor".to_owned()].into_iter().chain(outputs));
         for (number, name) in contributors.iter().enumerate() {
-            let shares = rest.iter().map(|v| match v.shares[number] {
+            let shares = rest.iter().map(|v| match v.share_of_builds(number) {
                 None => Cell::from(""),
                 Some(share) => Cell::shown(share, percent(share)),
             });
             table.push_row([Cell::from(name.as_str())].into_iter().chain(shares));
         }
+        let left = rest.iter().map(|v| match (v.remainder, v.remainder_error) {
+            (Some(left), Some(error)) => {
+                Cell::shown(left, format!("{} +- {}", percent(left), percent(error)))
+            }
+            _ => Cell::from(""),
+        });
+        table.push_row([Cell::from("remainder")].into_iter().chain(left));
         table
     }
 
@@ -349,6 +372,9 @@ impl ToleranceSummary {
                 "sigma_linear",
                 "second_order",
                 "linear_holds",
+                "remainder",
+                "remainder_error",
+                "remainder_second_order",
                 "min",
             ]
             .map(str::to_owned),
@@ -366,6 +392,7 @@ impl ToleranceSummary {
             row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(cell));
             row.extend([v.sigma_linear, v.second_order].map(cell));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
+            row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(cell));
             row.push(cell(v.range[0]));
             row.extend(v.percentiles.map(cell));
             row.push(cell(v.range[1]));
@@ -374,7 +401,8 @@ impl ToleranceSummary {
         csv_of(std::iter::once(header).chain(rows))
     }
 
-    /// `contributors.csv`: the share of each contributor in the variance of each value.
+    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in that of the
+    /// builds, and what is left of that.
     pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
         let header = [
             "output",
@@ -382,18 +410,24 @@ impl ToleranceSummary {
             &format!("rack_{length}"),
             "contributor",
             "share",
+            "share_of_builds",
         ];
         let rows = self.values.iter().flat_map(|v| {
-            contributors.iter().zip(&v.shares).map(|(name, share)| {
-                let share = share.map_or_else(String::new, shortest);
+            let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
+            let row = move |name: &str, share, of_builds| {
                 vec![
                     v.output.clone(),
                     shortest(v.travel),
                     shortest(v.rack),
-                    name.clone(),
-                    share,
+                    name.to_owned(),
+                    cell(share),
+                    cell(of_builds),
                 ]
-            })
+            };
+            let names = contributors.iter().enumerate();
+            names
+                .map(move |(number, name)| row(name, v.shares[number], v.share_of_builds(number)))
+                .chain([row("remainder", None, v.remainder)])
         });
         csv_of(std::iter::once(header.map(str::to_owned).to_vec()).chain(rows))
     }
@@ -464,6 +498,8 @@ fn values(
             // Where the second order is small but a higher one, or the rejects, are not, the builds tell.
             let apart = (spread.sigma - deviation).abs();
             let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
+            let remainder = expansion.remainder(cell, spread);
+            let of_scatter = |part: f64| finite(part).filter(|_| scatters);
             let shares = (0..problem.tolerance.scatter.len())
                 .map(|number| finite(expansion.part(problem, cell, number) / variance));
             values.push(ValueRecord {
@@ -485,6 +521,9 @@ fn values(
                 percentiles: spread.percentiles.map(scaled),
                 range: spread.range.map(scaled),
                 shares: shares.collect(),
+                remainder: of_scatter(remainder.part),
+                remainder_error: of_scatter(remainder.error),
+                remainder_second_order: of_scatter(remainder.second),
                 at_rest: station == stations.design(),
                 unit: unit.clone(),
             });

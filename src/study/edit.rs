@@ -15,6 +15,31 @@ impl Study {
         self.with_designs(design, None)
     }
 
+    /// The text of a built suspension ([`mod@crate::build`]) as a study of its own. Where angles give the spin axis, the
+    /// build's runs through a `spindle_inner`, which takes their place.
+    pub fn with_built(&self, built: &Suspension) -> String {
+        let text = self.with_design(&built.design);
+        let mechanism = &built.mechanism;
+        let given = self.suspension.mechanism.points.len();
+        let (Some(added), Ok(mut document)) =
+            (mechanism.points.get(given), text.parse::<DocumentMut>())
+        else {
+            return text;
+        };
+        let place = built.design[given].to_array();
+        let place = Axis::ALL.map(|axis| built.frame.sign(axis) * place[axis as usize]);
+        let suspension = document.get_mut("suspension");
+        let hardpoints = suspension.and_then(|s| s.get_mut("hardpoints"));
+        if let Some(hardpoints) = hardpoints.and_then(Item::as_table_like_mut) {
+            hardpoints.insert(&added.name, Item::Value(Array::from_iter(place).into()));
+        }
+        if let Some(wheel) = document.get_mut("wheel").and_then(Item::as_table_like_mut) {
+            wheel.remove("static_camber");
+            wheel.remove("static_toe");
+        }
+        document.to_string()
+    }
+
     /// The same of an axle; `right` is the design of a right wheel that has hardpoints of its own, of which
     /// those that the study gives are rewritten.
     pub fn with_designs(&self, left: &[Vector3<f64>], right: Option<&[Vector3<f64>]>) -> String {

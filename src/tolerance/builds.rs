@@ -4,15 +4,54 @@ use super::Problem;
 use super::lanes::LaneBuilder;
 use crate::build::{Parts, Reject};
 use crate::mechanism::DesignFault;
+use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::sweep::{BLOCK, Block, Evaluator};
+
+impl Problem<'_> {
+    /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for.
+    pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
+        let mut built = self.assembler.suspension().clone();
+        let mut draws = vec![0.0; self.tolerance.sources()];
+        let mut parts = self.assembler.drawn().clone();
+        self.tolerance.draw(number, &mut draws);
+        self.change_parts(&draws, &mut parts);
+        self.put_together(&mut parts, &mut built.design)?;
+        Ok(built)
+    }
+
+    /// Makes these the parts of a build, of what was drawn for it.
+    fn change_parts(&self, draws: &[f64], parts: &mut Parts<f64>) {
+        let assembler = &self.assembler;
+        parts.points.copy_from_slice(&assembler.drawn().points);
+        parts.lengths.copy_from_slice(&assembler.drawn().lengths);
+        let sources = self.tolerance.scatter.iter().flat_map(|c| &c.sources);
+        for (source, z) in sources.zip(draws) {
+            for (parameter, share) in &source.changes {
+                parts.change(&assembler.suspension().mechanism, *parameter, share * z);
+            }
+        }
+    }
+
+    /// Puts parts together and writes their built design.
+    fn put_together(
+        &self,
+        parts: &mut Parts<f64>,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Reject> {
+        match &self.alignment {
+            None => self.assembler.assemble(parts, 0.0, into),
+            Some(alignment) => alignment.assemble(&self.assembler, parts, into),
+        }
+    }
+}
 
 /// What came of the builds of a block.
 pub(super) struct Outcome {
     /// Builds that could not be put together, by place in the block.
     pub(super) rejects: Vec<(usize, Reject)>,
-    /// How many builds have no pose somewhere in the motion.
-    pub(super) incomplete: u64,
+    /// How many builds have no pose somewhere in the motion, and the place of the first.
+    pub(super) incomplete: (u64, Option<usize>),
 }
 
 /// Solves blocks of builds. One for each thread.
@@ -69,26 +108,12 @@ impl<'a> Builder<'a> {
                 continue;
             }
             tolerance.draw(first + place as u64, &mut self.draws);
-            self.change_parts();
+            self.problem.change_parts(&self.draws, &mut self.parts);
             if let Err(reject) = self.put_together(place) {
                 rejects.push((place, reject));
             }
         }
         self.finish(rejects)
-    }
-
-    /// The parts of the build that has been drawn.
-    fn change_parts(&mut self) {
-        let (problem, parts) = (self.problem, &mut self.parts);
-        let assembler = &problem.assembler;
-        parts.points.copy_from_slice(&assembler.drawn().points);
-        parts.lengths.copy_from_slice(&assembler.drawn().lengths);
-        let sources = problem.tolerance.scatter.iter().flat_map(|c| &c.sources);
-        for (source, z) in sources.zip(&self.draws) {
-            for (parameter, share) in &source.changes {
-                parts.change(&assembler.suspension().mechanism, *parameter, share * z);
-            }
-        }
     }
 
     fn begin(&mut self) {
@@ -98,15 +123,11 @@ impl<'a> Builder<'a> {
 
     /// Puts the parts together, as a build of this place in the block.
     fn put_together(&mut self, place: usize) -> Result<(), Reject> {
-        let assembler = &self.problem.assembler;
         let start = self.designs.len();
         let zero = Vector3::default();
         self.designs.resize(start + self.parts.points.len(), zero);
         let into = &mut self.designs[start..];
-        let assembled = match &self.problem.alignment {
-            None => assembler.assemble(&self.parts, 0.0, into),
-            Some(alignment) => alignment.assemble(assembler, &mut self.parts, into),
-        };
+        let assembled = self.problem.put_together(&mut self.parts, into);
         match assembled {
             Ok(()) => self.places.push(place),
             Err(_) => self.designs.truncate(start),
@@ -125,7 +146,10 @@ impl<'a> Builder<'a> {
         incomplete.dedup();
         Outcome {
             rejects,
-            incomplete: incomplete.len() as u64,
+            incomplete: (
+                incomplete.len() as u64,
+                incomplete.iter().map(|design| self.places[*design]).min(),
+            ),
         }
     }
 }

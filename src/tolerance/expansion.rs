@@ -5,7 +5,7 @@
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::Problem;
+use super::{Problem, Spread};
 use crate::build::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -108,6 +108,17 @@ impl Expansion {
         (!bend.is_nan()).then_some(bend < HOLDS)
     }
 
+    /// What first order leaves of the variance of the builds.
+    pub fn remainder(&self, cell: usize, spread: &Spread) -> Remainder {
+        let variance = spread.sigma * spread.sigma;
+        let explained = self.variance[cell] / variance;
+        Remainder {
+            part: 1.0 - explained,
+            error: 2.0 * explained * spread.sigma_error / spread.sigma,
+            second: self.second[cell][1] / variance,
+        }
+    }
+
     /// The first-order variance a contributor is responsible for, by its number among those of the study.
     pub fn part(&self, problem: &Problem, cell: usize, contributor: usize) -> f64 {
         let mut gradient = self.gradient(cell).iter();
@@ -121,6 +132,18 @@ impl Expansion {
         }
         part
     }
+}
+
+/// The part of the variance of builds that the first-order parts of the contributors leave: curvature and interaction, and
+/// by what the sample is off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remainder {
+    /// So that this and the contributors' parts, over the builds' variance, make 1.
+    pub part: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// What second order says it is; NaN where that is not known.
+    pub second: f64,
 }
 
 /// The plan of everything that is looked at, where it is looked at.

@@ -23,7 +23,7 @@ mod order;
 mod yields;
 
 pub use draw::normal_quantile;
-pub use expansion::{Expansion, HOLDS};
+pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 

@@ -24,6 +24,8 @@ pub struct MonteCarlo {
     pub rejects: BTreeMap<&'static str, (u64, u64, Reject)>,
     /// Builds put together that have no pose somewhere in the motion.
     pub incomplete: u64,
+    /// Number of the first of these.
+    pub first_incomplete: Option<u64>,
     /// Builds that keep to every band.
     pub in_all_bands: u64,
     /// Builds that keep to each band.
@@ -70,6 +72,7 @@ struct Sums {
     sifted: Sifted,
     rejects: Vec<(u64, Reject)>,
     incomplete: u64,
+    first_incomplete: Option<u64>,
     in_all_bands: u64,
     in_bands: Vec<u64>,
 }
@@ -89,6 +92,7 @@ impl Sums {
             sifted: order.begin(),
             rejects: Vec::new(),
             incomplete: 0,
+            first_incomplete: None,
             in_all_bands: 0,
             in_bands: Vec::with_capacity(bands.len()),
         };
@@ -206,7 +210,8 @@ pub fn monte_carlo_in(
         sums.rejects = rejects
             .map(|(place, why)| (first + place as u64, why))
             .collect();
-        sums.incomplete = incomplete;
+        sums.incomplete = incomplete.0;
+        sums.first_incomplete = incomplete.1.map(|place| first + place as u64);
         Some((count, sums))
     };
     let mut powers = vec![[0.0; 5]; cells];
@@ -216,6 +221,7 @@ pub fn monte_carlo_in(
         spreads: Vec::with_capacity(cells),
         rejects: BTreeMap::new(),
         incomplete: 0,
+        first_incomplete: None,
         in_all_bands: 0,
         in_bands: vec![0; bands.len()],
     };
@@ -231,6 +237,7 @@ pub fn monte_carlo_in(
         total.builds += count;
         gathered.take(&sums.sifted, total.builds, &order);
         total.incomplete += sums.incomplete;
+        total.first_incomplete = total.first_incomplete.or(sums.first_incomplete);
         total.in_all_bands += sums.in_all_bands;
         for (kept, of_block) in total.in_bands.iter_mut().zip(&sums.in_bands) {
             *kept += of_block;

@@ -1,6 +1,7 @@
 //! Mechanisms as they are built: what holds of them, and what is read off them.
 
 mod independent;
+mod one_build;
 mod other_equations;
 mod reference;
 mod same_as_design;

@@ -115,6 +115,44 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
     assert_eq!(expansion.holds(problem.cell(0, 0)), Some(false));
 }
 
+/// Where tolerances are so wide that curvature and interaction count, first-order parts of the builds' variance and what
+/// second order says of the rest make 1 within the standard error; without that rest they do not.
+#[test]
+fn shares_and_their_remainder_make_one() {
+    let study = study(
+        "macpherson_tolerance",
+        &[
+            "tolerance.builds=40000",
+            "tolerance.aligned=false",
+            "motion.travel=[0.0]",
+            "tolerance.bands=[]",
+            "tolerance.scatter=[{length=\"tie_rod\",sigma=9.0},{length=\"lower_arm_front\",sigma=6.0},\
+             {length=\"lower_arm_rear\",sigma=6.0}]",
+            "outputs.characteristics=[\"camber\",\"toe\",\"caster\"]",
+        ],
+    );
+    let problem = problem(&study);
+    let (_, expansion, builds) = built(&problem);
+    let mut needed = 0;
+    for (cell, spread) in builds.spreads.iter().enumerate() {
+        let variance = spread.sigma * spread.sigma;
+        let shares = (0..problem.tolerance.scatter.len())
+            .map(|c| expansion.part(&problem, cell, c) / variance);
+        let shares: f64 = shares.sum();
+        let left = expansion.remainder(cell, spread);
+        println!("{cell}: {shares} {left:?} {:?}", expansion.bend(cell));
+        assert!((shares + left.part - 1.0).abs() < 1e-12);
+        // Third order is about the second's square.
+        let most = 4.0 * left.error + 2.0 * left.second * left.second;
+        assert!(
+            (shares + left.second - 1.0).abs() < most,
+            "{cell}: {shares} {left:?}"
+        );
+        needed += usize::from((shares - 1.0).abs() > most);
+    }
+    assert!(needed > 0);
+}
+
 /// Aligned builds have the drawn toe and camber at rest, to rounding, and the same scatter elsewhere by both ways.
 #[test]
 fn aligned_builds_have_the_drawn_toe_and_camber() {

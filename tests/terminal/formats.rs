@@ -4,7 +4,7 @@ use super::Called;
 use serde_json::Value;
 
 /// The calls whose tables are compared, and the names of their tables.
-const CALLS: [(&str, &str, &[&str], &[&str]); 11] = [
+const CALLS: [(&str, &str, &[&str], &[&str]); 12] = [
     (
         "solve",
         "macpherson_solve",
@@ -38,6 +38,12 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 11] = [
     ("limits", "double_wishbone_pushrod", &[], &["limits"]),
     ("assemblies", "macpherson_solve", &[], &["assemblies"]),
     ("limits", "semi_trailing_arm_solve", &[], &["limits"]),
+    (
+        "limits",
+        "macpherson_tolerance",
+        &["--builds", "3"],
+        &["builds", "limits"],
+    ),
     (
         "setup",
         "double_wishbone_tolerance",

@@ -1,0 +1,245 @@
+//! `hardpoint limits --builds`: how far the builds of `[tolerance]` go at least.
+
+use super::StudyArguments;
+use super::exit::{Exit, Stop};
+use super::limits::ranges_by_rack;
+use super::output::{design_fault, pool};
+use super::printer::Printer;
+use super::progress;
+use super::tolerance::{problem, scatter};
+use crate::mechanism::DesignFault;
+use crate::model::{self, Axis, Suspension};
+use crate::plan::Plan;
+use crate::report::{Cell, Table, as_written, brief};
+use crate::solve::Solver;
+use crate::study::{Drive, Study};
+use rayon::prelude::*;
+use std::num::NonZeroU64;
+
+pub(super) fn run(
+    arguments: &StudyArguments,
+    study: &Study,
+    count: NonZeroU64,
+) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let tolerance = scatter(study, path, "limits --builds")?;
+    let problem = problem(study, tolerance, path)?;
+    let drawn = Reach::of(study, &study.suspension);
+    let drawn = drawn.map_err(|fault| design_fault(study, path, &fault))?;
+    let line = progress::line(count.get(), "builds");
+    let least = pool(None, count.get())?.install(|| {
+        let builds = (0..count.get()).into_par_iter().map(|number| {
+            let built = problem.built(number).ok();
+            let reach = built.and_then(|built| Reach::of(study, &built).ok());
+            line.inc(1);
+            Least::of(number, reach)
+        });
+        builds.reduce(Least::default, Least::and)
+    });
+    line.finish_and_clear();
+
+    let mut out = Printer::new(arguments.format);
+    out.table("limits", table(&drawn, &least))?;
+    out.say("\n")?;
+    let mut counts = Table::new(["builds", "number", "first"]);
+    for (what, (number, first)) in [
+        ("that cannot be put together", least.rejected),
+        ("that do not reach the study's motion", least.short),
+    ] {
+        let first = first.map_or_else(|| Cell::from(""), Cell::from);
+        counts.push_row([what.into(), number.into(), first]);
+    }
+    counts.push_row([Cell::from("all"), count.get().into(), "".into()]);
+    out.table("builds", counts)?;
+    if let Some((margin, build)) = least.margin
+        && study.motion.drive == Drive::Travel
+    {
+        let unit = study.suspension.length_unit.symbol();
+        let left = match margin >= 0.0 {
+            true => format!(
+                "Travel left to the nearer end: {} {unit} or more",
+                brief(margin)
+            ),
+            false => format!(
+                "The motion goes up to {} {unit} beyond the nearer end",
+                brief(-margin)
+            ),
+        };
+        out.say(&format!("\n{left} (build {build}).\n"))?;
+    }
+    out.finish()?;
+    Ok(Exit::Done)
+}
+
+/// How far one mechanism goes.
+struct Reach {
+    /// What goes how far, where the rest stands, and from where to where.
+    rows: Vec<(String, String, [f64; 2])>,
+    /// What is left from the motion of the study to the nearer end; negative beyond it. None where the study is driven
+    /// by the paper's angle.
+    margin: Option<f64>,
+}
+
+impl Reach {
+    fn of(study: &Study, suspension: &Suspension) -> Result<Self, DesignFault> {
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        let limits = solver.limits()?;
+        let by_rack = ranges_by_rack(study, &mut solver)?;
+        let unit = study.suspension.length_unit.symbol();
+        let straight = match &limits.rack {
+            Some(_) => "rack 0",
+            None => "",
+        };
+        let mut rows = Vec::new();
+        let mut push = |quantity: &str, at: &str, factor: f64, ends: [f64; 2]| {
+            let mut ends = ends.map(|end| end * factor);
+            // Axes that point the other way swap the ends.
+            if factor < 0.0 {
+                ends.reverse();
+            }
+            rows.push((quantity.to_owned(), at.to_owned(), ends));
+        };
+        let travel = format!("travel_{unit}");
+        let degrees = 1.0_f64.to_degrees();
+        push(&travel, straight, 1.0, limits.travel.ends());
+        if let Some(range) = &limits.rack {
+            let sign = study.suspension.frame.sign(Axis::Y);
+            push(&format!("rack_{unit}"), "travel 0", sign, range.ends());
+        }
+        if let Some(range) = &limits.arm_angle {
+            push("arm_angle_deg", straight, degrees, range.ends());
+        }
+        if study.motion.rack_moves {
+            let (quantity, factor) = match study.motion.drive.in_kernel() {
+                model::Drive::Travel => (&*travel, 1.0),
+                model::Drive::ArmAngle => ("arm_angle_deg", degrees),
+            };
+            for (rack, range) in by_rack.iter().filter(|(rack, _)| *rack != 0.0) {
+                let at = format!("rack {}", as_written(*rack));
+                push(quantity, &at, factor, range.ends());
+            }
+        }
+        let [lower, upper] = limits.travel.ends();
+        for range in &limits.rockers {
+            let rod = study.suspension.mechanism.rocker(range.rocker).rod;
+            let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
+            let ends = [
+                range.lower.as_ref().map_or(lower, |toggle| toggle.travel),
+                range.upper.as_ref().map_or(upper, |toggle| toggle.travel),
+            ];
+            push(&name, straight, 1.0, ends);
+        }
+        let plan = Plan::of(study);
+        let margins = by_rack.iter().flat_map(|(_, range)| {
+            let values = plan.station_order.values().iter();
+            values.map(|value| range.margin(*value))
+        });
+        let margin = margins.fold(f64::INFINITY, f64::min);
+        Ok(Reach {
+            margin: (study.motion.drive != Drive::PaperTheta).then_some(margin),
+            rows,
+        })
+    }
+}
+
+/// What some builds reach at least: of equals, the first build.
+#[derive(Default)]
+struct Least {
+    /// By row of [`Reach`]: the greatest lower and the least upper end, each with its build.
+    rows: Vec<[(f64, u64); 2]>,
+    margin: Option<(f64, u64)>,
+    /// How many builds cannot be put together or cannot move, and the first.
+    rejected: (u64, Option<u64>),
+    /// How many do not reach the motion of the study, and the first.
+    short: (u64, Option<u64>),
+}
+
+impl Least {
+    fn of(build: u64, reach: Option<Reach>) -> Self {
+        let Some(reach) = reach else {
+            return Least {
+                rejected: (1, Some(build)),
+                ..Least::default()
+            };
+        };
+        let rows = reach.rows.iter();
+        let is_short = reach.margin.is_some_and(|margin| margin < 0.0);
+        Least {
+            rows: rows
+                .map(|(.., ends)| ends.map(|end| (end, build)))
+                .collect(),
+            margin: reach.margin.map(|margin| (margin, build)),
+            rejected: (0, None),
+            short: (u64::from(is_short), is_short.then_some(build)),
+        }
+    }
+
+    /// With builds of higher numbers.
+    fn and(mut self, later: Least) -> Least {
+        if self.rows.is_empty() {
+            self.rows = later.rows;
+        } else {
+            for (mine, theirs) in self.rows.iter_mut().zip(later.rows) {
+                let [[lower, upper], [their_lower, their_upper]] = [*mine, theirs];
+                *mine = [
+                    if their_lower.0 > lower.0 {
+                        their_lower
+                    } else {
+                        lower
+                    },
+                    if their_upper.0 < upper.0 {
+                        their_upper
+                    } else {
+                        upper
+                    },
+                ];
+            }
+        }
+        self.margin = match (self.margin, later.margin) {
+            (Some(mine), Some(theirs)) if theirs.0 < mine.0 => Some(theirs),
+            (mine, theirs) => mine.or(theirs),
+        };
+        let counted = |mine: (u64, Option<u64>), theirs: (u64, Option<u64>)| {
+            (mine.0 + theirs.0, mine.1.or(theirs.1))
+        };
+        self.rejected = counted(self.rejected, later.rejected);
+        self.short = counted(self.short, later.short);
+        self
+    }
+}
+
+/// How far each quantity goes as drawn, and in the build that goes least far.
+fn table(drawn: &Reach, least: &Least) -> Table {
+    let mut table = Table::new([
+        "quantity",
+        "at",
+        "from",
+        "nearest",
+        "in build",
+        "to",
+        "nearest there",
+        "in build there",
+    ]);
+    let mut builds = least.rows.iter();
+    for (quantity, at, [from, to]) in &drawn.rows {
+        let [lower, upper] = match builds.next() {
+            Some(ends) => ends.map(|(end, build)| [Cell::from(end), Cell::from(build)]),
+            None => [(); 2].map(|()| [Cell::from(""), Cell::from("")]),
+        };
+        let [lower, lower_build] = lower;
+        let [upper, upper_build] = upper;
+        let what = [quantity, at].map(|text| Cell::from(text.as_str()));
+        let [quantity, at] = what;
+        table.push_row([
+            quantity,
+            at,
+            Cell::from(*from),
+            lower,
+            lower_build,
+            Cell::from(*to),
+            upper,
+            upper_build,
+        ]);
+    }
+    table
+}

@@ -1,0 +1,170 @@
+//! One build as a study of its own, and how far builds go.
+
+use super::{plan, study};
+use hardpoint::curves::curves;
+use hardpoint::study::Study;
+use hardpoint::tolerance::{Problem, monte_carlo};
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn hardpoint(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+    command.current_dir(directory).args(arguments);
+    command.output().unwrap()
+}
+
+fn sample(name: &str) -> String {
+    format!("{}/studies/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Prints a build into a file of the directory.
+fn print_build(directory: &Path, name: &str, number: u64) -> String {
+    let output = hardpoint(
+        directory,
+        &["tolerance", &sample(name), "--build", &number.to_string()],
+    );
+    assert_eq!(output.status.code(), Some(0));
+    let file = format!("build{number}.toml");
+    std::fs::write(directory.join(&file), output.stdout).unwrap();
+    file
+}
+
+/// Its points have the bits of the build, which is that of the Monte Carlo; every pose of it can be proved.
+#[test]
+fn a_printed_build_is_the_build_and_can_be_proved() {
+    for name in ["double_wishbone_tolerance", "macpherson_tolerance"] {
+        let directory = tempfile::tempdir().unwrap();
+        let file = print_build(directory.path(), name, 0);
+        let overrides = [
+            "tolerance.builds=1",
+            "tolerance.bands=[]",
+            "motion.travel=[-30.0,0.0,30.0]",
+            "outputs.characteristics=[\"camber\",\"toe\"]",
+        ];
+        let drawing = study(name, &overrides);
+        let problem = Problem::of(&drawing, drawing.tolerance.as_ref().unwrap()).unwrap();
+        let built = problem.built(0).unwrap();
+        let overrides = overrides.map(str::to_owned);
+        let printed = Study::read(&directory.path().join(&file), &overrides).unwrap();
+        for (point, place) in built.mechanism.points.iter().zip(&built.design) {
+            let id = printed.suspension.mechanism.point(&point.name).unwrap();
+            assert_eq!(printed.suspension.design[id.0], *place, "{}", point.name);
+        }
+
+        let drawn = problem.drawn().unwrap();
+        let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
+        let curves = curves(&printed.suspension, &plan(&printed)).unwrap();
+        assert_eq!(curves.stations.len(), problem.stations.count());
+        for (number, station) in curves.stations.iter().enumerate() {
+            for output in 0..2 {
+                let mean = found.spreads[problem.cell(output, number)]
+                    .mean
+                    .to_degrees();
+                let value = station.values[output].unwrap();
+                assert!(
+                    (mean - value).abs() < 1e-11,
+                    "{name} {number}: {mean} {value}"
+                );
+                let drawn = drawn[problem.cell(output, number)].to_degrees();
+                assert!(station.travel == Some(0.0) || (value - drawn).abs() > 1e-6);
+            }
+        }
+
+        let proved = hardpoint(
+            directory.path(),
+            &[
+                "solve",
+                &file,
+                "--set",
+                "outputs.certify=true",
+                "--out",
+                "proved",
+            ],
+        );
+        assert_eq!(proved.status.code(), Some(0));
+        let table = std::fs::read_to_string(directory.path().join("proved/curves.csv")).unwrap();
+        let mut table = csv::Reader::from_reader(table.as_bytes());
+        let header = table.headers().unwrap().clone();
+        let column = |name: &str| header.iter().position(|h| h == name).unwrap();
+        let (error, apart) = (column("position_error_mm"), column("uniqueness_mm"));
+        for row in table.records().map(Result::unwrap) {
+            let [error, apart] = [&row[error], &row[apart]].map(|v| v.parse::<f64>().unwrap());
+            assert!(error < 1e-9 && apart > 0.1, "{name}: {error} {apart}");
+        }
+    }
+}
+
+/// A build that cannot be put together is no study: it says so, with exit code 1.
+#[test]
+fn a_rejected_build_is_said_to_be_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let scatter = "tolerance.scatter=[{length=\"tie_rod\",limits=[300.0,300.1]}]";
+    let output = hardpoint(
+        directory.path(),
+        &[
+            "tolerance",
+            &sample("macpherson_tolerance"),
+            "--build",
+            "7",
+            "--set",
+            "tolerance.aligned=false",
+            "--set",
+            scatter,
+        ],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(output.stdout.is_empty());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("build 7") && said.contains("cannot reach"),
+        "{said}"
+    );
+}
+
+/// What builds reach at least is the least of what each reaches.
+#[test]
+fn limits_of_builds_are_the_nearest_of_each() {
+    let (name, count) = ("double_wishbone_tolerance", 4);
+    let directory = tempfile::tempdir().unwrap();
+    let json = |arguments: &[&str]| -> Value {
+        let arguments = [&["limits"], arguments, &["--format", "json"]].concat();
+        let output = hardpoint(directory.path(), &arguments);
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    // About as far as the drawing goes in droop.
+    let travel = "motion.travel=[-305.7, 0.0, 10.0]";
+    let study = sample(name);
+    let found = json(&[&study, "--builds", &count.to_string(), "--set", travel]);
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+    let single: Vec<Value> = (0..count)
+        .map(|build| json(&[&print_build(directory.path(), name, build)])["limits"].clone())
+        .collect();
+    let rows = found["limits"].as_array().unwrap();
+    assert!(rows.len() >= 4);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!(row["quantity"], single[0][k]["quantity"]);
+        let from = single.iter().map(|limits| number(&limits[k], "from"));
+        let to = single.iter().map(|limits| number(&limits[k], "to"));
+        assert_eq!(
+            number(row, "nearest"),
+            from.fold(f64::NEG_INFINITY, f64::max)
+        );
+        assert_eq!(
+            number(row, "nearest_there"),
+            to.fold(f64::INFINITY, f64::min)
+        );
+        let build = row["in_build"].as_u64().unwrap() as usize;
+        assert_eq!(number(&single[build][k], "from"), number(row, "nearest"));
+    }
+    let is_short = |limits: &Value| number(&limits[0], "from") > -305.7;
+    let short: Vec<bool> = single.iter().map(is_short).collect();
+    let counts = &found["builds"];
+    let expected = short.iter().filter(|is| **is).count() as u64;
+    assert_eq!(counts[1]["number"], expected);
+    assert!(expected > 0, "{short:?}");
+    let first = short.iter().position(|is| *is).unwrap();
+    assert_eq!(counts[1]["first"], first);
+    assert_eq!(counts[0]["number"], 0);
+}

@@ -126,8 +126,8 @@ fn shares_and_their_remainder_make_one() {
             "tolerance.aligned=false",
             "motion.travel=[0.0]",
             "tolerance.bands=[]",
-            "tolerance.scatter=[{length=\"tie_rod\",sigma=9.0},{length=\"lower_arm_front\",sigma=6.0},\
-             {length=\"lower_arm_rear\",sigma=6.0}]",
+            "tolerance.scatter=[{length=\"tie_rod\",sigma=15.0},{length=\"lower_arm_front\",sigma=8.0},\
+             {length=\"lower_arm_rear\",sigma=8.0}]",
             "outputs.characteristics=[\"camber\",\"toe\",\"caster\"]",
         ],
     );
@@ -140,7 +140,6 @@ fn shares_and_their_remainder_make_one() {
             .map(|c| expansion.part(&problem, cell, c) / variance);
         let shares: f64 = shares.sum();
         let left = expansion.remainder(cell, spread);
-        println!("{cell}: {shares} {left:?} {:?}", expansion.bend(cell));
         assert!((shares + left.part - 1.0).abs() < 1e-12);
         // Third order is about the second's square.
         let most = 4.0 * left.error + 2.0 * left.second * left.second;

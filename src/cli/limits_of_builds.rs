@@ -42,12 +42,16 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &least))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    for (what, (number, first)) in [
-        ("that cannot be put together", least.rejected),
-        ("that do not reach the study's motion", least.short),
+    // By the paper's angle it is not looked at.
+    let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
+    for (what, found) in [
+        ("that cannot be put together", Some(least.rejected)),
+        ("that do not reach the study's motion", short),
     ] {
-        let first = first.map_or_else(|| Cell::from(""), Cell::from);
-        counts.push_row([what.into(), number.into(), first]);
+        let known = |number: Option<u64>| number.map_or_else(|| Cell::from(""), Cell::from);
+        let number = known(found.map(|(number, _)| number));
+        let first = known(found.and_then(|(_, first)| first));
+        counts.push_row([what.into(), number, first]);
     }
     counts.push_row([Cell::from("all"), count.get().into(), "".into()]);
     out.table("builds", counts)?;

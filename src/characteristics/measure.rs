@@ -7,8 +7,8 @@
 //!
 //! Values are smooth but for these places, where a derivative is that of one of the sides: the edges and
 //! the inside of what a box or a tube must keep clear of, a member's end taking over from its middle as
-//! the nearest place, members that are parallel (the middle of where they overlap is taken), and members
-//! that cut one another: their distance is 0 there and grows again beyond.
+//! the nearest place, members that are parallel (the middle of where they overlap is taken), members
+//! that cut one another: their distance is 0 there and grows again beyond; and a member's end on the edge of a rim.
 
 use super::{Quantity, Slot};
 use crate::derive::Seeds;
@@ -69,6 +69,9 @@ pub enum Measure {
     FromSpinAxis(PointId),
     /// How far outboard of the wheel centre a point is along the spin axis.
     AlongSpinAxis(PointId),
+    /// The distance from the spin axis of the place where a member, from its outer to its inner end, crosses the plane
+    /// so far outboard of the wheel centre; of the end nearer to that plane where it does not cross it.
+    FromSpinAxisAt([PointId; 2], f64),
     /// The distance of two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
     /// Of a ball joint between wheel carrier and arm: 1 less the cosine of the angle by which the stud
@@ -88,6 +91,13 @@ pub enum Measure {
         /// The stud.
         stud: Stud,
     },
+    /// Of the joint at the outer end of a drive shaft, from its inner to its outer end: 1 less the cosine of the angle
+    /// between shaft and spin axis.
+    OuterShaftJoint([PointId; 2]),
+    /// Of the joint at its inner end, likewise: of the angle between shaft and y axis.
+    InnerShaftJoint([PointId; 2]),
+    /// By how much two points are further apart than in the design position.
+    Plunge([PointId; 2]),
     /// How far the fourth point is from the plane through the other three.
     OffPlane([PointId; 4]),
     /// How far the third point is from the line through the other two, along the axis of this number.
@@ -181,6 +191,17 @@ impl Measure {
             Measure::FromSpinAxis(point) | Measure::AlongSpinAxis(point) => {
                 list(&[Now(point), Now(mechanism.wheel_centre), Input::SpinAxis])
             }
+            Measure::FromSpinAxisAt([outer, inner], _) => list(&[
+                Now(outer),
+                Now(inner),
+                Now(mechanism.wheel_centre),
+                Input::SpinAxis,
+            ]),
+            Measure::OuterShaftJoint([inner, outer]) => {
+                list(&[Now(inner), Now(outer), Input::SpinAxis])
+            }
+            Measure::InnerShaftJoint([inner, outer]) => list(&[Now(inner), Now(outer)]),
+            Measure::Plunge([a, b]) => list(&[Now(a), Now(b), Designed(a), Designed(b)]),
             Measure::Clearance([[a, b], [c, d]]) => list(&[Now(a), Now(b), Now(c), Now(d)]),
             Measure::BallJoint { joint, axis, stud } => list(&[
                 StudNow(stud),
@@ -280,6 +301,25 @@ impl Measure {
             }
             Measure::FromSpinAxis(_) => (v[0] - v[1]).cross(v[2]).norm(),
             Measure::AlongSpinAxis(_) => (v[0] - v[1]).dot(v[2]),
+            Measure::FromSpinAxisAt(_, offset) => {
+                let [outer, inner, centre, axis, ..] = *v;
+                let beyond = (outer - centre).dot(axis) - centre.x.lit(*offset);
+                let span = (outer - inner).dot(axis);
+                let place = if beyond.value() <= 0.0 {
+                    outer
+                } else if beyond.value() >= span.value() {
+                    inner
+                } else {
+                    outer + (inner - outer) * (beyond / span)
+                };
+                (place - centre).cross(axis).norm()
+            }
+            Measure::OuterShaftJoint(_) => versine(v[1] - v[0], v[2]),
+            Measure::InnerShaftJoint(_) => {
+                let shaft = v[1] - v[0];
+                versine(shaft, shaft.lit(Vector3::new(0.0, 1.0, 0.0)))
+            }
+            Measure::Plunge(_) => (v[1] - v[0]).norm() - (v[3] - v[2]).norm(),
             Measure::Clearance(_) => between_segments([v[0], v[1]], [v[2], v[3]]),
             Measure::BallJoint { .. } => {
                 let [now, designed, front, rear, joint, joint_now] = *v;
@@ -292,9 +332,7 @@ impl Measure {
                 // The stud's direction as the arm carries it.
                 let lever = across(designed);
                 let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
-                (now.normalised() - carried.normalised())
-                    .norm_squared()
-                    .scaled(0.5)
+                versine(now, carried)
             }
             Measure::RodEnd { .. } => {
                 let angle = |stud: Vector3<T>, joint: Vector3<T>, other: Vector3<T>| {
@@ -314,6 +352,11 @@ impl Measure {
             }
         }
     }
+}
+
+/// 1 less the cosine of the angle between two directions: without a kink where they are one, and without cancellation.
+fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
+    (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
 }
 
 /// |x|, from the side it is on.
@@ -459,5 +502,45 @@ mod tests {
         assert_eq!(at(0.0, -1.5, 0.0), -0.5);
         assert_eq!(at(-3.0, 0.0, 0.0), 2.0);
         assert_eq!(at(4.0, 6.0, 0.0), 5.0);
+    }
+
+    /// Of all places of a member beyond the edge of a rim, one of two is the farthest from the spin axis.
+    #[test]
+    fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
+        let mut seed = 1_u64;
+        let mut off = |by: f64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            by * (2.0 * (seed >> 11) as f64 / (1_u64 << 53) as f64 - 1.0)
+        };
+        for _ in 0..200 {
+            let axis = vector(off(0.2), 1.0, off(0.2)).normalised();
+            let centre = vector(off(9.0), 700.0, 300.0);
+            let outer = centre + vector(off(150.0), -40.0 + off(30.0), off(150.0));
+            let inner = outer + vector(off(200.0), -300.0 + off(250.0), off(200.0));
+            let from = -80.0;
+            let mut inputs = [vector(0.0, 0.0, 0.0); MOST];
+            inputs[..4].copy_from_slice(&[outer, inner, centre, axis]);
+            let entry = Measure::FromSpinAxisAt([PointId(0); 2], from).formula(&inputs);
+            let radial = |p: Vector3<f64>| (p - centre).cross(axis).norm();
+            let places = (0..=2000).map(|k| outer + (inner - outer) * (f64::from(k) / 2000.0));
+            let beyond = places.filter(|p| (*p - centre).dot(axis) >= from);
+            let farthest = beyond.map(radial).fold(0.0, f64::max);
+            let found = radial(outer).max(entry);
+            // Sampled at steps of a few tenths of a millimetre.
+            assert!(
+                found >= farthest - 1e-9 && found <= farthest + 0.4,
+                "{found} {farthest}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_versine_of_an_angle_is_smooth_at_none() {
+        let x = vector(2.0, 0.0, 0.0);
+        let turned = |angle: f64| vector(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0);
+        for angle in [0.0, 1e-8, 0.3, 1.5] {
+            let wanted = 2.0 * (0.5_f64 * angle).sin().powi(2);
+            assert!((versine(x, turned(angle)) - wanted).abs() <= 1e-15 * (1.0 + wanted));
+        }
     }
 }

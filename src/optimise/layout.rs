@@ -33,13 +33,14 @@ pub(super) struct Check {
     pub equal: Option<usize>,
 }
 
-/// The most extreme value of a part along a motion, sought between the stations.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extreme {
+/// A part with a limit along a motion, whose extremes are sought between the stations.
+#[derive(Clone, Debug)]
+pub(super) struct Extremes {
     pub part: usize,
-    /// 1 for the largest value, -1 for the least.
+    /// 1 for the largest values, -1 for the least.
     pub sign: f64,
-    pub row: usize,
+    /// The stations where the part is looked at by rising drive value, each with the row of this limit.
+    pub rows: Vec<(usize, usize)>,
 }
 
 /// A motion with the rack in one place.
@@ -51,9 +52,7 @@ pub(super) struct Leg {
     pub order: StationOrder,
     pub targets: Vec<Vec<TargetSample>>,
     pub checks: Vec<Vec<Check>>,
-    pub extremes: Vec<Extreme>,
-    /// Stations by rising drive value.
-    pub sorted: Vec<usize>,
+    pub extremes: Vec<Extremes>,
 }
 
 /// A part of a constraint.
@@ -77,8 +76,8 @@ pub struct RowLabel {
     pub is_upper: bool,
     /// Number of the motion with the rack in one place.
     pub leg: usize,
-    /// The station; `None` for the place between stations.
-    pub station: Option<usize>,
+    /// The station. The extreme between it and its neighbours, where it is one, takes its place.
+    pub station: usize,
 }
 
 /// Targets and constraints laid out: which row of the problem is about what, where.
@@ -255,7 +254,7 @@ impl TargetLayout {
                     part,
                     is_upper: true,
                     leg,
-                    station: Some(station),
+                    station,
                 });
             }
         }
@@ -274,7 +273,7 @@ impl TargetLayout {
                     scale: shares[target] / optimise.targets[target].tolerance,
                 });
             }
-            let mut label = |part: usize, is_upper: bool, station: Option<usize>| {
+            let mut label = |part: usize, is_upper: bool, station: usize| {
                 labels.push(RowLabel {
                     constraint: parts[part].constraint,
                     part,
@@ -297,19 +296,10 @@ impl TargetLayout {
                     check.equal = Some(*row);
                 } else {
                     let limits = (parts[part].lower, parts[part].upper);
-                    check.lower = limits.0.map(|_| label(part, false, Some(station)));
-                    check.upper = limits.1.map(|_| label(part, true, Some(station)));
+                    check.lower = limits.0.map(|_| label(part, false, station));
+                    check.upper = limits.1.map(|_| label(part, true, station));
                 }
                 checks[station].push(check);
-            }
-            let mut extremes = Vec::new();
-            for &part in draft.extremes.iter().filter(|p| !is_equality(&parts[**p])) {
-                for (limit, sign) in [(parts[part].lower, -1.0), (parts[part].upper, 1.0)] {
-                    if limit.is_some() {
-                        let row = label(part, sign > 0.0, None);
-                        extremes.push(Extreme { part, sign, row });
-                    }
-                }
             }
             // Stations nobody wants anything of are not visited.
             let used: Vec<usize> = (0..draft.values.len())
@@ -321,20 +311,34 @@ impl TargetLayout {
             let values: Vec<f64> = used.iter().map(|s| draft.values[*s]).collect();
             for label in labels.iter_mut().filter(|label| label.leg == number) {
                 label.leg = legs.len();
-                label.station = label
-                    .station
-                    .map(|s| used.iter().position(|u| *u == s).expect("it is used"));
+                let place = used.iter().position(|used| *used == label.station);
+                label.station = place.expect("it is used");
             }
+            let checks: Vec<Vec<Check>> = used.iter().map(|s| checks[*s].clone()).collect();
             let mut sorted: Vec<usize> = (0..values.len()).collect();
             sorted.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+            let mut extremes = Vec::new();
+            for &part in &draft.extremes {
+                let limits: [(f64, fn(&Check) -> Option<usize>); 2] =
+                    [(-1.0, |check| check.lower), (1.0, |check| check.upper)];
+                for (sign, limit) in limits {
+                    let row = |station: &usize| {
+                        let check = checks[*station].iter().find(|check| check.part == part)?;
+                        Some((*station, limit(check)?))
+                    };
+                    let rows: Vec<(usize, usize)> = sorted.iter().filter_map(row).collect();
+                    if !rows.is_empty() {
+                        extremes.push(Extremes { part, sign, rows });
+                    }
+                }
+            }
             legs.push(Leg {
                 drive: draft.drive,
                 rack: draft.rack,
                 order: StationOrder::through(&values),
                 targets: used.iter().map(|s| targets[*s].clone()).collect(),
-                checks: used.iter().map(|s| checks[*s].clone()).collect(),
+                checks,
                 extremes,
-                sorted,
             });
         }
         let all = || measures.iter().chain(parts.iter().map(|p| &p.of));

@@ -20,6 +20,7 @@ mod builds;
 mod choices;
 mod constrained;
 mod course;
+mod extremes;
 mod fit;
 mod front;
 mod identifiability;

@@ -11,16 +11,15 @@
 //! however many stations each target has. Everything comes from one visit of the stations: the pose, one
 //! factorisation, and one adjoint for each value.
 //!
-//! Constraints hold between the stations, too. Where a value is most extreme at a station that has
-//! neighbours on both sides, the place of its extreme is solved for, with its derivative by the drive; the
-//! row taken there needs no derivative of the place, along which the value does not change.
+//! Constraints hold between the stations, too: see [`extremes`](super::extremes).
 
 use super::axle::{AxleRows, Moved, axle_rows};
 use super::builds::Builds;
 use super::constrained::{Assessment, Constrained, Shape};
+use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
 use super::lane_rows::LaneRows;
-use super::layout::{Extreme, Leg, TargetLayout};
+use super::layout::{Extremes, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible, LeastSquares};
 use crate::build::Alignment;
@@ -33,12 +32,6 @@ use crate::solve::{Solver, StationOrder};
 use crate::study::{Scatter, Variable};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
-
-/// The place of an extreme is known when a step of the search is shorter than this share of the distance
-/// between stations: the value then is exact to the square of it.
-const PLACED: f64 = 1e-9;
-/// The most steps of the search.
-const SEARCHES: usize = 8;
 
 /// The problem, with its workspace. `N` is one more than [`TargetLayout::rate_order`].
 pub struct Objective<'a, const N: usize> {
@@ -65,6 +58,7 @@ pub struct Objective<'a, const N: usize> {
     axle: Option<Box<dyn AxleRows + 'a>>,
     /// Values of the parts of a leg, by part and station.
     values: Vec<Vec<f64>>,
+    searches: Vec<Search>,
 }
 
 /// Reads values and gradients off poses.
@@ -204,6 +198,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points)),
             axle: layout.axle.as_ref().map(axle_rows).transpose()?,
             values: vec![Vec::new(); layout.parts.len()],
+            searches: Vec::new(),
         })
     }
 
@@ -476,7 +471,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         }
     }
 
-    /// Finds the extremes of a leg and writes their rows.
+    /// Seeks the extremes of a leg between its stations. Each takes the place of its station in the rows.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Evaluation) -> Result<(), Infeasible> {
         let Objective {
             layout,
@@ -485,6 +480,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             solver,
             sloped: Some(reader),
             values,
+            searches,
             ..
         } = self
         else {
@@ -492,151 +488,56 @@ impl<'a, const N: usize> Objective<'a, N> {
         };
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
-        for extreme in &leg.extremes {
-            let part = &layout.parts[extreme.part];
-            let found = &values[extreme.part];
-            let worst = |a: &&usize, b: &&usize| {
-                (extreme.sign * found[**a]).total_cmp(&(extreme.sign * found[**b]))
-            };
-            // Stations that only targets look at have no value of it.
-            let looked_at = leg.sorted.iter().filter(|s| !found[**s].is_nan());
-            let Some(&station) = looked_at.max_by(worst) else {
-                continue;
-            };
-            let Some(mut search) = Search::about(leg, found, station) else {
-                let same = row_at(leg, station, extreme);
-                copy_row(rows, same, extreme.row);
-                continue;
-            };
-            for _ in 0..SEARCHES {
-                let order = StationOrder::through(&[search.place]);
-                let mut outcome = Ok((f64::NAN, f64::NAN));
-                let visited =
-                    solver.for_each_pose(leg.drive, &order, leg.rack, |solver, _, pose| {
-                        let motion = MotionPoint {
-                            drive: leg.drive,
-                            value: search.place,
-                            rack: leg.rack,
-                        }
-                        .along_drive::<3>();
-                        let linearised =
-                            pose.and_then(|pose| solver.linearised(&reader.series, pose, &motion));
-                        let linearised = match linearised {
-                            Ok(linearised) => linearised,
-                            Err(failure) => {
-                                outcome = Err(failure);
-                                return ControlFlow::Break(());
-                            }
-                        };
-                        let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                        let series = read(&part.of, &view, &linearised);
-                        outcome = Ok((series[0], series[1]));
-                        let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
-                        Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
-                        ControlFlow::Continue(())
-                    });
-                visited.map_err(refused)?;
-                let (value, slope) =
-                    outcome.map_err(|failure| unreached(leg.drive, search.place, failure))?;
-                let limit = if extreme.sign > 0.0 {
-                    part.upper
-                } else {
-                    part.lower
-                };
-                let limit = limit.expect("an extreme is sought for a limit");
-                let scale = extreme.sign / part.scale;
-                rows.residuals[extreme.row] = (value - limit) * scale;
-                write_row(rows, extreme.row, ways, &reader.gradient, scale);
-                if search.advance(slope) {
-                    break;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The row of an extreme's limit at a station.
-fn row_at(leg: &Leg, station: usize, extreme: &Extreme) -> usize {
-    let check = leg.checks[station].iter().find(|c| c.part == extreme.part);
-    let check = check.expect("extremes are of parts looked at at every station");
-    let row = if extreme.sign > 0.0 {
-        check.upper
-    } else {
-        check.lower
-    };
-    row.expect("an extreme is sought for a limit")
-}
-
-fn copy_row(rows: &mut Evaluation, from: usize, to: usize) {
-    rows.residuals[to] = rows.residuals[from];
-    for column in 0..rows.jacobian.ncols() {
-        rows.jacobian[(to, column)] = rows.jacobian[(from, column)];
-    }
-}
-
-/// The search for the place where a value is extreme: where its slope vanishes.
-struct Search {
-    place: f64,
-    ends: [f64; 2],
-    /// The latest place and slope.
-    before: Option<(f64, f64)>,
-    /// The second derivative, as the parabola through three stations has it.
-    curvature: f64,
-}
-
-impl Search {
-    /// From the parabola through the worst station and its neighbours among those that are looked at; `None` at an
-    /// end of the motion.
-    fn about(leg: &Leg, found: &[f64], station: usize) -> Option<Self> {
-        let mut looked_at = leg.sorted.iter().filter(|s| !found[**s].is_nan());
-        let mut before = None;
-        loop {
-            let here = *looked_at.next()?;
-            if here == station {
+        extremes::searches(leg, &layout.parts, values, rows, searches);
+        for round in 1..=SEARCHES {
+            if searches.is_empty() {
                 break;
             }
-            before = Some(here);
-        }
-        let at = |station: usize| (leg.order.values()[station], found[station]);
-        let (x0, y0) = at(before?);
-        let (x1, y1) = at(station);
-        let (x2, y2) = at(*looked_at.next()?);
-        let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
-        let curvature = 2.0 * (right - left) / (x2 - x0);
-        let slope = (left * (x2 - x1) + right * (x1 - x0)) / (x2 - x0);
-        let step = -slope / curvature;
-        // A value that is the same at all three has its extreme everywhere.
-        let place = if step.is_finite() { x1 + step } else { x1 };
-        Some(Search {
-            place: place.clamp(x0, x2),
-            ends: [x0, x2],
-            before: None,
-            curvature,
-        })
-    }
-
-    /// Goes on by the slope found at the place; whether that was near enough.
-    fn advance(&mut self, slope: f64) -> bool {
-        if let Some((place, before)) = self.before
-            && place != self.place
-        {
-            let secant = (slope - before) / (self.place - place);
-            if secant * self.curvature > 0.0 {
-                self.curvature = secant;
+            let places: Vec<f64> = searches.iter().map(|search| search.place).collect();
+            let order = StationOrder::through(&places);
+            let mut failed = None;
+            let visited =
+                solver.for_each_pose(leg.drive, &order, leg.rack, |solver, number, pose| {
+                    let search = &mut searches[number];
+                    let motion = MotionPoint {
+                        drive: leg.drive,
+                        value: search.place,
+                        rack: leg.rack,
+                    }
+                    .along_drive::<3>();
+                    let linearised =
+                        pose.and_then(|pose| solver.linearised(&reader.series, pose, &motion));
+                    let linearised = match linearised {
+                        Ok(linearised) => linearised,
+                        Err(failure) => {
+                            failed = Some((search.place, failure));
+                            return ControlFlow::Break(());
+                        }
+                    };
+                    let Extremes { part, sign, .. } = &leg.extremes[search.of];
+                    let part = &layout.parts[*part];
+                    let limit = if *sign > 0.0 { part.upper } else { part.lower };
+                    let limit = limit.expect("an extreme is sought for a limit");
+                    let scale = sign / part.scale;
+                    let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+                    let series = read(&part.of, &view, &linearised);
+                    let value = (series[0] - limit) * scale;
+                    search.is_found = search.advance(series[1]) || round == SEARCHES;
+                    if search.is_found && value > search.at_station {
+                        let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
+                        Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
+                        rows.residuals[search.row] = value;
+                        write_row(rows, search.row, ways, gradient, scale);
+                    }
+                    ControlFlow::Continue(())
+                });
+            visited.map_err(refused)?;
+            if let Some((value, failure)) = failed {
+                return Err(unreached(leg.drive, value, failure));
             }
+            searches.retain(|search| !search.is_found);
         }
-        let step = -slope / self.curvature;
-        if !step.is_finite() || step.abs() <= PLACED * (self.ends[1] - self.ends[0]) {
-            return true;
-        }
-        self.before = Some((self.place, slope));
-        let next = (self.place + step).clamp(self.ends[0], self.ends[1]);
-        if next == self.place {
-            return true;
-        }
-        self.place = next;
-        false
+        Ok(())
     }
 }
 

@@ -85,8 +85,8 @@ pub struct Best {
 pub struct ConstraintOutcome {
     /// What is left to the limit that is nearest, in the constraint's unit; negative where it is violated.
     pub room: f64,
-    /// The drive value where that is; none for what does not change along the motion or lies between
-    /// stations.
+    /// The drive value of the station where that is or that is next to it; none for what does not change along the
+    /// motion.
     pub at: Option<f64>,
     /// By how much, in tolerances, the misfit would fall for a limit one unit further; none where it does not
     /// bind or the misfit is good enough anyway.
@@ -452,11 +452,8 @@ impl<'a, const N: usize> Tuner<'a, N> {
                 if left < room {
                     room = left;
                     let leg = &self.layout.legs[label.leg];
-                    let is_moving = leg.order.values().len() > 1;
-                    at = label
-                        .station
-                        .filter(|_| is_moving)
-                        .map(|s| leg.order.values()[s]);
+                    let values = leg.order.values();
+                    at = (values.len() > 1).then(|| values[label.station]);
                 }
                 pull += state.multipliers.as_ref().map_or(0.0, |m| m[row].abs());
             }

@@ -4,7 +4,6 @@ use super::figure::brief;
 use super::files::csv_of;
 use super::shortest;
 use super::table::{Cell, Table};
-use crate::model::Axis;
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};
@@ -14,14 +13,8 @@ const PRINTED: usize = 9;
 
 /// A variable as a column: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
 fn column(variable: &Variable, unit: &str) -> String {
-    let axis = |axis: Option<Axis>| axis.map_or("", Axis::name);
-    match &variable.turn {
-        Some(turn) => format!("{}_turn_{}_deg", variable.name, turn.axis.name()),
-        None => {
-            let first = variable.moves.first().map(|m| m.axis);
-            format!("{}_d{}_{unit}", variable.name, axis(first))
-        }
-    }
+    let unit = if variable.turn.is_some() { "deg" } else { unit };
+    format!("{}_{unit}", variable.label())
 }
 
 /// `front.csv`: a row for each point of the front: the misfit of each wish in tolerances, what each weighs, the
@@ -236,15 +229,11 @@ impl PriceRecord {
             let most = shares
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|most| most.0 > 1e-9);
-            let axis = |v: &Variable| match (&v.turn, v.moves.first()) {
-                (Some(turn), _) => format!("turn about {}", turn.axis.name()),
-                (None, first) => first.map_or("", |m| m.axis.name()).to_owned(),
-            };
             Some(PriceRecord {
                 moved,
                 misfit,
                 gain: (price > 0.0 && weight > 0.0).then(|| 0.1 * weight / price),
-                most: most.map(|(_, v, _)| format!("{}.{}", v.name, axis(v))),
+                most: most.map(|(_, v, _)| format!("{}.{}", v.name, v.way())),
                 most_by: most.map(|(_, _, by)| by),
                 offsets: choice.offsets.clone(),
                 kept: kept.is_some_and(|kept| kept == choice.offsets),

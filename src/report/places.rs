@@ -85,8 +85,12 @@ impl Places {
                 });
                 return;
             }
-            Measure::FromSpinAxis(point) => {
+            Measure::FromSpinAxis(point) | Measure::FromSpinAxisAt([point, _], _) => {
                 let along = upper_of(|of| matches!(of, Measure::AlongSpinAxis(_)));
+                let edge = constraint.parts.iter().find_map(|part| match part.of {
+                    Measure::FromSpinAxisAt(_, from) => Some(from),
+                    _ => None,
+                });
                 let limit = |limit: fn(&Limited) -> Option<f64>, none: f64| {
                     along.and_then(limit).unwrap_or(none)
                 };
@@ -95,7 +99,7 @@ impl Places {
                     point: point.0,
                     radius: first.upper.unwrap_or(0.0),
                     ends: [
-                        limit(|p| p.lower, -0.3 * size),
+                        edge.unwrap_or_else(|| limit(|p| p.lower, -0.3 * size)),
                         limit(|p| p.upper, 0.1 * size),
                     ],
                 });

@@ -148,17 +148,13 @@ impl TuningSummary {
         let fit = tuning.starts.best_fit();
         let error = |k: usize| best.and_then(|b| b.errors.as_ref()?.errors[k]);
         let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
-            let first = v.moves.first();
             let coordinate = |design: &[crate::number::Vector3<f64>]| {
-                let first = first?;
+                let (axis, first) = (v.axis()?, v.moves.first()?);
                 let point = suspension.frame.vector(design[first.point.0]).to_array();
-                Some(point[first.axis as usize])
+                Some(point[axis as usize])
             };
-            let axis = match (first, &v.turn) {
-                (Some(first), _) => first.axis.name().to_owned(),
-                (None, Some(turn)) => format!("turn about {}, deg", turn.axis.name()),
-                (None, None) => String::new(),
-            };
+            let unit = if v.turn.is_some() { ", deg" } else { "" };
+            let axis = format!("{}{unit}", v.way());
             VariableSummary {
                 hardpoint: v.name.clone(),
                 axis,
@@ -291,9 +287,7 @@ impl TuningSummary {
                 let errors = b.errors.iter().flat_map(|e| &e.correlations);
                 let name = |j: usize| {
                     let v = &optimise.variables[j];
-                    let axis = v.moves.first().map(|m| m.axis);
-                    let axis = axis.or(v.turn.as_ref().map(|t| t.axis));
-                    format!("{}.{}", v.name, axis.map_or("", Axis::name))
+                    format!("{}.{}", v.name, v.way())
                 };
                 errors.map(|(i, j, c)| (name(*i), name(*j), *c)).collect()
             }),

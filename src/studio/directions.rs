@@ -45,8 +45,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
             for m in &variable.moves {
                 by[m.point.0][m.axis as usize] += m.factor * share;
             }
-            let axis = variable.moves.first().map_or("", |m| m.axis.name());
-            parts.push(format!("{} {axis} {share:+.2}", variable.name));
+            parts.push(format!("{} {} {share:+.2}", variable.name, variable.way()));
         }
         FreeDirection {
             name: parts.join(", "),

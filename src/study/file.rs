@@ -361,8 +361,10 @@ pub(super) struct Variable {
     pub rigid: Option<Spanned<Vec<Text>>>,
     /// How far each of them moves per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
-    /// `x`, `y` or `z`.
+    /// `x`, `y` or `z`,
     pub axis: Option<Text>,
+    /// or any direction.
+    pub direction: Option<Coordinates>,
     /// Lowest and highest offset, two numbers if they are right.
     pub range: Option<Spanned<Vec<Number>>>,
     /// How far a body is shifted along each axis, both ways.
@@ -521,10 +523,12 @@ pub(super) struct Constraint {
     pub length: Option<Spanned<MemberName>>,
     /// A point.
     pub point: Option<Text>,
-    /// Two members that stay apart.
+    /// Two members that stay apart, or members that stay inside of the rim.
     pub members: Option<Spanned<Vec<Text>>>,
     /// A joint.
     pub articulation: Option<Text>,
+    /// A length that changes along the motion: of a member, or between two points.
+    pub plunge: Option<Spanned<MemberName>>,
     /// A characteristic.
     pub characteristic: Option<Text>,
     /// Points of one plane.
@@ -545,7 +549,7 @@ pub(super) struct Constraint {
     pub outside: Option<Spanned<Region>>,
     /// What must be between.
     pub clearance: Option<Number>,
-    /// Radii of two members.
+    /// Radii of the members.
     pub radii: Option<Spanned<Vec<Number>>>,
     /// `design` for the design position alone.
     pub at: Option<Text>,

@@ -367,7 +367,7 @@ impl Optimise {
 pub struct Variable {
     /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
     pub name: String,
-    /// The coordinates it moves, along one axis; none for a turn.
+    /// The coordinates it moves, along one axis or those of a direction; none for a turn.
     pub moves: Vec<Move>,
     /// What it turns, as one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
@@ -382,10 +382,25 @@ impl Variable {
     /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
     /// `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
-        match (&self.turn, self.moves.first()) {
+        match (&self.turn, self.axis()) {
             (Some(turn), _) => format!("{}_turn_{}", self.name, turn.axis.name()),
-            (None, Some(first)) => format!("{}_d{}", self.name, first.axis.name()),
-            (None, None) => self.name.clone(),
+            (None, Some(axis)) => format!("{}_d{}", self.name, axis.name()),
+            (None, None) => format!("{}_along", self.name),
+        }
+    }
+
+    /// The axis that it moves along, if it is one.
+    pub fn axis(&self) -> Option<Axis> {
+        let first = self.moves.first()?.axis;
+        self.moves.iter().all(|m| m.axis == first).then_some(first)
+    }
+
+    /// How it moves: `z`, `along` a direction, `turn about z`.
+    pub fn way(&self) -> String {
+        match (&self.turn, self.axis()) {
+            (Some(turn), _) => format!("turn about {}", turn.axis.name()),
+            (None, Some(axis)) => axis.name().to_owned(),
+            (None, None) => "along".to_owned(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::Move;
 use super::error::Problems;
+use super::file::Coordinates;
 use super::names::choose;
 use super::outputs::hardpoint;
 use super::value::{Number, Text};
@@ -19,8 +20,10 @@ pub(super) struct Written<'a> {
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
     /// How far each of them moves per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// `x`, `y` or `z`.
-    pub axis: &'a Text,
+    /// `x`, `y` or `z`,
+    pub axis: Option<&'a Text>,
+    /// or a direction.
+    pub direction: Option<&'a Coordinates>,
 }
 
 /// The coordinates, if nothing is wrong with what is written.
@@ -29,22 +32,58 @@ pub(super) fn moves(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Vec<Move>> {
-    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
-    let axis = choose(written.axis, "axis", &axes, problems);
-    let points = points(written, suspension, problems);
-    let axis = axis?;
-    let moved = |(point, factor)| Move {
-        point,
-        axis,
-        factor,
+    let shares = shares(written, problems);
+    let points = points(written, suspension, problems)?;
+    let shares = shares?;
+    let moved = |(point, factor): &(PointId, f64)| {
+        let (point, factor) = (*point, *factor);
+        let along = shares.iter().map(move |(axis, share)| Move {
+            point,
+            axis: *axis,
+            factor: factor * share,
+        });
+        along.collect::<Vec<_>>()
     };
-    Some(points?.into_iter().map(moved).collect())
+    Some(points.iter().flat_map(moved).collect())
+}
+
+/// How far it moves along each axis per unit of the variable: along one of them alone, or as a unit vector does.
+fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f64)>> {
+    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
+    match (written.axis, written.direction) {
+        (Some(axis), None) => Some(vec![(choose(axis, "axis", &axes, problems)?, 1.0)]),
+        (None, Some(direction)) => {
+            let entries: Vec<f64> = direction.get_ref().iter().map(|c| c.value).collect();
+            let length = entries.iter().fold(0.0, |sum: f64, c| sum.hypot(*c));
+            if entries.len() != 3 || !(length > 0.0 && length.is_finite()) {
+                let message = "expected a direction [x, y, z] that is not nothing";
+                problems.add(direction.span(), message);
+                return None;
+            }
+            let shares = Axis::ALL.into_iter().zip(entries);
+            let shares = shares.map(|(axis, entry)| (axis, entry / length));
+            Some(shares.filter(|(_, share)| *share != 0.0).collect())
+        }
+        (Some(_), Some(direction)) => {
+            let message = "expected axis or direction, found both";
+            problems.add(direction.span(), message);
+            None
+        }
+        (None, None) => {
+            let message = "expected axis, along which it moves, or direction";
+            problems.add(written.place.clone(), message);
+            None
+        }
+    }
 }
 
 /// The names of what moves: `lower_arm_front+lower_arm_rear`.
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
-    names.collect::<Vec<_>>().join("+")
+    let mut names: Vec<&str> = names.collect();
+    // Along a direction a point moves in several coordinates.
+    names.dedup();
+    names.join("+")
 }
 
 /// The hardpoints a variable moves, and how far.

@@ -211,11 +211,18 @@ fn variables(
         let Some(variable) = variable else { continue };
         let same = |other: &Option<Variable>| {
             let other = other.as_ref();
-            other.is_some_and(|other| other.moves == variable.moves)
+            other.is_some_and(|other| {
+                other.moves == variable.moves
+                    // Two directions would have one name.
+                    || variable.axis().is_none() && other.label() == variable.label()
+            })
         };
         if let Some(first) = resolved[..i].iter().position(same) {
-            let axis = variable.moves[0].axis.name();
-            let message = format!("{axis} of {} is already a variable", variable.name);
+            let message = format!(
+                "{} of {} is already a variable",
+                variable.way(),
+                variable.name
+            );
             let error = problems.add(place(i), message);
             error.related(place(first), "here");
         }
@@ -238,23 +245,24 @@ fn variable(
             problems.add(given.span.clone(), message);
         }
     }
-    let (Some(axis), Some(range)) = (&written.axis, &written.range) else {
-        for (key, absent) in [
-            ("axis", written.axis.is_none()),
-            ("range", written.range.is_none()),
-        ] {
-            if absent {
-                missing(key, problems);
-            }
-        }
+    let no_way = written.axis.is_none() && written.direction.is_none();
+    if no_way {
+        missing("axis", problems);
+    }
+    let Some(range) = &written.range else {
+        missing("range", problems);
         return None;
     };
+    if no_way {
+        return None;
+    }
     let moved = moves::Written {
         place: variable.span(),
         hardpoint: &written.hardpoint,
         hardpoints: &written.hardpoints,
         factors: &written.factors,
-        axis,
+        axis: written.axis.as_ref(),
+        direction: written.direction.as_ref(),
     };
     let moves = moves::moves(&moved, suspension, problems);
     let cost = cost(written, problems);
@@ -316,6 +324,7 @@ fn rigid(
     let written = variable.get_ref();
     let others = [
         ("axis", written.axis.as_ref().map(Spanned::span)),
+        ("direction", written.direction.as_ref().map(Spanned::span)),
         ("range", written.range.as_ref().map(Spanned::span)),
         ("factors", written.factors.as_ref().map(Spanned::span)),
         ("hardpoint", written.hardpoint.as_ref().map(Spanned::span)),

@@ -23,7 +23,8 @@ pub(super) fn point(
     choose(text, "point", &points, problems)
 }
 
-/// The members of a suspension by the names that columns of loads give them: rods, legs of arms, spring.
+/// The members of a suspension by the names that columns of loads give them: rods, legs of arms, spring; and the
+/// drive shaft between two extra points.
 pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
@@ -46,6 +47,10 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     }
     if let Some(spring) = mechanism.spring {
         members.push(("spring".to_owned(), [spring.upper, spring.lower]));
+    }
+    let shaft = ["drive_shaft_inner", "drive_shaft_outer"].map(|end| mechanism.point(end));
+    if let [Some(inner), Some(outer)] = shaft {
+        members.push(("drive_shaft".to_owned(), [inner, outer]));
     }
     members
 }

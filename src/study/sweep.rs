@@ -250,7 +250,8 @@ fn variable(
         hardpoint: &written.hardpoint,
         hardpoints: &written.hardpoints,
         factors: &written.factors,
-        axis: &written.axis,
+        axis: Some(&written.axis),
+        direction: None,
     };
     let moves = moves::moves(&moved, suspension, problems);
     let absolute = written.absolute.as_ref().filter(|a| *a.get_ref());

@@ -1,0 +1,137 @@
+//! Extremes between stations, for constraints that hold there, too.
+//!
+//! Wherever a value is more extreme at a station than at its neighbours, the place of its extreme is solved for, with the
+//! value's derivative by the drive, from the parabola through the three; at an end of the motion, from the parabola
+//! through the last three, where that has its extreme within the motion. The row of the station is taken there. It needs
+//! no derivative of the place, along which the value does not change. So all extremes are held, and as one of them wanders
+//! past a station with the design, the largest row stays continuous: the neighbour's takes it over halfway.
+
+use super::Evaluation;
+use super::layout::{Extremes, Leg, Part};
+
+/// The most steps of a search.
+pub(super) const SEARCHES: usize = 8;
+/// The place of an extreme is known when a step of the search is shorter than this share of the distance
+/// between stations: the value then is exact to the square of it.
+const PLACED: f64 = 1e-9;
+/// An extreme that rises above its station by less than this, in units of the rows, is that of the station: a hundredth
+/// of what counts as kept.
+const FLAT: f64 = 1e-9;
+/// A row this far from its limit, in the same units, is not looked at more closely, nor where it rises by a few times as
+/// much as the parabola does.
+const FAR: f64 = 1.0;
+
+/// The search for the place where a value is extreme: where its slope vanishes.
+pub(super) struct Search {
+    /// Number of what is sought among the leg's.
+    pub of: usize,
+    /// The row it is for.
+    pub row: usize,
+    /// That row's value at the station.
+    pub at_station: f64,
+    /// Where to look next.
+    pub place: f64,
+    /// Whether it has ended.
+    pub is_found: bool,
+    ends: [f64; 2],
+    /// The latest place and slope.
+    before: Option<(f64, f64)>,
+    /// The second derivative, as the parabola through three stations has it.
+    curvature: f64,
+    /// How far the extreme of the parabola is beyond the station's value.
+    rise: f64,
+}
+
+/// Writes what is to be sought about a leg, given the values of the parts at its stations and the rows there.
+pub(super) fn searches(
+    leg: &Leg,
+    parts: &[Part],
+    values: &[Vec<f64>],
+    rows: &Evaluation,
+    into: &mut Vec<Search>,
+) {
+    into.clear();
+    for (of, extremes) in leg.extremes.iter().enumerate() {
+        let Extremes {
+            part,
+            sign,
+            rows: places,
+        } = extremes;
+        let scale = sign / parts[*part].scale;
+        let at = |k: usize| {
+            let station = places[k].0;
+            (leg.order.values()[station], values[*part][station])
+        };
+        for (k, (_, row)) in places.iter().enumerate() {
+            let Some(mut search) = Search::about(k, places.len(), at, *sign) else {
+                continue;
+            };
+            let (rise, here) = (search.rise * scale, rows.residuals[*row]);
+            if rise > FLAT && here + 4.0 * rise > -FAR {
+                (search.of, search.row, search.at_station) = (of, *row, here);
+                into.push(search);
+            }
+        }
+    }
+}
+
+impl Search {
+    /// From the parabola through the station of this number and its neighbours; `None` where that has no extreme about
+    /// it.
+    fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
+        let first = k.checked_sub(1);
+        let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
+        if count < 3 || first.is_some_and(beyond) || (k + 1 < count && beyond(k + 1)) {
+            return None;
+        }
+        let from = first.unwrap_or(0).min(count - 3);
+        let [(x0, y0), (x1, y1), (x2, y2)] = [at(from), at(from + 1), at(from + 2)];
+        let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+        let curvature = 2.0 * (right - left) / (x2 - x0);
+        let slope = (left * (x2 - x1) + right * (x1 - x0)) / (x2 - x0);
+        let place = x1 - slope / curvature;
+        let ends = [
+            first.map_or(at(k).0, |before| at(before).0),
+            if k + 1 < count { at(k + 1).0 } else { at(k).0 },
+        ];
+        // Nothing is extreme where the three are on a line, or beyond the motion.
+        if sign * curvature.signum() > 0.0 || !(ends[0]..=ends[1]).contains(&place) {
+            return None;
+        }
+        let away = place - at(k).0;
+        Some(Search {
+            of: 0,
+            row: 0,
+            at_station: 0.0,
+            place,
+            is_found: false,
+            ends,
+            before: None,
+            curvature,
+            rise: -0.5 * curvature * away * away,
+        })
+    }
+
+    /// Goes on by the slope found at the place; whether that was near enough.
+    pub(super) fn advance(&mut self, slope: f64) -> bool {
+        if let Some((place, before)) = self.before
+            && place != self.place
+        {
+            let secant = (slope - before) / (self.place - place);
+            if secant * self.curvature > 0.0 {
+                self.curvature = secant;
+            }
+        }
+        let step = -slope / self.curvature;
+        if !step.is_finite() || step.abs() <= PLACED * (self.ends[1] - self.ends[0]) {
+            return true;
+        }
+        self.before = Some((self.place, slope));
+        let next = (self.place + step).clamp(self.ends[0], self.ends[1]);
+        if next == self.place {
+            return true;
+        }
+        self.place = next;
+        false
+    }
+}

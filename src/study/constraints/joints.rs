@@ -1,0 +1,180 @@
+//! Angles of joints, and the drive shaft's plunge.
+
+use super::super::Limited;
+use super::super::error::Problems;
+use super::super::subject::{length, point};
+use super::super::value::{MemberName, Text};
+use super::{Reader, words};
+use crate::characteristics::{Measure, Stud};
+use crate::model::{Body, Constraint as Holds, PointId, SteeringAxis};
+use toml::Spanned;
+
+impl Reader<'_> {
+    pub(super) fn articulation(
+        &self,
+        name: &Text,
+        problems: &mut Problems,
+    ) -> Option<(String, Vec<Limited>)> {
+        let keys = [
+            "kept",
+            "inside",
+            "outside",
+            "clearance",
+            "radii",
+            "between",
+            "at_least",
+        ];
+        self.refuse(&keys, problems);
+        let suspension = self.suspension();
+        let mechanism = &suspension.mechanism;
+        let joint = point(name, suspension, problems)?;
+        let Some(most) = &self.written.at_most else {
+            let message = "articulation needs at_most: the largest angle, in degrees";
+            problems.add(self.place.clone(), message);
+            return None;
+        };
+        if !(most.value > 0.0 && most.value < 90.0) {
+            let message = format!("expected an angle between 0 and 90, found {}", most.value);
+            problems.add(most.span.clone(), message);
+            return None;
+        }
+        let angle = most.value.to_radians();
+        let degree = 1.0_f64.to_radians();
+        let title = || {
+            format!(
+                "articulation of {} at most {} deg",
+                name.get_ref(),
+                most.value
+            )
+        };
+        // Half the angle's sine does not cancel: 1 - cos a = 2 sin^2(a/2).
+        let versine = |of| Limited {
+            of,
+            lower: None,
+            upper: Some(2.0 * (0.5 * angle).sin().powi(2)),
+            scale: angle.sin() * degree,
+            unit: "deg".to_owned(),
+        };
+        if let Some(of) = self.shaft_joint(name, joint, problems)? {
+            return Some((title(), vec![versine(of)]));
+        }
+        let stud = self.stud(name, joint, problems)?;
+        let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
+        let rod = mechanism.constraints.iter().find_map(|c| match *c {
+            Holds::Link { inner, outer } if outer == joint => Some(inner),
+            _ => None,
+        });
+        let part = match (arm, rod) {
+            (Some(arm), _) if mechanism.body(joint) == Body::Knuckle => {
+                versine(Measure::BallJoint {
+                    joint,
+                    axis: [arm.front, arm.rear],
+                    stud,
+                })
+            }
+            (None, Some(other)) => Limited {
+                of: Measure::RodEnd {
+                    rod: [joint, other],
+                    stud,
+                },
+                lower: Some(-angle),
+                upper: Some(angle),
+                scale: degree,
+                unit: "deg".to_owned(),
+            },
+            _ => {
+                let message = format!(
+                    "{} is no joint of the wheel carrier with an arm or a rod",
+                    name.get_ref()
+                );
+                problems.add(name.span(), message);
+                return None;
+            }
+        };
+        Some((title(), vec![part]))
+    }
+
+    /// The angle of a drive shaft's joint, if it is one.
+    fn shaft_joint(
+        &self,
+        name: &Text,
+        joint: PointId,
+        problems: &mut Problems,
+    ) -> Option<Option<Measure>> {
+        let mechanism = &self.suspension().mechanism;
+        let (of, body, expected): (fn([PointId; 2]) -> Measure, _, _) = match &**name.get_ref() {
+            "drive_shaft_outer" => (Measure::OuterShaftJoint, Body::Knuckle, "wheel carrier"),
+            "drive_shaft_inner" => (Measure::InnerShaftJoint, Body::Chassis, "chassis"),
+            _ => return Some(None),
+        };
+        if mechanism.body(joint) != body {
+            let message = format!("{} is to be a point of the {expected}", name.get_ref());
+            problems.add(name.span(), message);
+            return None;
+        }
+        let ends = ["drive_shaft_inner", "drive_shaft_outer"].map(|end| mechanism.point(end));
+        let [Some(inner), Some(outer)] = ends else {
+            let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
+                           drive_shaft_outer";
+            problems.add(name.span(), message);
+            return None;
+        };
+        Some(Some(of([inner, outer])))
+    }
+
+    /// By how much a length changes along the motion.
+    pub(super) fn plunge(
+        &self,
+        written: &Spanned<MemberName>,
+        problems: &mut Problems,
+    ) -> Option<(String, Vec<Limited>)> {
+        let keys = ["kept", "inside", "outside", "clearance", "radii"];
+        self.refuse(&keys, problems);
+        let (name, ends) = length(written, self.suspension(), problems)?;
+        let limits = self.needed_limits(problems)?;
+        let [lower, upper] = limits;
+        // In the design position it is nothing.
+        if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
+            let message =
+                "a plunge is counted from the design position; expected limits with 0 between them";
+            problems.add(self.place.clone(), message);
+            return None;
+        }
+        let of = self.limited(Measure::Plunge(ends), lower, upper);
+        Some((format!("plunge of {name} {}", words(limits)), vec![of]))
+    }
+
+    /// The stud of a joint: as the study has it, or along the steering axis.
+    fn stud(&self, name: &Text, joint: PointId, problems: &mut Problems) -> Option<Stud> {
+        let mechanism = &self.suspension().mechanism;
+        let studs = &self.context.file.suspension.studs;
+        let given = studs
+            .iter()
+            .find(|(key, _)| key.get_ref() == name.get_ref());
+        if let Some((_, direction)) = given {
+            let along = self.vector(direction, problems)?;
+            if along.norm() == 0.0 {
+                problems.add(direction.span(), "a stud has a direction");
+                return None;
+            }
+            return Some(Stud::Along(along * (1.0 / along.norm())));
+        }
+        match mechanism.steering_axis {
+            Some(SteeringAxis::Through { lower, upper }) => Some(Stud::Between(lower, upper)),
+            _ => {
+                let message = format!(
+                    "the direction of the stud of {} is not known: {} has no steering axis through \
+                     two joints",
+                    mechanism.name(joint),
+                    mechanism.topology.name
+                );
+                let error = problems.add(name.span(), message);
+                error.help(format!(
+                    "[suspension.studs] {} = [0.0, 0.0, 1.0]",
+                    mechanism.name(joint)
+                ));
+                None
+            }
+        }
+    }
+}

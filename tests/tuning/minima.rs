@@ -161,7 +161,7 @@ impl Random {
         }
     }
 
-    fn problem(&self) -> Objective<'_, 2> {
+    fn problem(&self) -> Objective<'_, 1> {
         let variables = &self.study.optimise.as_ref().unwrap().variables;
         Objective::new(&self.study.suspension, variables, &self.layout).unwrap()
     }
@@ -226,7 +226,7 @@ impl End {
 
 /// Values and gradients at the point looked at last.
 struct Looked<'p> {
-    problem: Objective<'p, 2>,
+    problem: Objective<'p, 1>,
     half: Vec<f64>,
     at: Assessment,
     z: Vec<f64>,
@@ -537,7 +537,7 @@ fn forty_constrained_minima_are_those_of_independent_methods() {
             *active.entry(name.to_owned()).or_default() += 1;
         }
     }
-    println!("{verdicts:?}\nheld by multipliers: {active:?}");
+    println!("40 problems: {verdicts:?}; held: {active:?}");
     let count = |verdict| verdicts.get(&verdict).map_or(0, Vec::len);
     assert_eq!(count(Verdict::Worse) + count(Verdict::Lost), 0);
     assert!(count(Verdict::Elsewhere) <= 4);
@@ -698,7 +698,7 @@ fn multipliers_of_six_hundred_designs_balance() {
         .filter(|e| e.other.is_some())
         .count();
     println!(
-        "kept {}, balanced {}, cannot be kept {}; evaluations median {}, 95 % {}, most {}; slsqp kept {ended}",
+        "{} kept, {} balanced, {} cannot be kept; evaluations median {}, 95 % {}, most {}; slsqp kept {ended}",
         course.kept,
         course.balanced,
         course.refused,
@@ -708,7 +708,7 @@ fn multipliers_of_six_hundred_designs_balance() {
     );
     for variables in [2..5, 5..8, 8..11, 11..13] {
         let [ours, near, all] = course.medians(variables.clone());
-        println!("{variables:?} variables: {ours}, slsqp {near} to six digits, {all} in all");
+        println!("{ours} evaluations with {variables:?} variables, slsqp {near} to six digits, {all} in all");
     }
     assert!(course.kept >= 590 && course.balanced * 100 >= course.kept * 99);
 }

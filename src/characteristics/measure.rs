@@ -518,6 +518,9 @@ mod tests {
             let outer = centre + vector(off(150.0), -40.0 + off(30.0), off(150.0));
             let inner = outer + vector(off(200.0), -300.0 + off(250.0), off(200.0));
             let from = -80.0;
+            if (outer - centre).dot(axis) < from {
+                continue;
+            }
             let mut inputs = [vector(0.0, 0.0, 0.0); MOST];
             inputs[..4].copy_from_slice(&[outer, inner, centre, axis]);
             let entry = Measure::FromSpinAxisAt([PointId(0); 2], from).formula(&inputs);

@@ -627,11 +627,12 @@ impl Course {
     }
 }
 
-/// What is kept at nine stations and at the extremes between them is kept everywhere, and not at the stations alone.
+/// What is kept at nine stations and at the extremes between them is kept everywhere: limits that are reached at two
+/// places at once, and within the first or last gap.
 #[test]
 fn nothing_is_violated_between_stations() {
     let mut between = 0;
-    for number in 0..12 {
+    for number in [13, 25, 40, 42, 50, 65, 71, 77] {
         let with = |stations: i32| {
             let mut study = Random::new(number).study;
             let step = 120.0 / f64::from(stations - 1);
@@ -668,7 +669,7 @@ fn nothing_is_violated_between_stations() {
         }
         between += most.values().filter(|most| **most < -1e-4).count();
     }
-    assert!(between >= 2, "{between}");
+    assert!(between >= 6, "{between}");
 }
 
 /// Where constraints can be kept, multipliers balance to a millionth.
@@ -708,7 +709,9 @@ fn multipliers_of_six_hundred_designs_balance() {
     );
     for variables in [2..5, 5..8, 8..11, 11..13] {
         let [ours, near, all] = course.medians(variables.clone());
-        println!("{ours} evaluations with {variables:?} variables, slsqp {near} to six digits, {all} in all");
+        println!(
+            "{ours} evaluations with {variables:?} variables, slsqp {near} to six digits, {all} in all"
+        );
     }
     assert!(course.kept >= 590 && course.balanced * 100 >= course.kept * 99);
 }

@@ -319,12 +319,11 @@ impl TargetLayout {
             sorted.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
             let mut extremes = Vec::new();
             for &part in &draft.extremes {
-                let limits: [(f64, fn(&Check) -> Option<usize>); 2] =
-                    [(-1.0, |check| check.lower), (1.0, |check| check.upper)];
-                for (sign, limit) in limits {
+                for sign in [-1.0, 1.0] {
                     let row = |station: &usize| {
                         let check = checks[*station].iter().find(|check| check.part == part)?;
-                        Some((*station, limit(check)?))
+                        let row = if sign > 0.0 { check.upper } else { check.lower };
+                        Some((*station, row?))
                     };
                     let rows: Vec<(usize, usize)> = sorted.iter().filter_map(row).collect();
                     if !rows.is_empty() {

@@ -510,19 +510,15 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
         for (number, design) in designs.chunks_exact(points).enumerate() {
             left_alone += evaluator.evaluate(design, &mut alone);
             assert_eq!(among.unsolved(number), alone.unsolved(0), "{name}");
-            for k in 0..quantities.len() {
+            for (k, quantity) in quantities.iter().enumerate() {
                 for station in 0..stations.count() {
                     let values = [among.value(number, k, station), alone.value(0, k, station)];
-                    assert_eq!(
-                        values[0].to_bits(),
-                        values[1].to_bits(),
-                        "{name}: {:?}",
-                        quantities[k]
-                    );
+                    let bits = values.map(f64::to_bits);
+                    assert_eq!(bits[0], bits[1], "{name}: {quantity:?}");
                     let among = among.gradient(number, k, station);
                     for (a, b) in among.iter().zip(alone.gradient(0, k, station)) {
                         let bits = [a, b].map(|v| v.to_array().map(f64::to_bits));
-                        assert_eq!(bits[0], bits[1], "{name}: {:?}", quantities[k]);
+                        assert_eq!(bits[0], bits[1], "{name}: {quantity:?}");
                     }
                 }
             }

@@ -35,6 +35,17 @@ pub(crate) struct ArmDesign<'d, B> {
     pub(crate) carrier: Carrier<B>,
 }
 
+impl<B: SimdReal> ArmDesign<'_, B> {
+    /// Slope of the half tangent by the travel.
+    #[inline(always)]
+    fn slope(&self, state: &State<B>, tangent: B) -> B {
+        let velocity = self.form.velocity(state, tangent);
+        let half = tangent.lit(0.5);
+        // The tangent of half an angle by the angle is (1 + tangent^2)/2.
+        velocity.arm_angle * half.plus_product(half, tangent * tangent) / velocity.rise
+    }
+}
+
 /// A pose, by the state of the closed form.
 pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
@@ -301,7 +312,12 @@ impl ByArm {
                 accepted.require(settled, Rejection::NotSettled);
                 BranchGuard::check(&state, tangent, &mut accepted);
                 if place.leg == Leg::Rack {
-                    let watch = BranchGuard::start(&state, tangent, slope);
+                    let rate = match drive {
+                        Drive::Travel => design.slope(&state, tangent),
+                        Drive::ArmAngle => slope,
+                    };
+                    let watch = BranchGuard::start(&state, tangent, rate);
+                    watch.check_slope(&watch, self.steepest, &mut accepted);
                     if number > 0 {
                         watch.check_step(&last[0], &mut accepted);
                     }
@@ -343,7 +359,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// At the first place.
+    /// At zero drive: of the design's own slope, which beside a fold is far from that of the base design, where the
+    /// other way from the fold is near.
     #[inline(always)]
     fn start(state: &State<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -516,7 +533,8 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
                 watch
             }
             (before, _) => {
-                let watch = BranchGuard::start(state, tangent, tangent.lit(self.way.slope));
+                let watch = BranchGuard::start(state, tangent, self.design.slope(state, tangent));
+                watch.check_slope(&watch, self.way.steepest, accepted);
                 if let Some(before) = before {
                     watch.check_step(before, accepted);
                 }

@@ -376,11 +376,11 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
             .by_continuation()
             .evaluate(&designs, &mut wanted);
         evaluator().evaluate(&designs, &mut found);
-        for k in 0..quantities.len() {
+        for (k, quantity) in quantities.iter().enumerate() {
             for station in 0..stations.count() {
                 let [a, b] = [&found, &wanted].map(|block| block.value(0, k, station));
                 let agree = (a - b).abs() < BESIDE_FOLDS || (a.is_nan() && b.is_nan());
-                assert!(agree, "{:?} at {station}: {a}, not {b}", quantities[k]);
+                assert!(agree, "{quantity:?} at {station}: {a}, not {b}");
             }
         }
     }

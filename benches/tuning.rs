@@ -37,14 +37,7 @@ fn strut(more: &[&str]) -> Study {
 }
 
 fn tuned(study: &Study) -> Tuning {
-    let optimise = study.optimise.as_ref().unwrap();
-    tune(
-        &study.suspension,
-        &study.motion,
-        optimise,
-        Control::default(),
-    )
-    .unwrap()
+    study.tune(Control::default()).unwrap()
 }
 
 /// One start to the least misfit: without constraints, and with some 120 rows of them.

@@ -21,10 +21,20 @@ fn slope<F: Formula, T: Real>(
     spin_axis: Vector3<T>,
     steering_direction: Vector3<T>,
 ) -> T {
+    F::evaluate(&moving(inputs, spin_axis, steering_direction))[1]
+}
+
+/// What an angle reads as a series, spin axis and steering direction changing at these rates.
+#[inline(always)]
+fn moving<T: Real>(
+    inputs: &Inputs<T>,
+    spin_axis: Vector3<T>,
+    steering_direction: Vector3<T>,
+) -> Inputs<Jet<T, 2>> {
     let still = Jet::constant(inputs.turn.x.zero());
     let nothing = Wheel::filled(still);
     let now = &inputs.now;
-    let moving = Inputs {
+    Inputs {
         now: Wheel {
             spin_axis: now.spin_axis.with_rate(spin_axis),
             steering_direction: now.steering_direction.with_rate(steering_direction),
@@ -34,8 +44,7 @@ fn slope<F: Formula, T: Real>(
         turn: nothing.centre,
         design: nothing,
         constants: inputs.constants,
-    };
-    F::evaluate(&moving)[1]
+    }
 }
 
 /// An expression of the formula of an angle; `None` for anything else.
@@ -104,20 +113,8 @@ pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,
     inputs: &Inputs<T>,
 ) -> Option<Vector3<Jet<T, 2>>> {
-    let nothing = Wheel::filled(Jet::constant(inputs.turn.x.zero()));
-    let (now, rate) = (&inputs.now, &inputs.rate);
-    let series = Inputs {
-        now: Wheel {
-            spin_axis: now.spin_axis.with_rate(rate.spin_axis),
-            steering_direction: now.steering_direction.with_rate(rate.steering_direction),
-            ..nothing
-        },
-        rate: nothing,
-        turn: nothing.centre,
-        design: nothing,
-        constants: inputs.constants,
-    };
-    by_direction(c, &series)
+    let rate = &inputs.rate;
+    by_direction(c, &moving(inputs, rate.spin_axis, rate.steering_direction))
 }
 
 /// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.

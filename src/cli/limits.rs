@@ -10,7 +10,7 @@ use crate::axle::{AxleEnd, AxlePlan, AxleSolver, axle_curves};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
-use crate::model::{self, Axis, PointId, Side};
+use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
 use crate::report::{AxleSummary, Cell, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
@@ -77,7 +77,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     for (side, range) in [Side::Left, Side::Right].into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
-            quantity: &quantity,
+            quantity,
             at: "rack 0".to_owned(),
             factor: 1.0,
         };
@@ -154,14 +154,14 @@ pub(super) fn ranges_by_rack(
 }
 
 /// A row of the table: what goes how far, and in which position of the rest.
-struct Row<'a> {
-    quantity: &'a str,
-    at: String,
-    /// What a value is multiplied by to be printed.
-    factor: f64,
+pub(super) struct Row {
+    pub(super) quantity: String,
+    pub(super) at: String,
+    /// What a value is multiplied by to be printed; axes that point the other way swap the ends.
+    pub(super) factor: f64,
 }
 
-impl Row<'_> {
+impl Row {
     fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
@@ -181,7 +181,7 @@ impl Row<'_> {
         if self.factor < 0.0 {
             (from, to) = (to, from);
         }
-        row([self.quantity, &self.at], from, to)
+        row([&self.quantity, &self.at], from, to)
     }
 }
 
@@ -212,72 +212,91 @@ fn because(limit: &Limit, study: &Study) -> String {
     }
 }
 
-/// How far each quantity goes, the others held.
-fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
-    let unit = study.suspension.length_unit.symbol();
-    let mut table = Table::new(["quantity", "at", "from", "because", "to", "because there"]);
-    let straight = || match &limits.rack {
-        Some(_) => "rack 0".to_owned(),
-        None => String::new(),
+/// Where the rack is while something else goes as far as it can.
+pub(super) fn straight(limits: &Limits) -> &'static str {
+    match &limits.rack {
+        Some(_) => "rack 0",
+        None => "",
+    }
+}
+
+/// What goes how far, the others held: rockers apart, which end by another part than what moves.
+pub(super) fn ranges<'l>(
+    study: &Study,
+    limits: &'l Limits,
+    by_rack: &'l [(f64, Range)],
+) -> Vec<(Row, &'l Range)> {
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: quantity.to_owned(),
+        at: at.to_owned(),
+        factor,
     };
-    let mut push = |quantity: &str, at: String, factor: f64, range: &Range| {
-        let row = Row {
-            quantity,
-            at,
-            factor,
-        };
-        table.push(row.of(study, &range.lower, &range.upper));
-    };
+    let (unit, straight) = (study.suspension.length_unit.symbol(), straight(limits));
     let travel = format!("travel_{unit}");
-    push(&travel, straight(), 1.0, &limits.travel);
+    let mut rows = vec![(row(&travel, straight, 1.0), &limits.travel)];
     if let Some(range) = &limits.rack {
         let sign = study.suspension.frame.sign(Axis::Y);
-        push(&format!("rack_{unit}"), "travel 0".to_owned(), sign, range);
+        rows.push((row(&format!("rack_{unit}"), "travel 0", sign), range));
     }
     if let Some(range) = &limits.arm_angle {
-        push("arm_angle_deg", straight(), 1.0_f64.to_degrees(), range);
+        let degrees = 1.0_f64.to_degrees();
+        rows.push((row("arm_angle_deg", straight, degrees), range));
     }
     if study.motion.rack_moves {
-        let (quantity, factor) = match study.motion.drive.in_kernel() {
-            model::Drive::Travel => (travel.as_str(), 1.0),
-            model::Drive::ArmAngle => ("arm_angle_deg", 1.0_f64.to_degrees()),
-        };
-        for (rack, range) in by_rack.iter().filter(|(rack, _)| *rack != 0.0) {
-            push(
-                quantity,
-                format!("rack {}", as_written(*rack)),
-                factor,
-                range,
-            );
-        }
-        let lower = by_rack.iter().map(|(_, range)| &range.lower);
-        let upper = by_rack.iter().map(|(_, range)| &range.upper);
-        let value = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::FullTurn => turn,
-            end => end.value(),
-        };
-        let turn = std::f64::consts::PI;
-        let lower = lower.max_by(|a, b| value(a, -turn).total_cmp(&value(b, -turn)));
-        let upper = upper.min_by(|a, b| value(a, turn).total_cmp(&value(b, turn)));
+        let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
+        let at = |rack: f64| format!("rack {}", as_written(rack));
+        rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
+    }
+    rows
+}
+
+/// The row of what drives the study, the rack there.
+fn driven(study: &Study, at: String) -> Row {
+    let (quantity, factor) = match study.motion.drive.in_kernel() {
+        model::Drive::Travel => (
+            format!("travel_{}", study.suspension.length_unit.symbol()),
+            1.0,
+        ),
+        model::Drive::ArmAngle => ("arm_angle_deg".to_owned(), 1.0_f64.to_degrees()),
+    };
+    Row {
+        quantity,
+        at,
+        factor,
+    }
+}
+
+/// The name of the travel at which a rod of a rocker is at toggle.
+pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
+    let rod = study.suspension.mechanism.rocker(rocker).rod.to_string();
+    let unit = study.suspension.length_unit.symbol();
+    format!("{}_travel_{unit}", rod.replace(' ', "_"))
+}
+
+/// How far each quantity goes, the others held.
+fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
+    let mut table = Table::new(["quantity", "at", "from", "because", "to", "because there"]);
+    for (row, range) in ranges(study, limits, by_rack) {
+        table.push(row.of(study, &range.lower, &range.upper));
+    }
+    if study.motion.rack_moves {
+        let ranges = || by_rack.iter().map(|(_, range)| range);
+        let lower = ranges().max_by(|a, b| a.ends()[0].total_cmp(&b.ends()[0]));
+        let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
         if let (Some(lower), Some(upper)) = (lower, upper) {
-            let row = Row {
-                quantity,
-                at: "every rack".to_owned(),
-                factor,
-            };
-            table.push(row.of(study, lower, upper));
+            let row = driven(study, "every rack".to_owned());
+            table.push(row.of(study, &lower.lower, &upper.upper));
         }
     }
     for range in &limits.rockers {
-        let rod = study.suspension.mechanism.rocker(range.rocker).rod;
         let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
             Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
             None => (end.value(), "the wheel's travel ends".to_owned()),
         };
         let from = end(range.lower, &limits.travel.lower);
         let to = end(range.upper, &limits.travel.upper);
-        let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
-        table.push(row([&name, &straight()], from, to));
+        let name = rod_travel(study, range.rocker);
+        table.push(row([&name, straight(limits)], from, to));
     }
     table
 }

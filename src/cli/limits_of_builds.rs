@@ -2,15 +2,16 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::limits::ranges_by_rack;
+use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight};
 use super::output::{design_fault, pool};
 use super::printer::Printer;
 use super::progress;
 use super::tolerance::{problem, scatter};
+use crate::analyse::Range;
 use crate::mechanism::DesignFault;
-use crate::model::{self, Axis, Suspension};
+use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, Table, as_written, brief};
+use crate::report::{Cell, Table, brief};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
 use rayon::prelude::*;
@@ -89,49 +90,25 @@ impl Reach {
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         let limits = solver.limits()?;
         let by_rack = ranges_by_rack(study, &mut solver)?;
-        let unit = study.suspension.length_unit.symbol();
-        let straight = match &limits.rack {
-            Some(_) => "rack 0",
-            None => "",
-        };
-        let mut rows = Vec::new();
-        let mut push = |quantity: &str, at: &str, factor: f64, ends: [f64; 2]| {
-            let mut ends = ends.map(|end| end * factor);
-            // Axes that point the other way swap the ends.
-            if factor < 0.0 {
+        let ends = |(row, range): (Row, &Range)| {
+            let mut ends = range.ends().map(|end| end * row.factor);
+            if row.factor < 0.0 {
                 ends.reverse();
             }
-            rows.push((quantity.to_owned(), at.to_owned(), ends));
+            (row.quantity, row.at, ends)
         };
-        let travel = format!("travel_{unit}");
-        let degrees = 1.0_f64.to_degrees();
-        push(&travel, straight, 1.0, limits.travel.ends());
-        if let Some(range) = &limits.rack {
-            let sign = study.suspension.frame.sign(Axis::Y);
-            push(&format!("rack_{unit}"), "travel 0", sign, range.ends());
-        }
-        if let Some(range) = &limits.arm_angle {
-            push("arm_angle_deg", straight, degrees, range.ends());
-        }
-        if study.motion.rack_moves {
-            let (quantity, factor) = match study.motion.drive.in_kernel() {
-                model::Drive::Travel => (&*travel, 1.0),
-                model::Drive::ArmAngle => ("arm_angle_deg", degrees),
-            };
-            for (rack, range) in by_rack.iter().filter(|(rack, _)| *rack != 0.0) {
-                let at = format!("rack {}", as_written(*rack));
-                push(quantity, &at, factor, range.ends());
-            }
-        }
+        let mut rows: Vec<_> = ranges(study, &limits, &by_rack)
+            .into_iter()
+            .map(ends)
+            .collect();
         let [lower, upper] = limits.travel.ends();
         for range in &limits.rockers {
-            let rod = study.suspension.mechanism.rocker(range.rocker).rod;
-            let name = format!("{}_travel_{unit}", rod.to_string().replace(' ', "_"));
             let ends = [
                 range.lower.as_ref().map_or(lower, |toggle| toggle.travel),
                 range.upper.as_ref().map_or(upper, |toggle| toggle.travel),
             ];
-            push(&name, straight, 1.0, ends);
+            let name = rod_travel(study, range.rocker);
+            rows.push((name, straight(&limits).to_owned(), ends));
         }
         let plan = Plan::of(study);
         let margins = by_rack.iter().flat_map(|(_, range)| {

@@ -35,16 +35,14 @@ pub(super) fn moves(
     let shares = shares(written, problems);
     let points = points(written, suspension, problems)?;
     let shares = shares?;
-    let moved = |(point, factor): &(PointId, f64)| {
-        let (point, factor) = (*point, *factor);
-        let along = shares.iter().map(move |(axis, share)| Move {
+    let moved = |(point, factor): (PointId, f64)| {
+        shares.iter().map(move |(axis, share)| Move {
             point,
             axis: *axis,
             factor: factor * share,
-        });
-        along.collect::<Vec<_>>()
+        })
     };
-    Some(points.iter().flat_map(moved).collect())
+    Some(points.into_iter().flat_map(moved).collect())
 }
 
 /// How far it moves along each axis per unit of the variable: along one of them alone, or as a unit vector does.

@@ -26,12 +26,11 @@ pub fn in_order<W, T: Send, E: Send>(
             end: range.end,
             first: range.start,
             waiting: VecDeque::new(),
-            is_taking: false,
+            take: Some(take),
             failed: None,
         }),
         changed: Condvar::new(),
     };
-    let take = Mutex::new(take);
     rayon::broadcast(|_| {
         let mut own = None;
         // Others are not to wait for what will not come.
@@ -42,11 +41,9 @@ pub fn in_order<W, T: Send, E: Send>(
                     let result = work(own.get_or_insert_with(&worker), number);
                     queue.put(number, result);
                 }
-                Turn::Take(result) => {
-                    // One at a time, as the queue has it.
-                    let mut take = take.lock().unwrap_or_else(PoisonError::into_inner);
+                Turn::Take(result, mut take) => {
                     let taken = take(result);
-                    queue.has_taken(taken);
+                    queue.has_taken(taken, take);
                 }
             }
         }
@@ -57,48 +54,50 @@ pub fn in_order<W, T: Send, E: Send>(
 }
 
 /// What is done, being done and to do.
-struct Queue<T, E> {
+struct Queue<T, F, E> {
     /// The most pieces that have been begun and not been taken.
     most: u64,
-    state: Mutex<State<T, E>>,
+    state: Mutex<State<T, F, E>>,
     changed: Condvar,
 }
 
-struct State<T, E> {
+struct State<T, F, E> {
     /// The next piece to begin, and where they end.
     next: u64,
     end: u64,
     /// The first piece that has not been taken, and what has become of it and of those after it, as far as they are done.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
-    is_taking: bool,
+    /// What takes them; with the thread that does, while it does.
+    take: Option<F>,
     failed: Option<E>,
 }
 
 /// What a thread is to do.
-enum Turn<T> {
+enum Turn<T, F> {
     Work(u64),
-    Take(T),
+    Take(T, F),
 }
 
-impl<T, E> Queue<T, E> {
-    fn state(&self) -> MutexGuard<'_, State<T, E>> {
+impl<T, F, E> Queue<T, F, E> {
+    fn state(&self) -> MutexGuard<'_, State<T, F, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What to do next; `None` when there is no more.
-    fn turn(&self) -> Option<Turn<T>> {
+    fn turn(&self) -> Option<Turn<T, F>> {
         let mut state = self.state();
         loop {
-            if !state.is_taking && matches!(state.waiting.front(), Some(Some(_))) {
+            if matches!(state.waiting.front(), Some(Some(_)))
+                && let Some(take) = state.take.take()
+            {
                 let Some(result) = state.waiting.pop_front().flatten().flatten() else {
                     state.end_at_once();
                     self.changed.notify_all();
                     return None;
                 };
                 state.first += 1;
-                state.is_taking = true;
-                return Some(Turn::Take(result));
+                return Some(Turn::Take(result, take));
             }
             if state.next < state.end && state.next - state.first < self.most {
                 state.next += 1;
@@ -125,9 +124,9 @@ impl<T, E> Queue<T, E> {
         self.changed.notify_all();
     }
 
-    fn has_taken(&self, taken: Result<(), E>) {
+    fn has_taken(&self, taken: Result<(), E>, take: F) {
         let mut state = self.state();
-        state.is_taking = false;
+        state.take = Some(take);
         if let Err(error) = taken {
             state.failed = Some(error);
             state.end_at_once();
@@ -136,7 +135,7 @@ impl<T, E> Queue<T, E> {
     }
 }
 
-impl<T, E> State<T, E> {
+impl<T, F, E> State<T, F, E> {
     fn end_at_once(&mut self) {
         self.end = self.next;
         self.waiting.clear();
@@ -144,9 +143,9 @@ impl<T, E> State<T, E> {
 }
 
 /// Ends the queue where its thread panics.
-struct EndsOnPanic<'q, T, E>(&'q Queue<T, E>);
+struct EndsOnPanic<'q, T, F, E>(&'q Queue<T, F, E>);
 
-impl<T, E> Drop for EndsOnPanic<'_, T, E> {
+impl<T, F, E> Drop for EndsOnPanic<'_, T, F, E> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.state().end_at_once();

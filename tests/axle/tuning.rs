@@ -3,7 +3,7 @@
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::model::Side;
 use hardpoint::optimise::{
-    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design, tune,
+    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design,
 };
 use hardpoint::study::Study;
 use nalgebra::DVector;
@@ -139,13 +139,7 @@ fn mirror_images_may_be_written_out() {
 /// Tunes a study, and reads the tuned study's own axle at a position.
 fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f64, Vec<f64>) {
     let optimise = study.optimise.as_ref().unwrap();
-    let tuning = tune(
-        &study.suspension,
-        &study.motion,
-        optimise,
-        Control::default(),
-    )
-    .unwrap();
+    let tuning = study.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
     let right = study.axle.as_ref().unwrap().axle.right.as_ref();
     let right = right.map(|own| {

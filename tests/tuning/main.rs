@@ -544,14 +544,7 @@ fn a_planted_contradiction_is_named() {
              { name = \"long\", length = [\"tie_rod_inner\", \"tie_rod_outer\"], at_least = 365.0 }]",
         ],
     );
-    let optimise = study.optimise.as_ref().unwrap();
-    let tuning = tune(
-        &study.suspension,
-        &study.motion,
-        optimise,
-        Control::default(),
-    )
-    .unwrap();
+    let tuning = study.tune(Control::default()).unwrap();
     assert_eq!(tuning.contradiction, [1, 2]);
     let best = tuning.best.unwrap();
     assert!(best.constraints[1].room < -1.0 || best.constraints[2].room < -1.0);
@@ -574,14 +567,7 @@ fn constraints_hold_between_stations() {
         )
     };
     let coarse = study("motion.travel=[-60.0, -20.0, 20.0, 60.0]");
-    let optimise = coarse.optimise.as_ref().unwrap();
-    let tuning = tune(
-        &coarse.suspension,
-        &coarse.motion,
-        optimise,
-        Control::default(),
-    )
-    .unwrap();
+    let tuning = coarse.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
     assert!(best.constraints[0].room > -1e-6, "{:?}", best.constraints);
     // Looked at closely, the tuned design keeps it everywhere.
@@ -631,14 +617,7 @@ fn the_nearest_good_design_is_kept() {
                 "optimise.targets=[{ characteristic = \"kingpin_inclination\", at = 0.0, value = 12.0, tolerance = 0.1 }]",
             ],
         );
-        let optimise = study.optimise.as_ref().unwrap();
-        let tuning = tune(
-            &study.suspension,
-            &study.motion,
-            optimise,
-            Control::default(),
-        )
-        .unwrap();
+        let tuning = study.tune(Control::default()).unwrap();
         tuning.best.unwrap()
     };
     let movement = |offsets: &[f64]| offsets.iter().map(|o| o * o).sum::<f64>().sqrt();

@@ -4,7 +4,7 @@ use super::super::Limited;
 use super::super::error::Problems;
 use super::super::subject::{length, point};
 use super::super::value::{MemberName, Text};
-use super::{Reader, words};
+use super::{LIMITS, Reader, words};
 use crate::characteristics::{Measure, Stud};
 use crate::model::{Body, Constraint as Holds, PointId, SteeringAxis};
 use toml::Spanned;
@@ -15,16 +15,7 @@ impl Reader<'_> {
         name: &Text,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        let keys = [
-            "kept",
-            "inside",
-            "outside",
-            "clearance",
-            "radii",
-            "between",
-            "at_least",
-        ];
-        self.refuse(&keys, problems);
+        self.takes(&["at_most"], problems);
         let suspension = self.suspension();
         let mechanism = &suspension.mechanism;
         let joint = point(name, suspension, problems)?;
@@ -128,8 +119,7 @@ impl Reader<'_> {
         written: &Spanned<MemberName>,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        let keys = ["kept", "inside", "outside", "clearance", "radii"];
-        self.refuse(&keys, problems);
+        self.takes(&LIMITS, problems);
         let (name, ends) = length(written, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let [lower, upper] = limits;

@@ -44,6 +44,9 @@ struct Reader<'a> {
     context: &'a Context<'a>,
 }
 
+/// The keys of limits.
+const LIMITS: [&str; 3] = ["between", "at_least", "at_most"];
+
 /// Lower and upper limit, in the units of the file.
 type Limits = [Option<f64>; 2];
 
@@ -162,23 +165,26 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// What the constraint does not read, if it is there.
-    fn refuse(&self, keys: &[&str], problems: &mut Problems) {
+    /// Refuses every other key of a kind of constraint that takes these.
+    fn takes(&self, keys: &[&str], problems: &mut Problems) {
+        self.refuse(|key| !keys.contains(&key), problems);
+    }
+
+    fn refuse(&self, is_refused: impl Fn(&str) -> bool, problems: &mut Problems) {
         let w = self.written;
         let number = |n: &Option<Number>| n.as_ref().map(|n| n.span.clone());
-        for key in keys {
-            let found = match *key {
-                "kept" => w.kept.as_ref().map(Spanned::span),
-                "inside" => w.inside.as_ref().map(Spanned::span),
-                "outside" => w.outside.as_ref().map(Spanned::span),
-                "clearance" => number(&w.clearance),
-                "radii" => w.radii.as_ref().map(Spanned::span),
-                "between" => w.between.as_ref().map(Spanned::span),
-                "at_least" => number(&w.at_least),
-                "at_most" => number(&w.at_most),
-                _ => None,
-            };
-            if let Some(place) = found {
+        let given = [
+            ("kept", w.kept.as_ref().map(Spanned::span)),
+            ("inside", w.inside.as_ref().map(Spanned::span)),
+            ("outside", w.outside.as_ref().map(Spanned::span)),
+            ("clearance", number(&w.clearance)),
+            ("radii", w.radii.as_ref().map(Spanned::span)),
+            ("between", w.between.as_ref().map(Spanned::span)),
+            ("at_least", number(&w.at_least)),
+            ("at_most", number(&w.at_most)),
+        ];
+        for (key, place) in given {
+            if let Some(place) = place.filter(|_| is_refused(key)) {
                 let message = format!("{key} says nothing of this kind of constraint");
                 problems.add(place, message);
             }
@@ -190,12 +196,12 @@ impl Reader<'_> {
         written: &Spanned<super::value::MemberName>,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        self.refuse(&["inside", "outside", "clearance", "radii"], problems);
+        self.takes(&["kept", "between", "at_least", "at_most"], problems);
         let (name, ends) = length(written, self.suspension(), problems)?;
         let kept = self.written.kept.as_ref().is_some_and(|k| *k.get_ref());
         let [lower, upper] = match kept {
             true => {
-                self.refuse(&["between", "at_least", "at_most"], problems);
+                self.refuse(|key| LIMITS.contains(&key), problems);
                 let [a, b] = ends.map(|id| self.suspension().design[id.0]);
                 [Some((a - b).norm()); 2]
             }
@@ -221,10 +227,7 @@ impl Reader<'_> {
         name: &Text,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        self.refuse(
-            &["kept", "inside", "outside", "clearance", "radii"],
-            problems,
-        );
+        self.takes(&LIMITS, problems);
         let found = characteristic(name, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let unit = found.info().unit;
@@ -261,8 +264,7 @@ impl Reader<'_> {
         if let Some(region) = &self.written.inside {
             return self.members_inside(names, region, problems);
         }
-        let keys = ["kept", "outside", "between", "at_least", "at_most"];
-        self.refuse(&keys, problems);
+        self.takes(&["inside", "clearance", "radii"], problems);
         let [a, b] = names.get_ref().as_slice() else {
             let message = format!(
                 "expected two members that stay apart, found {}; or inside = {{ rim = ... }}",
@@ -346,17 +348,7 @@ impl Reader<'_> {
 
     /// `coplanar` and `line`.
     fn aligned(&self, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {
-        let keys = [
-            "kept",
-            "inside",
-            "outside",
-            "clearance",
-            "radii",
-            "between",
-            "at_least",
-            "at_most",
-        ];
-        self.refuse(&keys, problems);
+        self.takes(&[], problems);
         let written = self.written;
         let (names, least, what) = match (&written.coplanar, &written.line) {
             (Some(names), _) => (names, 4, "plane"),

@@ -19,10 +19,7 @@ impl Reader<'_> {
         name: &Text,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        self.refuse(
-            &["kept", "radii", "between", "at_least", "at_most"],
-            problems,
-        );
+        self.takes(&["inside", "outside", "clearance"], problems);
         let id = point(name, self.suspension(), problems);
         let (region, is_inside) = match (&self.written.inside, &self.written.outside) {
             (Some(region), None) => (region, true),
@@ -260,8 +257,7 @@ impl Reader<'_> {
         region: &Spanned<file::Region>,
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
-        let keys = ["kept", "outside", "between", "at_least", "at_most"];
-        self.refuse(&keys, problems);
+        self.takes(&["inside", "clearance", "radii"], problems);
         let shape = region.get_ref();
         let Some(rim) = &shape.rim else {
             let message = "members stay inside of a rim; expected rim = its radius";

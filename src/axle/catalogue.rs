@@ -381,6 +381,17 @@ impl Quantity {
         )
     }
 
+    /// Why it may have no value in a position that is solved, in words.
+    pub fn undefined_where(self) -> &'static str {
+        let void = match self {
+            Quantity::Corner(_, c) => return c.undefined_where(),
+            Quantity::Axle(q) => q.possible_void(),
+            Quantity::Wheel(..) => None,
+        };
+        let plane = self.is_of_the_plane().then_some(Void::NoPlane);
+        void.or(plane).unwrap_or(Void::NotFinite).reason()
+    }
+
     /// The value in a state, or why there is none.
     pub fn value(self, state: &State<f64>) -> Result<f64, Void> {
         let is_void = |void: &Void| match void {

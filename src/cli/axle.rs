@@ -16,7 +16,7 @@ use crate::report::{
     AxleSummary, PriceRecord, Record, SolvedAxle, TuningSummary, axle_curves_csv, axle_doubts,
     axle_sensitivities_csv, history_csv, variable_doubts, wheel_doubts,
 };
-use crate::study::{About, AxleStudy, Optimise, Study};
+use crate::study::{AxleStudy, Optimise, Study};
 use nalgebra::DVector;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -122,19 +122,6 @@ pub(super) fn solve(
     })
 }
 
-/// The plan with what targets are about.
-fn with_targets(plan: &AxlePlan, optimise: &Optimise) -> AxlePlan {
-    let mut plan = plan.clone();
-    for target in &optimise.targets {
-        if let About::Axle(quantities) = &target.of.about {
-            let new = quantities.iter().filter(|q| !plan.quantities.contains(q));
-            let new: Vec<_> = new.copied().collect();
-            plan.quantities.extend(new);
-        }
-    }
-    plan
-}
-
 /// The axle of a tuned design.
 fn tuned_axle(axle: &Axle, optimise: &Optimise, best: &Best) -> Axle {
     let mut tuned = axle.clone();
@@ -150,13 +137,14 @@ fn tuned_axle(axle: &Axle, optimise: &Optimise, best: &Best) -> Axle {
 pub(super) fn optimise(
     arguments: &RunArguments,
     study: &Study,
-    AxleStudy { axle, plan }: &AxleStudy,
+    both: &AxleStudy,
     optimise: &Optimise,
     prices: bool,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let pool = pool(arguments.threads, optimise.starts as u64)?;
-    let plan = with_targets(plan, optimise);
+    let axle = &both.axle;
+    let plan = both.plan_with(&optimise.targets);
     let solved = |axle: &Axle| axle_curves(axle, &plan).map_err(|f| fault(path, axle, f));
     let before = solved(axle)?;
     let output = Output::open(arguments, study, "optimise")?;

@@ -157,22 +157,22 @@ pub(super) fn swept(study: &Study, sweep: &Sweep) -> String {
         Designs::Given(table) => format!("Sweep (sweep only): {} designs.", table.designs()),
     };
     let plan = SweepPlan::of(study, sweep).ok();
-    if let Some(why) = plan.and_then(|plan| one_by_one(study, &plan)) {
+    if let Some(why) = plan.and_then(|plan| one_by_one(&plan)) {
         text += &format!(" {why}");
     }
     text
 }
 
 /// Why the designs of a sweep do not go through the SIMD lanes, as a sentence, if they do not.
-pub(super) fn one_by_one(study: &Study, plan: &SweepPlan) -> Option<String> {
+pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
         "Its designs are solved one by one, not in SIMD lanes, {}",
         why.describe()
     );
-    let of_axle = study.axle.as_ref().filter(|_| why == NotInLanes::Reading);
-    let quantities = of_axle.iter().flat_map(|both| &both.plan.quantities);
-    let names = quantities.filter(|q| !q.is_for_lanes()).map(|q| q.name());
+    let quantities = plan.axle_quantities().iter();
+    let names = quantities.filter(|q| why == NotInLanes::Reading && !q.is_for_lanes());
+    let names = names.map(|q| q.name());
     let names: Vec<String> = names.collect();
     if !names.is_empty() {
         text += &format!(": {}", names.join(", "));

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
             left_out.join(", ")
         ));
     }
-    if let Some(why) = super::check::one_by_one(&study, &plan) {
+    if let Some(why) = super::check::one_by_one(&plan) {
         terminal::note(&format!("{why}\n"));
     }
     let text = SweepText::of(&plan, &study, !to_stdout);

@@ -11,7 +11,7 @@ use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Vector3;
-use crate::study::{About, Optimise, Variable};
+use crate::study::{Optimise, Sample, Variable};
 use nalgebra::DVector;
 
 /// What a target wants of a quantity in one position.
@@ -21,12 +21,10 @@ pub(super) struct AxleWish {
     pub target: usize,
     /// Place of the quantity among those of the layout.
     quantity: usize,
-    low: f64,
-    high: f64,
+    /// What is wanted; the place on the target's curve as the study writes it.
+    pub wanted: Sample,
     /// Residual per deviation.
     scale: f64,
-    /// Where on the target's curve, as the study writes it.
-    pub at: f64,
 }
 
 /// A position, and what is wanted there.
@@ -54,27 +52,17 @@ impl AxleLayout {
             stations: Vec::new(),
         };
         for (number, target) in optimise.targets.iter().enumerate() {
-            let (About::Axle(quantities), Some(site)) = (&target.of.about, &target.site.axle)
-            else {
-                continue;
-            };
-            for sample in target.wanted.samples(&target.stations_among(&site.values)) {
-                for placement in site.placements(sample.drive, axle) {
-                    for quantity in quantities {
-                        let wish = AxleWish {
-                            row: *rows,
-                            target: number,
-                            quantity: place_of(&mut layout.quantities, *quantity),
-                            low: sample.low,
-                            high: sample.high,
-                            scale: 1.0 / target.tolerance,
-                            at: sample.drive,
-                        };
-                        layout.station(placement).wishes.push(wish);
-                        own[number] += 1;
-                        *rows += 1;
-                    }
-                }
+            for sample in target.axle_samples(axle) {
+                let wish = AxleWish {
+                    row: *rows,
+                    target: number,
+                    quantity: place_of(&mut layout.quantities, sample.quantity),
+                    wanted: sample.wanted,
+                    scale: 1.0 / target.tolerance,
+                };
+                layout.station(sample.placement).wishes.push(wish);
+                own[number] += 1;
+                *rows += 1;
             }
         }
         Some(layout)
@@ -216,11 +204,11 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                     let (name, why) = (quantity.name(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
                 })?;
-                let nearest = found.clamp(wish.low, wish.high);
-                into.residuals[wish.row] = (found - nearest) * wish.scale;
+                let deviation = wish.wanted.deviation(found);
+                into.residuals[wish.row] = deviation * wish.scale;
                 into.jacobian.row_mut(wish.row).fill(0.0);
                 // Within its band nothing pulls.
-                let is_wanted = wish.low == wish.high || nearest != found;
+                let is_wanted = !wish.wanted.is_band() || deviation != 0.0;
                 if is_wanted && !wanted.contains(&quantity) {
                     wanted.push(quantity);
                 }
@@ -230,7 +218,7 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                     .iter()
                     .filter(|w| quantities[w.quantity] == wanted[number]);
                 for wish in own {
-                    let is_inside = wish.low < wish.high && into.residuals[wish.row] == 0.0;
+                    let is_inside = wish.wanted.is_band() && into.residuals[wish.row] == 0.0;
                     if !is_inside {
                         write_row(into, wish.row, sides[0].1, left, wish.scale);
                         add_to_row(into, wish.row, sides[1].1, right, wish.scale);

@@ -1,12 +1,11 @@
 //! What is looked at where: targets and constraints laid out over the stations of the motions.
 
 use super::axle::AxleLayout;
-use super::interpolation::Sample;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
 use crate::model::{Axis, Drive, Frame, Mechanism};
 use crate::solve::StationOrder;
-use crate::study::{Motion, Optimise, Site, Target};
+use crate::study::{Motion, Optimise, Sample, Site, Target};
 use nalgebra::DVector;
 
 /// What a target wants at one station.
@@ -406,7 +405,7 @@ impl TargetLayout {
             station.wishes.iter().map(|wish| Place {
                 row: wish.row,
                 target: wish.target,
-                at: wish.at,
+                at: wish.wanted.drive,
                 rack: station.placement.rack(),
             })
         });

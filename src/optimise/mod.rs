@@ -24,7 +24,6 @@ mod extremes;
 mod fit;
 mod front;
 mod identifiability;
-mod interpolation;
 mod lane_builds;
 mod lane_rows;
 mod layout;

@@ -7,8 +7,8 @@ use super::motion::values;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text, Values};
-use super::{About, Motion, Site, Subject};
-use crate::axle::{Axle, Coordinate, Course, Placement, Quantity};
+use super::{About, Motion, Site, Subject, Target};
+use crate::axle::{Axle, AxlePlan, Coordinate, Course, Placement, Quantity};
 use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -24,6 +24,21 @@ pub struct AxleSite {
     pub held: Course,
     /// What the study says of the rest, in words.
     pub words: String,
+}
+
+impl AxleStudy {
+    /// The plan with what these targets are about besides.
+    pub fn plan_with(&self, targets: &[Target]) -> AxlePlan {
+        let mut plan = self.plan.clone();
+        for target in targets {
+            if let About::Axle(quantities) = &target.of.about {
+                let new = quantities.iter().filter(|q| !plan.quantities.contains(q));
+                let new: Vec<_> = new.copied().collect();
+                plan.quantities.extend(new);
+            }
+        }
+        plan
+    }
 }
 
 impl AxleSite {

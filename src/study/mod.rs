@@ -28,6 +28,7 @@ mod overrides;
 mod parse;
 mod place;
 mod resolve;
+mod samples;
 mod schema;
 mod setup;
 mod solver;
@@ -46,6 +47,7 @@ pub use designs_file::DesignTable;
 pub use error::{StudyError, StudyErrors};
 pub(crate) use names::nearest;
 pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
+pub use samples::{AxleSample, Sample};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 
@@ -353,9 +355,10 @@ pub struct Wish {
 
 impl Optimise {
     /// The targets that designs of a sweep are compared with: all of them, or none where a sweep cannot
-    /// compare with each.
+    /// compare with each. With each of an axle it can.
     pub fn swept_targets(&self) -> &[Target] {
-        match self.targets.iter().all(Target::is_plain) && !self.fit {
+        let is_swept = |target: &Target| target.site.axle.is_some() || target.is_plain();
+        match self.targets.iter().all(is_swept) && !self.fit {
             true => &self.targets,
             false => &[],
         }

@@ -12,13 +12,14 @@ use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure, LimitCause};
 use crate::model::{Drive, Side};
 use crate::number::{Vector3, Width};
+use crate::study::AxleSample;
 
 /// Where and what of an axle a sweep evaluates.
 #[derive(Clone, Debug)]
 pub(super) struct AxleStations<'s> {
     pub axle: &'s Axle,
     pub quantities: Vec<Quantity>,
-    /// Those of the motion, then the design position where it is not among them.
+    /// Those of the motion, then the design position and those of targets where they are not among them.
     pub(super) placements: Vec<Placement>,
     of_motion: usize,
     design: usize,
@@ -27,7 +28,8 @@ pub(super) struct AxleStations<'s> {
 }
 
 impl<'s> AxleStations<'s> {
-    pub(super) fn of(axle: &'s Axle, plan: &AxlePlan) -> Self {
+    /// The stations of a plan, and those at which these targets look.
+    pub(super) fn of(axle: &'s Axle, plan: &AxlePlan, targets: &[Vec<AxleSample>]) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
         // On the ground that the motion is on.
@@ -40,10 +42,9 @@ impl<'s> AxleStations<'s> {
             _ => plan.course.design(),
         };
         let of_motion = placements.len();
-        let known = placements.iter().position(|p| *p == designed);
-        let design = known.unwrap_or(of_motion);
-        if known.is_none() {
-            placements.push(designed);
+        let design = place_of(&mut placements, designed);
+        for sample in targets.iter().flatten() {
+            place_of(&mut placements, sample.placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), axle);
         AxleStations {
@@ -54,6 +55,13 @@ impl<'s> AxleStations<'s> {
             of_motion,
             design,
         }
+    }
+
+    /// The quantity and the station, by number, of what a target wants.
+    pub(super) fn place(&self, sample: &AxleSample) -> [usize; 2] {
+        let quantity = self.quantities.iter().position(|q| *q == sample.quantity);
+        let station = self.placements.iter().position(|p| *p == sample.placement);
+        [quantity, station].map(|place| place.expect("the plan has what targets look at"))
     }
 
     /// As the stations of a sweep.
@@ -107,6 +115,15 @@ impl<'s> AxleStations<'s> {
         into.extend(design.into_iter().flatten());
         is_own
     }
+}
+
+/// The number of a position, which is added where it is not there.
+fn place_of(placements: &mut Vec<Placement>, placement: Placement) -> usize {
+    let known = placements.iter().position(|p| *p == placement);
+    known.unwrap_or_else(|| {
+        placements.push(placement);
+        placements.len() - 1
+    })
 }
 
 /// Evaluates designs of an axle: in lanes where what is asked for can be read there, those that are not plain sailing

@@ -14,7 +14,8 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    DesignTable, Designs, FileFormat, Sampled, Sampling, Study, StudyErrors, Sweep,
+    AxleSample, DesignTable, Designs, FileFormat, Sample, Sampled, Sampling, Study, StudyErrors,
+    Sweep, Target,
 };
 use std::ops::{ControlFlow, Range};
 
@@ -33,19 +34,27 @@ pub struct SweepPlan<'s> {
     gains: Vec<Option<Column>>,
     /// Of an axle, instead of the quantities.
     axle: Option<AxleStations<'s>>,
-    wishes: Vec<TargetSample>,
+    targets: Vec<SweptTarget>,
     samples: Samples,
     study: &'s Study,
 }
 
 /// A target over the stations.
 #[derive(Clone, Debug)]
-struct TargetSample {
-    quantity: usize,
+struct SweptTarget {
+    /// What it is called in columns.
+    name: String,
     tolerance: f64,
     weight: f64,
-    /// Station and wanted value.
-    wanted: Vec<(usize, f64)>,
+    wishes: Vec<SweptWish>,
+}
+
+/// What is wanted of a quantity, by number, at a station.
+#[derive(Clone, Copy, Debug)]
+struct SweptWish {
+    quantity: usize,
+    station: usize,
+    wanted: Sample,
 }
 
 /// Why a sweep cannot be begun.
@@ -76,47 +85,71 @@ impl<'s> SweepPlan<'s> {
             }
             Designs::Given(table) => Samples::Table(table.clone()),
         };
-        let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
-        let wanted: Vec<_> = targets
-            .map(|t| (t, t.wanted.at_stations(&t.stations_in(&study.motion))))
-            .collect();
-        let further: Vec<f64> = wanted.iter().flat_map(|w| &w.1).map(|w| w.0).collect();
-        let stations = Stations::of(&study.motion, &suspension.frame, &further);
+        let swept = study.optimise.iter().flat_map(|o| o.swept_targets());
+        let swept: Vec<&Target> = swept.collect();
+        let samples_in = |target: &Target| {
+            let stations = target.stations_in(&study.motion);
+            target.wanted.samples(&stations)
+        };
+        let wanted: Vec<Vec<Sample>> = swept.iter().map(|t| samples_in(t)).collect();
+        let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
+        let mut stations = Stations::of(&study.motion, &suspension.frame, &further);
         let plan = with_gains(study);
         let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
-        let wishes: Vec<_> = wanted
-            .iter()
-            .map(|(target, wanted)| TargetSample {
-                quantity: quantities
-                    .iter()
-                    .position(|q| target.of.of_wheel().and_then(|of| of.quantity()) == Some(*q))
-                    .expect("the plan has the targets' characteristics"),
-                tolerance: target.tolerance,
-                weight: target.weight,
-                wanted: wanted
-                    .iter()
-                    .map(|(drive, value)| {
-                        let station = stations.at(*drive).expect("a station for each drive value");
-                        (station, *value)
-                    })
-                    .collect(),
-            })
-            .collect();
         let columns = Column::all(&plan, suspension.length_unit);
         let (values, gains): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
         let gains = gains.into_iter().zip(&quantities);
         let gains = gains.map(|(gain, quantity)| (!quantity.is_gain()).then_some(gain));
         let (mut values, mut gains): (_, Vec<_>) = (values, gains.collect());
-        let mut stations = stations;
-        let axle = study.axle.as_ref();
-        let axle = axle.map(|both| AxleStations::of(&both.axle, &both.plan));
-        if let Some(axle) = &axle {
-            stations = axle.stations();
-            values = axle.columns();
+        let mut wishes: Vec<Vec<SweptWish>> = Vec::new();
+        let mut axle = None;
+        if let Some(both) = &study.axle {
+            let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
+            let targets = study
+                .optimise
+                .as_ref()
+                .map_or(&[][..], |o| o.swept_targets());
+            let of_axle = AxleStations::of(&both.axle, &both.plan_with(targets), &samples);
+            stations = of_axle.stations();
+            values = of_axle.columns();
             gains = vec![None; values.len()];
+            let wish = |sample: &AxleSample| {
+                let [quantity, station] = of_axle.place(sample);
+                SweptWish {
+                    quantity,
+                    station,
+                    wanted: sample.wanted,
+                }
+            };
+            wishes.extend(samples.iter().map(|own| own.iter().map(wish).collect()));
+            axle = Some(of_axle);
+        } else {
+            for (target, wanted) in swept.iter().zip(&wanted) {
+                let measure = target.of.of_wheel().and_then(|of| of.quantity());
+                let quantity = quantities.iter().position(|q| measure == Some(*q));
+                let quantity = quantity.expect("the plan has the targets' characteristics");
+                let wish = |wanted: &Sample| {
+                    let station = stations.at(wanted.drive);
+                    SweptWish {
+                        quantity,
+                        station: station.expect("a station for each drive value"),
+                        wanted: *wanted,
+                    }
+                };
+                wishes.push(wanted.iter().map(wish).collect());
+            }
         }
+        let targets = swept
+            .iter()
+            .zip(wishes)
+            .map(|(target, wishes)| SweptTarget {
+                name: target.name(suspension.length_unit),
+                tolerance: target.tolerance,
+                weight: target.weight,
+                wishes,
+            });
         let mut plan = SweepPlan {
-            wishes,
+            targets: targets.collect(),
             record: describe(study, sweep, &samples, &stations),
             stations,
             quantities,
@@ -185,6 +218,11 @@ impl<'s> SweepPlan<'s> {
         );
     }
 
+    /// What is read of each position of an axle, targets' quantities included; nothing of one wheel.
+    pub fn axle_quantities(&self) -> &[crate::axle::Quantity] {
+        self.axle.as_ref().map_or(&[], |axle| &axle.quantities)
+    }
+
     /// The points of a design, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = &self.study.suspension;
@@ -234,17 +272,17 @@ impl<'s> SweepPlan<'s> {
                 add(name, output, Kind::Gain, &gain.unit);
             }
         }
-        for (k, wish) in self.wishes.iter().enumerate() {
-            let output = self.values[wish.quantity].output.as_str();
-            let same = |w: &&TargetSample| w.quantity == wish.quantity;
-            let earlier = self.wishes[..k].iter().filter(same).count();
+        for (k, target) in self.targets.iter().enumerate() {
+            let output = target.name.as_str();
+            let same = |t: &&SweptTarget| t.name == target.name;
+            let earlier = self.targets[..k].iter().filter(same).count();
             let name = match earlier {
                 0 => format!("rms_{output}"),
                 n => format!("rms_{output}_{}", n + 1),
             };
             add(name, output, Kind::Rms, "");
         }
-        if !self.wishes.is_empty() {
+        if !self.targets.is_empty() {
             add("misfit".to_owned(), "misfit", Kind::Misfit, "");
         }
         columns
@@ -286,16 +324,17 @@ impl<'s> SweepPlan<'s> {
             }
         }
         let (mut squares, mut weights) = (0.0, 0.0);
-        for wish in &self.wishes {
-            let square = |(station, wanted): &(usize, f64)| {
-                let value = block.value(design, wish.quantity, *station);
-                let deviation = (value - wanted) / wish.tolerance;
+        for target in &self.targets {
+            let square = |wish: &SweptWish| {
+                let value = block.value(design, wish.quantity, wish.station);
+                let deviation = wish.wanted.deviation(value) / target.tolerance;
                 deviation * deviation
             };
-            let square = wish.wanted.iter().map(square).sum::<f64>() / wish.wanted.len() as f64;
+            let wishes = &target.wishes;
+            let square = wishes.iter().map(square).sum::<f64>() / wishes.len() as f64;
             put(square.sqrt());
-            squares += wish.weight * square;
-            weights += wish.weight;
+            squares += target.weight * square;
+            weights += target.weight;
         }
         if weights > 0.0 {
             put((squares / weights).sqrt());
@@ -472,13 +511,17 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
     let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
     let targets = targets.map(|t| {
         let factor = t.of.factor();
-        let wanted = t.wanted.at_stations(&t.stations_in(motion)).into_iter();
+        let stations = match &t.site.axle {
+            Some(site) => t.stations_among(&site.values),
+            None => t.stations_in(motion),
+        };
+        let wanted = t.wanted.at_stations(&stations).into_iter();
         TargetColumn {
             column: t.of.column.clone(),
             tolerance: t.tolerance * factor,
             weight: t.weight,
             points: wanted
-                .map(|(drive, value)| [motion.drive.printed(drive), value * factor])
+                .map(|(drive, value)| [t.printed_at(motion.drive, drive), value * factor])
                 .collect(),
         }
     });

@@ -4,6 +4,7 @@
 //! each column is, how designs were sampled, how they are divided into parts.
 
 use super::BLOCK;
+use crate::axle::Coordinate;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -124,7 +125,7 @@ pub struct TargetColumn {
     pub tolerance: f64,
     /// Against the other targets.
     pub weight: f64,
-    /// Drive values and wanted values.
+    /// Drive values, or those of what a target of an axle is over, and wanted values; of a band none.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -140,6 +141,12 @@ impl SweepRecord {
     /// The number of designs in a group of Saltelli's samples.
     pub fn group(&self) -> Option<u64> {
         (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
+    }
+
+    /// Whether its designs are of both wheels of an axle.
+    pub fn is_of_axle(&self) -> bool {
+        let drive = self.drive.rsplit_once('_').map_or("", |(key, _)| key);
+        Coordinate::ALL.iter().any(|c| c.key() == drive)
     }
 
     /// The number of blocks.

@@ -1,8 +1,10 @@
 //! Sweeps of axles.
 
+use super::tuning;
 use hardpoint::axle::axle_curves;
 use hardpoint::study::Study;
-use hardpoint::sweep::SweepPlan;
+use hardpoint::sweep::{Kind, SweepPlan};
+use nalgebra::DVector;
 use std::path::Path;
 
 fn study(right: &str) -> Study {
@@ -136,4 +138,76 @@ characteristics = ["camber"]
         .collect();
     let bend = travels[2] - 2.0 * travels[1] + travels[0];
     assert!(bend.abs() < 0.5, "{travels:?}");
+}
+
+/// Targets at places of their own, over heave, roll and steering, values and bands: how far a design of a sweep is from
+/// each is what tuning finds of it, and the misfit what tuning lowers. In lanes and one by one, with mirrored and with
+/// own hardpoints on the right.
+#[test]
+fn misfits_are_those_that_tuning_lowers() {
+    let own = tuning::own_right(1.5);
+    for changes in [
+        &[][..],
+        &[("[axle]\nright = \"mirrored\"", own.as_str())][..],
+    ] {
+        let study = tuning::of_all_kinds(changes);
+        let band = "optimise.targets=[\
+            { characteristic = \"ackermann_error\", over = \"steering_wheel_angle\", between = [-0.1, 0.5], tolerance = 0.1 },\
+            { characteristic = \"roll_steer\", over = \"heave\", roll = [-1.0, 1.0], at = 10.0, value = 0.1, tolerance = 0.01, weight = 2.0 },\
+            { characteristic = \"toe\", over = \"heave\", points = [[-40.0, 0.1], [40.0, -0.1]], tolerance = 0.1 },\
+            { characteristic = \"roll_steer\", over = \"roll\", heave = 13.0, at_most = 0.02, tolerance = 0.01 }]";
+        let swept = "sweep={ method = \"sobol\", samples = 3, variables = [\
+            { hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-30.0, 30.0] },\
+            { hardpoint = \"lower_ball_joint\", axis = \"z\", range = [-20.0, 20.0] }] }";
+        let moved = "optimise.variables=[\
+            { hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-30.0, 30.0] },\
+            { hardpoint = \"lower_ball_joint\", axis = \"z\", range = [-20.0, 20.0] }]";
+        for targets in [None, Some(band.to_owned())] {
+            let motion = "motion={ roll = [-2.0, 0.0, 2.0], heave = [-40.0, 40.0], steering_wheel_angle = [0.0, 300.0] }";
+            let edits = [swept, moved, motion]
+                .map(str::to_owned)
+                .into_iter()
+                .chain(targets);
+            let edits: Vec<String> = edits.collect();
+            let study = study.with_overrides("swept.toml", &edits);
+            let study = study.unwrap_or_else(|e| panic!("{e}"));
+            let layout = tuning::layout(&study);
+            let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+            let outputs = &plan.record.outputs;
+            let (misfit, deviations) = (plan.record.misfit().unwrap(), plan.record.deviations());
+            assert!(deviations.iter().all(|k| outputs[*k].kind == Kind::Rms));
+            let check = |found: &dyn Fn(usize) -> f64, x: &[f64]| {
+                let tuned = tuning::evaluate(&study, &layout, &DVector::from_column_slice(x));
+                let expected = layout.deviations(&tuned.residuals);
+                assert_eq!(expected.len(), deviations.len());
+                let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
+                for (k, expected) in deviations.iter().zip(expected) {
+                    let found = found(*k);
+                    assert!(
+                        near(found, expected.rms),
+                        "{}: {found} {}",
+                        outputs[*k].column,
+                        expected.rms
+                    );
+                }
+                let rows = layout.residuals() as f64;
+                let expected = (tuned.residuals.norm_squared() / rows).sqrt();
+                assert!(
+                    near(found(misfit), expected),
+                    "{} {expected}",
+                    found(misfit)
+                );
+            };
+            check(&|k| outputs[k].at_design.unwrap(), &[0.0, 0.0]);
+            let mut lanes = plan.worker().unwrap();
+            assert_eq!(lanes.not_in_lanes(), None);
+            for worker in [&mut lanes, &mut plan.worker_of_width(None).unwrap()] {
+                let rows = worker.rows(0).clone();
+                for design in 0..rows.designs() {
+                    check(&|k| rows.outputs(design)[k], rows.variables(design));
+                }
+            }
+            assert!(lanes.one_by_one().is_empty());
+        }
+    }
 }

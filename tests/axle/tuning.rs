@@ -9,7 +9,7 @@ use hardpoint::study::Study;
 use nalgebra::DVector;
 use std::path::Path;
 
-fn study(name: &str, changes: &[(&str, &str)]) -> Study {
+pub(super) fn study(name: &str, changes: &[(&str, &str)]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
     let mut text = std::fs::read_to_string(path).unwrap();
     for (from, to) in changes {
@@ -20,7 +20,7 @@ fn study(name: &str, changes: &[(&str, &str)]) -> Study {
 }
 
 /// The study with targets of every kind of position, few stations of each.
-fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
+pub(super) fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
     let study = study("macpherson_axle_front", changes);
     let targets = r#"optimise.targets=[
         { characteristic = "ackermann_error", over = "steering_wheel_angle", at = 300.0, value = 0.0, tolerance = 0.1 },
@@ -33,7 +33,7 @@ fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
     study.unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn layout(study: &Study) -> TargetLayout {
+pub(super) fn layout(study: &Study) -> TargetLayout {
     let suspension = &study.suspension;
     let optimise = study.optimise.as_ref().unwrap();
     TargetLayout::of(
@@ -44,7 +44,7 @@ fn layout(study: &Study) -> TargetLayout {
     )
 }
 
-fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {
+pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut objective = Objective::<1>::new(&study.suspension, variables, layout).unwrap();
     let mut found = Evaluation::new(layout.residuals(), x.len());
@@ -53,7 +53,7 @@ fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluatio
 }
 
 /// The right wheel's hardpoints one by one, where they are the mirror images or a millimetre from it.
-fn own_right(shift: f64) -> String {
+pub(super) fn own_right(shift: f64) -> String {
     let left = [
         ("lower_arm_front", [120.0, 360.0, 195.0]),
         ("tie_rod_inner", [-110.0, 330.0, 243.0]),

@@ -1,10 +1,11 @@
 //! What a sweep came to.
 
 use super::rows_csv;
+use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::report::figure::{brief, figures, resolution};
 use crate::report::table::{Cell, Column, Table};
-use crate::sweep::{Candidate, Effects, SweepRecord, SweepStatistics};
+use crate::sweep::{Candidate, Effects, OutputColumn, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
 /// `summary.json` of a sweep.
@@ -285,11 +286,7 @@ fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
         if lacking == 0 {
             continue;
         }
-        let named = |c: &&Characteristic| output.column.starts_with(c.info().name);
-        let longest = Characteristic::ALL.iter().filter(named);
-        let reason = longest
-            .max_by_key(|c| c.info().name.len())
-            .map_or("it is not a finite number there", |c| c.undefined_where());
+        let reason = undefined_where(record, output).unwrap_or("it is not a finite number there");
         let column = &output.column;
         notes.push(match lacking == tally.solved {
             true => format!("warning: no design that was solved has {column}: {reason}"),
@@ -315,6 +312,21 @@ fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Why an output may have no value.
+fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
+    if record.is_of_axle() {
+        let names = Quantity::names().into_iter();
+        let mut all =
+            names.flat_map(|name| Quantity::named(name).into_iter().map(move |q| (name, q)));
+        let found = all.find(|(name, q)| *name == output.output || q.name() == output.output);
+        return found.map(|(_, quantity)| quantity.undefined_where());
+    }
+    let named = |c: &&Characteristic| output.column.starts_with(c.info().name);
+    let longest = Characteristic::ALL.iter().filter(named);
+    let longest = longest.max_by_key(|c| c.info().name.len());
+    longest.map(|c| c.undefined_where())
 }
 
 /// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in

@@ -1,6 +1,7 @@
-//! Reading a target curve between its points.
+//! What a target wants where: its curve read between its points.
 
-use crate::study::{Interpolation, Limit, Wanted};
+use super::{About, Interpolation, Limit, Target, Wanted};
+use crate::axle::{Axle, Placement, Quantity};
 
 /// What is wanted at a drive value: anything from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +12,50 @@ pub struct Sample {
     pub low: f64,
     /// The most that is wanted; the same for a value.
     pub high: f64,
+}
+
+impl Sample {
+    /// Whether anything between two limits will do.
+    pub fn is_band(&self) -> bool {
+        self.low < self.high
+    }
+
+    /// How far a value is from what is wanted: 0 within the limits.
+    pub fn deviation(&self, found: f64) -> f64 {
+        found - found.clamp(self.low, self.high)
+    }
+}
+
+/// What a target wants of a quantity of an axle in one position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxleSample {
+    /// The position.
+    pub placement: Placement,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// What is wanted of it; the place on the target's curve as the study writes it.
+    pub wanted: Sample,
+}
+
+impl Target {
+    /// What it wants of an axle: at each place of its curve in every position that is held, of every quantity it is
+    /// about. Nothing of a target of one wheel.
+    pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
+        let (About::Axle(quantities), Some(site)) = (&self.of.about, &self.site.axle) else {
+            return Vec::new();
+        };
+        let mut samples = Vec::new();
+        for wanted in self.wanted.samples(&self.stations_among(&site.values)) {
+            for placement in site.placements(wanted.drive, axle) {
+                samples.extend(quantities.iter().map(|quantity| AxleSample {
+                    placement,
+                    quantity: *quantity,
+                    wanted,
+                }));
+            }
+        }
+        samples
+    }
 }
 
 impl Wanted {

@@ -7,6 +7,6 @@ mod limits;
 mod loads;
 
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
-pub use certificate::{Certificate, Certifier};
+pub use certificate::{Certificate, Certifier, Inclusion};
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
 pub use loads::{Balance, Load, Reaction, Reactions, Support};

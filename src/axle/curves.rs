@@ -2,7 +2,7 @@
 
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 use super::state::Motion;
-use super::{Axle, AxleQuantity, Course, Quantity, Void, WheelMotion};
+use super::{Axle, AxleCertifier, AxleProof, AxleQuantity, Course, Quantity, Void, WheelMotion};
 use crate::curves::Status;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side};
@@ -19,9 +19,20 @@ pub struct AxlePlan {
     pub derivatives: bool,
     /// Hardpoints by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
+    /// Whether each position is proved.
+    pub certify: bool,
 }
 
 impl AxlePlan {
+    /// The same without sensitivities and proofs.
+    pub fn values_alone(&self) -> AxlePlan {
+        AxlePlan {
+            sensitivities: Vec::new(),
+            certify: false,
+            ..self.clone()
+        }
+    }
+
     /// The same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
         let wheels = match self.course.wheels {
@@ -43,8 +54,7 @@ impl AxlePlan {
                 steering_wheel: None,
                 ..self.course.clone()
             },
-            sensitivities: Vec::new(),
-            ..self.clone()
+            ..self.values_alone()
         }
     }
 }
@@ -94,6 +104,22 @@ pub struct AxleStation {
     pub values: Vec<Result<f64, Void>>,
     /// Condition number of the worse wheel.
     pub condition: Option<f64>,
+    /// What is proved, where that is asked for.
+    pub proof: Option<AxleProof>,
+}
+
+impl AxleStation {
+    /// One that has no position, or none that is proved.
+    fn failed(placement: Placement, failure: AxleFailure) -> Self {
+        AxleStation {
+            placement,
+            placed: Err(failure),
+            status: failure.word(),
+            values: Vec::new(),
+            condition: None,
+            proof: None,
+        }
+    }
 }
 
 /// The derivative of a column by a hardpoint coordinate, as printed per length unit.
@@ -246,19 +272,46 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
             }
             Ok(found)
         });
-        stations.push(found.unwrap_or_else(|failure| AxleStation {
-            placement,
-            placed: Err(failure),
-            status: failure.word(),
-            values: Vec::new(),
-            condition: None,
-        }));
+        stations.push(found.unwrap_or_else(|failure| AxleStation::failed(placement, failure)));
+    }
+    if plan.certify {
+        certify(axle, &mut solver, &mut stations);
+        sensitivities.retain(|s: &AxleSensitivity| stations[s.station].placed.is_ok());
     }
     Ok(AxleCurves {
         columns,
         stations,
         sensitivities,
     })
+}
+
+/// Proves every position: that it is right, and that the pose of each wheel lies on the branch of its design position.
+/// Those that are not proved are lost.
+fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &mut [AxleStation]) {
+    let certifier = AxleCertifier::new(axle);
+    let rack = |station: &AxleStation| station.placement.rack();
+    for stations in stations.chunk_by_mut(|a, b| rack(a) == rack(b)) {
+        let mut found: Vec<_> = stations.iter_mut().filter(|s| s.placed.is_ok()).collect();
+        let Some(rack) = found.first().map(|s| rack(s)) else {
+            continue;
+        };
+        let placed: Vec<_> = found.iter().filter_map(|s| s.placed.ok()).collect();
+        let branches = [Side::Left, Side::Right].map(|side| {
+            let wheel = side as usize;
+            let travels: Vec<_> = placed.iter().map(|p| p.travels[wheel]).collect();
+            let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
+            solver.prove_branch(certifier.wheel(side), side, rack, (&travels, &poses))
+        });
+        for (number, station) in found.iter_mut().enumerate() {
+            let on_branch = branches[0][number].and(branches[1][number]);
+            let proof =
+                on_branch.and_then(|()| certifier.prove(&station.placement, &placed[number]));
+            match proof {
+                Ok(proof) => station.proof = Some(proof),
+                Err(failure) => **station = AxleStation::failed(station.placement, failure),
+            }
+        }
+    }
 }
 
 /// The curves of both wheels at one place of the rack, where their travels are given.
@@ -344,6 +397,7 @@ fn values(
         },
         values,
         condition: Some(read.condition),
+        proof: None,
     }
 }
 

@@ -6,6 +6,7 @@
 //! roll are positive to the left and about +x.
 
 mod catalogue;
+mod certificate;
 mod coordinate;
 mod course;
 mod curves;
@@ -23,6 +24,7 @@ mod unit;
 
 pub use crate::mechanism::Ground;
 pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
+pub use certificate::{AxleCertifier, AxleProof};
 pub use coordinate::Coordinate;
 pub use course::{Course, WheelMotion};
 pub use curves::{AxleColumn, AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};

@@ -10,9 +10,9 @@ use super::setup::Setup;
 use super::state::{Hold, State};
 use super::taylor::Line;
 use super::{Axle, Quantity};
-use crate::analyse::Limits;
+use crate::analyse::{Certifier, Limits};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles};
+use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
 use crate::model::{Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
@@ -95,6 +95,8 @@ pub enum AxleFailure {
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
     NoGround,
+    /// A proof was asked for: both poses are proved, but not that the ground under them is the only one there.
+    Unproven,
 }
 
 impl AxleFailure {
@@ -103,6 +105,16 @@ impl AxleFailure {
         match self {
             AxleFailure::Wheel { failure, .. } => crate::curves::Status::Failed(*failure).word(),
             AxleFailure::NoGround => "unreachable",
+            AxleFailure::Unproven => "uncertified",
+        }
+    }
+
+    /// Whether there is a position, but no proof of it.
+    pub fn is_unproven(&self) -> bool {
+        match self {
+            AxleFailure::Wheel { failure, .. } => matches!(failure, Failure::Uncertified(_)),
+            AxleFailure::Unproven => true,
+            AxleFailure::NoGround => false,
         }
     }
 }
@@ -118,6 +130,10 @@ impl std::fmt::Display for AxleFailure {
             AxleFailure::NoGround => {
                 write!(f, "no difference of travels puts both wheels on the ground")
             }
+            AxleFailure::Unproven => write!(
+                f,
+                "both poses are proved, but not that the ground under them is the only one there"
+            ),
         }
     }
 }
@@ -926,6 +942,41 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             receive(number, [left, right]);
         }
         Ok(())
+    }
+
+    /// Proves that poses of one wheel, at travels with the rack in one place, lie on the branch of its design position.
+    pub(super) fn prove_branch(
+        &mut self,
+        certifier: &Certifier,
+        side: Side,
+        rack: f64,
+        (travels, poses): (&[f64], &[Pose<f64>]),
+    ) -> Vec<Result<(), AxleFailure>> {
+        let corner = &mut self.corners[side as usize];
+        let order = StationOrder::through(travels);
+        let found: Vec<_> = poses.iter().copied().map(Ok).collect();
+        let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
+        let rack = rack * corner.rack_sign;
+        // The design position was looked at when the solver was made.
+        let _ = corner.solver.prove_poses(
+            certifier,
+            Drive::Travel,
+            &order,
+            rack,
+            &found,
+            |_, station, certified| {
+                proved[station] = certified.map(|_| ());
+                ControlFlow::Continue(())
+            },
+        );
+        let wheel = |(proved, travel): (Result<(), Failure>, &f64)| {
+            proved.map_err(|failure| AxleFailure::Wheel {
+                side,
+                travel: *travel,
+                failure,
+            })
+        };
+        proved.into_iter().zip(travels).map(wheel).collect()
     }
 
     /// How far one wheel goes by itself, in the frame of its side.

@@ -230,11 +230,7 @@ pub(super) fn check(
     AxleStudy { axle, plan }: &AxleStudy,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let moving = AxlePlan {
-        sensitivities: Vec::new(),
-        ..plan.clone()
-    };
-    let curves = axle_curves(axle, &moving).map_err(|f| fault(path, axle, f))?;
+    let curves = axle_curves(axle, &plan.values_alone()).map_err(|f| fault(path, axle, f))?;
     let design = axle_curves(axle, &plan.at_design()).map_err(|f| fault(path, axle, f))?;
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
     let mut out = Printer::new(arguments.format);

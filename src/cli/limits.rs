@@ -6,7 +6,7 @@ use super::output::design_fault;
 use super::printer::Printer;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::{AxleEnd, AxlePlan, AxleSolver, axle_curves};
+use crate::axle::{AxleEnd, AxleSolver, axle_curves};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
@@ -66,10 +66,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let stop = |f| super::axle::fault(path, axle, f);
     let mut solver = AxleSolver::<1>::new(axle, &[], false).map_err(stop)?;
     let limits = solver.limits().map_err(stop)?;
-    let moving = AxlePlan {
-        sensitivities: Vec::new(),
-        ..plan.clone()
-    };
+    let moving = plan.values_alone();
     let curves = axle_curves(axle, &moving).map_err(stop)?;
     let unit = study.suspension.length_unit.symbol();
     let columns = ["quantity", "at", "from", "because", "to", "because there"];

@@ -196,13 +196,14 @@ fn left_out(study: &Study) -> Vec<&'static str> {
     let of_axle = study.axle.as_ref().map(|both| &both.plan);
     let derived = of_axle.is_some_and(|plan| plan.derivatives);
     let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
+    let proved = of_axle.is_some_and(|plan| plan.certify);
     let asked = [
         ("order", derived || outputs.order != Order::Position),
         (
             "sensitivities",
             sensitive || !outputs.sensitivities.is_empty(),
         ),
-        ("certify", outputs.certify),
+        ("certify", proved || outputs.certify),
         ("loads", !outputs.loads.is_empty()),
     ];
     asked

@@ -5,8 +5,8 @@ use crate::analyse::{Certificate, Certifier};
 use crate::model::{Body, Suspension};
 
 /// Proves the poses of one suspension.
-pub(super) struct Prover<'a> {
-    pub(super) certifier: Certifier<'a>,
+pub(crate) struct Prover<'a> {
+    pub(crate) certifier: Certifier<'a>,
     /// The largest distance of a point of the wheel carrier from the carrier's origin.
     lever: f64,
     /// What forming a point from a pose rounds, at most.
@@ -14,7 +14,7 @@ pub(super) struct Prover<'a> {
 }
 
 impl<'a> Prover<'a> {
-    pub(super) fn new(suspension: &'a Suspension) -> Self {
+    pub(crate) fn new(suspension: &'a Suspension) -> Self {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let origin = design[mechanism.origin.0];
         let points = mechanism.points.iter().zip(design);
@@ -32,7 +32,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    pub(super) fn proof(&self, certificate: &Certificate) -> Proof {
+    pub(crate) fn proof(&self, certificate: &Certificate) -> Proof {
         Proof {
             position_error: certificate.point_error(self.lever) + self.rounding,
             uniqueness: certificate.uniqueness,

@@ -39,8 +39,7 @@ impl AxleCourse {
     pub(super) fn of(both: &AxleStudy) -> Self {
         let plan = AxlePlan {
             derivatives: false,
-            sensitivities: Vec::new(),
-            ..both.plan.clone()
+            ..both.plan.values_alone()
         };
         AxleCourse {
             columns: plan.columns(&both.axle),

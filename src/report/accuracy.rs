@@ -3,10 +3,11 @@
 use super::completeness::Completeness;
 use super::figure::brief;
 use super::station_label::StationLabel;
-use crate::curves::{Curves, Station, Status};
+use crate::curves::{Curves, Proof, Station, Status};
 use crate::mechanism::Failure;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 
 /// What has to be said of some curves, a line each: of their accuracy, and of what has no value.
 pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
@@ -113,9 +114,9 @@ impl ConditionSummary {
     }
 }
 
-/// What was proved.
+/// What was proved. `L` says where a station is.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct CertificateSummary {
+pub(super) struct CertificateSummary<L = StationLabel> {
     /// Number of stations whose pose is proved, and that it is on the branch of the design position.
     proved: usize,
     /// Number of stations with a pose that could not be proved.
@@ -125,7 +126,7 @@ pub(super) struct CertificateSummary {
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,
     /// Where.
-    at: Option<StationLabel>,
+    at: Option<L>,
     /// The smallest distance within which there is proved to be no other pose.
     smallest_uniqueness: Option<f64>,
 }
@@ -136,22 +137,62 @@ impl CertificateSummary {
         if !study.outputs.certify {
             return None;
         }
-        let proofs = || curves.stations.iter().filter_map(|s| Some((s, s.proof?)));
+        let proofs = curves.stations.iter().filter_map(|s| Some((s, s.proof?)));
         let refused = |s: &&Station| matches!(s.status, Status::Failed(Failure::Uncertified(_)));
-        let worst = proofs().max_by(|a, b| a.1.position_error.total_cmp(&b.1.position_error));
-        let uniqueness = proofs().map(|(_, proof)| proof.uniqueness);
-        Some(CertificateSummary {
-            proved: proofs().count(),
-            unproved: curves.stations.iter().filter(refused).count(),
-            one_branch: proofs().count() == curves.stations.len(),
-            largest_position_error: worst.map(|(_, proof)| proof.position_error),
-            at: worst.map(|(station, _)| StationLabel::of(station, study.motion.drive)),
-            smallest_uniqueness: uniqueness.min_by(f64::total_cmp),
-        })
+        let summary = CertificateSummary::of_proofs(
+            proofs,
+            curves.stations.iter().filter(refused).count(),
+            curves.stations.len(),
+        );
+        Some(summary.at(|station| StationLabel::of(station, study.motion.drive)))
+    }
+}
+
+impl<L> CertificateSummary<L> {
+    /// Of the proofs there are, among so many stations, where so many could not be proved.
+    pub(super) fn of_proofs(
+        proofs: impl Iterator<Item = (L, Proof)>,
+        unproved: usize,
+        stations: usize,
+    ) -> Self {
+        let mut summary = CertificateSummary {
+            proved: 0,
+            unproved,
+            one_branch: false,
+            largest_position_error: None,
+            at: None,
+            smallest_uniqueness: None,
+        };
+        for (at, proof) in proofs {
+            summary.proved += 1;
+            // The last of the worst.
+            if summary.largest_position_error <= Some(proof.position_error) {
+                summary.largest_position_error = Some(proof.position_error);
+                summary.at = Some(at);
+            }
+            let nearest = summary.smallest_uniqueness.unwrap_or(f64::INFINITY);
+            summary.smallest_uniqueness = Some(nearest.min(proof.uniqueness));
+        }
+        summary.one_branch = summary.proved == stations;
+        summary
     }
 
+    /// The same, places in other words.
+    pub(super) fn at<M>(self, words: impl FnOnce(L) -> M) -> CertificateSummary<M> {
+        CertificateSummary {
+            proved: self.proved,
+            unproved: self.unproved,
+            one_branch: self.one_branch,
+            largest_position_error: self.largest_position_error,
+            at: self.at.map(words),
+            smallest_uniqueness: self.smallest_uniqueness,
+        }
+    }
+}
+
+impl<L: Display> CertificateSummary<L> {
     /// The same in words.
-    fn remark(&self, stations: usize, length_unit: &str) -> String {
+    pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += &match (self.one_branch, self.unproved) {
             (true, _) => "; the whole curve is one branch".to_owned(),

@@ -1,9 +1,11 @@
 //! Curves of an axle as files, tables and words.
 
+use super::accuracy::CertificateSummary;
 use super::figure::figures;
 use super::files::csv_of;
 use super::{Cell, Table, shortest};
-use crate::axle::{Axle, AxleCurves, AxlePlan, AxleStation, Placement};
+use crate::axle::{Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Placement, WheelMotion};
+use crate::curves::Proof;
 use crate::model::Axis;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +47,42 @@ impl Place<'_> {
         values.extend(course.shows_rack.then_some(Some(rack)));
         let angle = course.steering_wheel_at(number).map(degrees);
         values.extend(course.steering_wheel.is_some().then_some(angle));
+        values
+    }
+
+    /// What the travels, or the roll angle, follow from.
+    fn results(&self) -> [bool; 2] {
+        let wheels = &self.plan.course.wheels;
+        let rolls = matches!(wheels, WheelMotion::Roll { .. });
+        [rolls, self.plan.course.shows_roll() && !rolls]
+    }
+
+    /// Names of the columns that say what is proved.
+    fn proof_names(&self) -> Vec<String> {
+        if !self.plan.certify {
+            return Vec::new();
+        }
+        let unit = self.axle.left.length_unit.symbol();
+        let [travels, roll] = self.results();
+        let mut names = ["left", "right"]
+            .map(|side| format!("{side}_position_error_{unit}"))
+            .to_vec();
+        names.extend(travels.then(|| format!("travel_error_{unit}")));
+        names.extend(roll.then(|| "roll_error_deg".to_owned()));
+        names.push(format!("uniqueness_{unit}"));
+        names
+    }
+
+    fn proof_values(&self, station: &AxleStation) -> Vec<Option<f64>> {
+        if !self.plan.certify {
+            return Vec::new();
+        }
+        let [travels, roll] = self.results();
+        let of = |value: fn(&AxleProof) -> f64| station.proof.as_ref().map(value);
+        let mut values = vec![of(|p| p.position_errors[0]), of(|p| p.position_errors[1])];
+        values.extend(travels.then(|| of(|p| p.travel_error)));
+        values.extend(roll.then(|| of(|p| p.roll_error.to_degrees() * (1.0 + 1e-12))));
+        values.push(of(|p| p.uniqueness));
         values
     }
 
@@ -93,6 +131,7 @@ pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec
     csv_of(|writer| {
         let mut header = place.names();
         header.extend(curves.columns.iter().map(|c| c.name.clone()));
+        header.extend(place.proof_names());
         header.push("status".to_owned());
         writer.write_record(&header)?;
         for (number, station) in curves.stations.iter().enumerate() {
@@ -103,6 +142,7 @@ pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec
                 .collect();
             let values = (0..curves.columns.len()).map(|k| station.value(k));
             record.extend(values.map(cell));
+            record.extend(place.proof_values(station).into_iter().map(cell));
             record.push(station.status.to_owned());
             writer.write_record(&record)?;
         }
@@ -154,6 +194,11 @@ pub struct AxleSummary {
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
     completeness: Completeness,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    certificate: Option<CertificateSummary<String>>,
+    /// For the words of the certificate.
+    #[serde(skip)]
+    length_unit: String,
 }
 
 /// As of a corner: empty cells by reason.
@@ -254,6 +299,8 @@ impl AxleSummary {
             outputs: outputs.collect(),
             completeness: Completeness { empty },
             failed,
+            certificate: certificate(&place, curves),
+            length_unit: axle.left.length_unit.symbol().to_owned(),
         }
     }
 
@@ -286,7 +333,9 @@ impl AxleSummary {
 
     /// What has to be said of stations without a position and of empty cells, a line each.
     pub fn remarks(&self) -> Vec<String> {
-        let mut said = Vec::new();
+        let certificate = self.certificate.iter();
+        let certificate = certificate.map(|c| c.remark(self.stations, &self.length_unit));
+        let mut said: Vec<_> = certificate.collect();
         for cells in &self.completeness.empty {
             let EmptyCells {
                 columns: [column],
@@ -307,6 +356,36 @@ impl AxleSummary {
         let failed = self.failed.iter();
         failed.map(|f| format!("not solved: {}: {}", f.at, f.reason))
     }
+}
+
+/// What was proved of some curves, where that was asked for: of the worse wheel.
+pub(super) fn certificate(
+    place: &Place<'_>,
+    curves: &AxleCurves,
+) -> Option<CertificateSummary<String>> {
+    if !place.plan.certify {
+        return None;
+    }
+    let stations = || curves.stations.iter().enumerate();
+    let proofs = stations().filter_map(|(number, station)| {
+        let AxleProof {
+            position_errors: [left, right],
+            uniqueness,
+            ..
+        } = station.proof?;
+        let worse = Proof {
+            position_error: left.max(right),
+            uniqueness,
+        };
+        Some(((number, station), worse))
+    });
+    let unproved = |(_, s): &(usize, &AxleStation)| {
+        let failure = s.placed.as_ref().err();
+        failure.is_some_and(|f| f.is_unproven())
+    };
+    let unproved = stations().filter(unproved).count();
+    let summary = CertificateSummary::of_proofs(proofs, unproved, curves.stations.len());
+    Some(summary.at(|(number, station)| place.words(number, station)))
 }
 
 /// What is possible but seldom meant in a study of an axle, a line each.

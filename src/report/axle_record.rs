@@ -1,6 +1,6 @@
 //! `report.json` of an axle: what its page needs beyond the other files of a run.
 
-use super::axle::Place;
+use super::axle::{Place, certificate};
 use super::failures::FailureRange;
 use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
@@ -38,7 +38,10 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
-                remarks: Vec::new(),
+                remarks: certificate(&Place { plan, axle }, curves)
+                    .map(|c| c.remark(curves.stations.len(), length.symbol()))
+                    .into_iter()
+                    .collect(),
                 failures: failures(axle, plan, curves),
                 frames: frames(axle, &plan.course, &moving)?,
             })

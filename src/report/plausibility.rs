@@ -2,7 +2,7 @@
 //! it is a mistake, so it is only said.
 
 use super::axle_doubts;
-use crate::axle::{Axle, AxlePlan, axle_curves};
+use crate::axle::{Axle, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
@@ -55,10 +55,7 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match &study.axle {
         None => doubts(&study.suspension).map_err(|fault| (Side::Left, fault))?,
         Some(AxleStudy { axle, plan }) => {
-            let plan = AxlePlan {
-                sensitivities: Vec::new(),
-                ..plan.clone()
-            };
+            let plan = plan.values_alone();
             let curves = axle_curves(axle, &plan)?;
             let mut found = wheel_doubts(axle)?;
             found.extend(axle_doubts(axle, &curves, axle.turns_against(&plan)));

@@ -171,7 +171,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     }
     Ok(AxlePlan {
         quantities,
-        ..plan.clone()
+        ..plan.values_alone()
     })
 }
 
@@ -191,7 +191,6 @@ pub(super) fn solved(
     let axle = moved(&both.axle, &left);
     let sign = left.frame.sign(Axis::Y);
     let mut plan = asking_for(&both.plan, &axle, &request.characteristics)?;
-    plan.sensitivities.clear();
     if let Some(rack) = request.curves_rack {
         plan.course.racks = vec![rack * sign];
         plan.course.steering_wheel = None;
@@ -328,7 +327,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
         course,
         quantities: Vec::new(),
         derivatives: false,
-        sensitivities: Vec::new(),
+        ..plan.values_alone()
     };
     let found = axle_curves(axle, &here).ok()?;
     let station = found.stations.first()?;

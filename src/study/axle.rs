@@ -99,6 +99,7 @@ pub(super) fn axle(
         quantities,
         derivatives,
         sensitivities,
+        certify: certify(file),
     };
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy { axle, plan })
@@ -175,14 +176,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
                 .filter(|k| *k.get_ref())
                 .map(Spanned::span),
             "knuckle is not there for an axle",
-        );
-        add(
-            outputs
-                .certify
-                .as_ref()
-                .filter(|c| *c.get_ref())
-                .map(Spanned::span),
-            "certify is not yet there for an axle",
         );
         add(
             outputs.loads.as_ref().map(Spanned::span),
@@ -536,6 +529,12 @@ fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
         order? == Order::Velocity,
         points?,
     ))
+}
+
+/// Whether each position is to be proved.
+fn certify(file: &File) -> bool {
+    let asked = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
+    asked.is_some_and(|c| *c.get_ref())
 }
 
 /// What a study must give for something that a quantity needs, where it does not.

@@ -230,7 +230,7 @@ impl<const N: usize> OneByOne<'_, N> {
 fn of_one_wheel(failure: AxleFailure) -> Failure {
     match failure {
         AxleFailure::Wheel { failure, .. } => failure,
-        AxleFailure::NoGround => Failure::Unreachable {
+        AxleFailure::NoGround | AxleFailure::Unproven => Failure::Unreachable {
             drive: Drive::Travel,
             limit: 0.0,
             cause: LimitCause::Unresolved,

@@ -116,10 +116,6 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
         ("motion.ground=\"pads\"", "expected ground = \"plane\""),
         ("motion.rack=1.0", "rack already says where the rack is"),
         (
-            "outputs.certify=true",
-            "certify is not yet there for an axle",
-        ),
-        (
             "outputs.points=[\"wheel_centre\"]",
             "points are not yet there for an axle",
         ),
@@ -151,6 +147,51 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let corner = corner.to_str().unwrap();
     let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
     assert!(said.contains("roll is of an axle"), "{said}");
+}
+
+/// A certificate has columns of its own, by what follows from what, and a summary; a sweep leaves it out and says so.
+#[test]
+fn an_axle_is_certified() {
+    let path = study("macpherson_axle.toml");
+    let out = folder("certified");
+    let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
+    let few = [
+        "outputs.certify=true",
+        "outputs.characteristics=[\"steer\"]",
+        "motion.heave=0.0",
+    ];
+    let set = |more: &[&'static str]| -> Vec<&'static str> {
+        let all = few.iter().chain(more);
+        all.flat_map(|set| ["--set", *set]).collect()
+    };
+    let mut arguments = vec!["solve", path, "--out", directory];
+    arguments.extend(set(&[]));
+    let (said, _) = run(&arguments, 0);
+    assert!(
+        said.contains("26 of 26 stations proved; the whole curve is one branch"),
+        "{said}"
+    );
+    let csv = fs::read_to_string(out.join("curves.csv")).unwrap();
+    let columns =
+        "left_position_error_mm,right_position_error_mm,travel_error_mm,uniqueness_mm,status";
+    assert!(csv.lines().next().unwrap().ends_with(columns), "{csv}");
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["certificate"]["proved"], 26);
+    assert_eq!(summary["certificate"]["one_branch"], true);
+    // Beyond the rack's end there is nothing to prove, and what can be reached is one branch.
+    let plane =
+        "motion={travel_left=10.0, travel_right=-10.0, ground=\"plane\", rack=[0.0, 130.0]}";
+    let mut arguments = vec!["solve", path, "--out", "-"];
+    arguments.extend(set(&[]).into_iter().take(4));
+    arguments.extend(["--set", plane]);
+    let (csv, said) = run(&arguments, 1);
+    assert!(csv.contains("roll_error_deg,uniqueness_mm,status"), "{csv}");
+    assert!(csv.trim_end().ends_with(",,,,unreachable"), "{csv}");
+    assert!(
+        said.contains("1 of 2 stations proved; what can be reached is one branch"),
+        "{said}"
+    );
 }
 
 /// The page draws the body rolled on level ground: both contact points where the ground is, the roll centre at the height

@@ -111,6 +111,7 @@ fn an_axle_in_heave_is_two_corners() {
             quantities: asked.iter().map(|c| Quantity::Corner(Left, *c)).collect(),
             derivatives: false,
             sensitivities: Vec::new(),
+            certify: false,
         };
         let axle = axle_curves(&both, &plan).unwrap();
         for (k, c) in asked.iter().enumerate() {

@@ -27,11 +27,7 @@ impl Solver<'_> {
         drive: Drive,
         station_order: &StationOrder,
         rack: f64,
-        mut visit: impl FnMut(
-            &Self,
-            usize,
-            Result<(&Pose<f64>, Certificate), Failure>,
-        ) -> ControlFlow<()>,
+        visit: impl FnMut(&Self, usize, Result<(&Pose<f64>, Certificate), Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
         let mut found: Vec<Result<Pose<f64>, Failure>> =
             vec![Err(Failure::Singular); station_order.values().len()];
@@ -39,6 +35,27 @@ impl Solver<'_> {
             found[station] = pose.copied();
             ControlFlow::Continue(())
         })?;
+        self.prove_poses(certifier, drive, station_order, rack, &found, visit)
+    }
+
+    /// Proves poses that were found at the stations: that each is right, and that it lies on the branch of the
+    /// design position. `visit` gets those that are proved, and why the others are not.
+    ///
+    /// # Errors
+    /// If the design position itself is singular.
+    pub fn prove_poses(
+        &mut self,
+        certifier: &Certifier,
+        drive: Drive,
+        station_order: &StationOrder,
+        rack: f64,
+        found: &[Result<Pose<f64>, Failure>],
+        mut visit: impl FnMut(
+            &Self,
+            usize,
+            Result<(&Pose<f64>, Certificate), Failure>,
+        ) -> ControlFlow<()>,
+    ) -> Result<(), DesignFault> {
         let start = match self.placed(drive, rack)? {
             Ok(placed) => {
                 let design = self.design_place(drive);

@@ -27,8 +27,12 @@
 //! and with J enclosed over the line the same inequality proves, for every t, one and only one solution
 //! within r+ of the line: both poses lie on one branch. A chain of such steps from the design position
 //! proves a whole curve.
+//!
+//! *An interval of the travel.* With the drive an interval in F the inequality holds for every travel in it:
+//! there is a pose for each, within r- of the one pose that was looked at ([`Inclusion`]).
 
 mod branch;
+mod inclusion;
 mod quadratic;
 mod theorem;
 
@@ -39,10 +43,11 @@ use crate::model::{Drive, Mechanism};
 use crate::number::Interval;
 use crate::number::Real;
 use crate::number::Vector3;
+pub use inclusion::Inclusion;
 use quadratic::{Quadratic, middles};
 use std::array::from_fn;
 use std::cell::OnceCell;
-use theorem::{image, inverse, radii};
+use theorem::{Radii, image, inverse, radii};
 
 const N: usize = 12;
 type Square = [[f64; N]; N];
@@ -89,6 +94,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
+    /// The length the rotation is counted at.
+    pub(crate) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     fn equations(&self, drive: Drive) -> &Quadratic {
         self.equations[drive as usize]
             .get_or_init(|| Quadratic::new(self.mechanism, &self.design, self.scale, drive))
@@ -108,11 +118,15 @@ impl<'m> Certifier<'m> {
         let inverse = inverse(&middles(&jacobian))?;
         let bends = &equations.pose_bends;
         let radii = radii(&inverse, &jacobian, bends, image(&inverse, &f))?;
-        Ok(Certificate {
+        Ok(self.certificate(&radii))
+    }
+
+    fn certificate(&self, radii: &Radii) -> Certificate {
+        Certificate {
             error: (radii.error * self.scale).next_up(),
             uniqueness: (radii.uniqueness * self.scale).next_down(),
             scale: self.scale,
-        })
+        }
     }
 
     /// Proves that two poses lie on one branch, with one and only one solution beside every point of

@@ -170,21 +170,33 @@ impl Quadratic {
 
     /// The displacement to a pose and motion point.
     pub(crate) fn displacement(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Displacement {
-        let length = |to: f64, from: f64| {
-            (Interval::point(to) - Interval::point(from)).times(1.0 / self.scale)
+        let point = MotionPoint {
+            drive: point.drive,
+            value: Interval::point(point.value),
+            rack: Interval::point(point.rack),
         };
+        self.displacement_over(pose, &point)
+    }
+
+    /// The same, drive and rack anywhere in intervals.
+    pub(crate) fn displacement_over(
+        &self,
+        pose: &Pose<f64>,
+        point: &MotionPoint<Interval>,
+    ) -> Displacement {
+        let length = |to: Interval, from: f64| (to - Interval::point(from)).times(1.0 / self.scale);
         let one = Interval::point(1.0);
         let columns = pose.rotation.columns.map(Vector3::to_array);
         let (at, origin) = (pose.origin.to_array(), self.origin.to_array());
         let drive = match self.drive {
             Drive::Travel => [length(point.value, 0.0), Interval::point(0.0)],
             Drive::ArmAngle => {
-                let (sine, cosine) = Interval::point(point.value).sin_cos();
+                let (sine, cosine) = point.value.sin_cos();
                 [sine, cosine - one]
             }
         };
         from_fn(|j| match j {
-            0..3 => length(at[j], origin[j]),
+            0..3 => length(Interval::point(at[j]), origin[j]),
             3..N => {
                 let (column, row) = (j / 3 - 1, j % 3);
                 let entry = Interval::point(columns[column][row]);
@@ -193,6 +205,15 @@ impl Quadratic {
             RACK => length(point.rack, 0.0),
             _ => drive[j - DRIVE[0]],
         })
+    }
+
+    /// J(z) by the pose, and by the travel that drives.
+    pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
+        let gradients = self.gradients(z);
+        (
+            gradients.map(by_pose),
+            gradients.map(|gradient| gradient[DRIVE[0]]),
+        )
     }
 
     /// J(z) by every variable.

@@ -54,7 +54,7 @@ pub(crate) fn radii(
 }
 
 /// A bound on |1 - A J|.
-fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
+pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     let middle = middles(jacobian);
     let off: Square = from_fn(|k| {
         from_fn(|j| radius(jacobian[k][j], middle[k][j]) + ROUNDING * middle[k][j].abs())

@@ -1,0 +1,106 @@
+//! All poses over an interval of the wheel travel, with their derivatives by it.
+//!
+//! The theorem holds for every travel z of an interval at once if F(x, z) is enclosed over it: there is one and only
+//! one x(z) within r+ of the pose that was looked at, and it is within r-. On that ball J is regular, since with
+//! Z = |1 - A J| over it Z < 1, so x(z) is differentiable, and J x' = -F_z gives
+//!
+//! ```text
+//! x' = v + (1 - A J) x',   v = -A F_z     =>     |x' - v| <= Z |v|/(1 - Z)
+//! ```
+
+use super::theorem::{defect, image, inverse, radii};
+use super::{Certificate, Certifier, middles};
+use crate::derive::MotionPoint;
+use crate::mechanism::{Pose, Unproven};
+use crate::model::Drive;
+use crate::number::{Interval, Jet, Matrix3, Vector3};
+use std::array::from_fn;
+
+/// The poses at all travels of an interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Inclusion {
+    /// What is proved of the pose that was looked at, against the exact one at any travel of the interval.
+    pub certificate: Certificate,
+    /// Encloses every exact pose, and its derivative by the travel.
+    pub pose: Pose<Jet<Interval, 2>>,
+}
+
+impl Certifier<'_> {
+    /// Encloses the poses beside a given one at every travel of an interval, the rack being exactly at `rack`.
+    ///
+    /// # Errors
+    /// Why nothing could be proved; a shorter interval may do.
+    pub fn over_travels(
+        &self,
+        pose: &Pose<f64>,
+        travel: Interval,
+        rack: f64,
+    ) -> Result<Inclusion, Unproven> {
+        let equations = self.equations(Drive::Travel);
+        let point = MotionPoint {
+            drive: Drive::Travel,
+            value: travel,
+            rack: Interval::point(rack),
+        };
+        let at = equations.displacement_over(pose, &point);
+        let (f, jacobian) = equations.linearised(&at);
+        let inverse = inverse(&middles(&jacobian))?;
+        let bends = &equations.pose_bends;
+        let radii = radii(&inverse, &jacobian, bends, image(&inverse, &f))?;
+        let certificate = self.certificate(&radii);
+
+        let mut ball = at;
+        for number in &mut ball[..super::N] {
+            *number = around(*number, radii.error);
+        }
+        let (jacobian, by_travel) = equations.jacobian(&ball);
+        let one = Interval::point(1.0);
+        let defect = Interval::point(defect(&inverse, &jacobian));
+        let left = one - defect;
+        // Never NaN: intervals have no such bounds.
+        if left.low <= 0.0 {
+            return Err(Unproven::TooClose);
+        }
+        let rate: [Interval; super::N] = from_fn(|i| {
+            let terms = inverse[i].iter().zip(&by_travel);
+            terms.fold(Interval::point(0.0), |sum, (a, b)| sum - b.times(*a))
+        });
+        let largest = rate
+            .iter()
+            .fold(0.0, |most: f64, v| most.max(v.magnitude()));
+        let off = (defect * Interval::point(largest) / left).high;
+        let rate = rate.map(|v| around(v, off));
+
+        // The origin moves by lengths, the rotation by its entries; lengths are counted in the scale.
+        let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;
+        let place = |j: usize, value: f64, error: f64| match j {
+            0..3 => Jet([around(Interval::point(value), error), rate[j]]),
+            _ => Jet([
+                around(Interval::point(value), error),
+                rate[j].times(1.0 / self.scale),
+            ]),
+        };
+        let vector = |first: usize, v: Vector3<f64>, error: f64| {
+            Vector3::new(
+                place(first, v.x, error),
+                place(first + 1, v.y, error),
+                place(first + 2, v.z, error),
+            )
+        };
+        let [a, b, c] = pose.rotation.columns;
+        Ok(Inclusion {
+            certificate,
+            pose: Pose {
+                origin: vector(0, pose.origin, certificate.error),
+                rotation: Matrix3 {
+                    columns: [vector(3, a, turn), vector(6, b, turn), vector(9, c, turn)],
+                },
+            },
+        })
+    }
+}
+
+/// An interval widened by so much on both sides.
+fn around(interval: Interval, by: f64) -> Interval {
+    interval + Interval::bounds(-by, by)
+}

@@ -1,0 +1,295 @@
+//! Proof of an axle's position: of both poses, and of what the ground asks of them.
+//!
+//! On a plane ground one number is a result: half the difference s of the travels, where the roll angle is given, or
+//! the roll angle, where both travels are. It is the root of f = h_l - h_r, the difference in height of the contact
+//! points. With f enclosed at the number u that was found, and f' over [u - d, u + d],
+//!
+//! ```text
+//! f' > 0 and |f(u)| <= d f'   =>   one and only one root in [u - d, u + d], and |root - u| <= |f(u)|/f'
+//! ```
+//!
+//! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]); by
+//! the roll angle it is the track. Sine and cosine of the angle, the design and the radius are enclosed too: the proof
+//! is about the exact axle whose numbers are the given doubles.
+
+use super::solver::{AxleFailure, Placed, Placement};
+use super::{Axle, Ground};
+use crate::analyse::{Certifier, Inclusion};
+use crate::curves::Prover;
+use crate::mechanism::{Configuration, Failure};
+use crate::model::{Mechanism, Side};
+use crate::number::{Interval, Jet, Vector3};
+
+/// What is proved of an axle's position. Lengths and angles as in the study, the angles in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxleProof {
+    /// No point of the left or right wheel carrier is further than this from its exact position.
+    pub position_errors: [f64; 2],
+    /// Neither travel is further than this from the exact one; 0 where they are given.
+    pub travel_error: f64,
+    /// Nor is the roll angle; 0 where it is given.
+    pub roll_error: f64,
+    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier or, counted at
+    /// the mechanism's size, in an entry of a rotation or in the roll angle.
+    pub uniqueness: f64,
+}
+
+/// Proves positions of one axle.
+pub struct AxleCertifier<'a> {
+    wheels: [Wheel<'a>; 2],
+    radius: f64,
+}
+
+/// One wheel of it, in the kernel's frame of its side.
+struct Wheel<'a> {
+    prover: Prover<'a>,
+    mechanism: &'a Mechanism,
+    design: Vec<Vector3<Jet<Interval, 2>>>,
+    /// How far the wheel centre rises, at most, when no coordinate of the pose changes by more than 1.
+    rise: f64,
+}
+
+/// Times that an interval is made four times as short before nothing is proved.
+const MOST_QUARTERINGS: usize = 24;
+/// Half the widest interval in which a root is looked for, of a roll angle.
+const WIDEST_ROLL: f64 = 0.1;
+
+/// A root that is proved.
+struct Root {
+    /// It is within this of the number that was found,
+    off: f64,
+    /// and there is no other within this.
+    alone: f64,
+}
+
+impl Root {
+    /// Of a function that is given with its derivative over intervals; `None` where nothing is proved.
+    fn near(
+        at: f64,
+        widest: f64,
+        function: impl Fn(Interval) -> Option<Jet<Interval, 2>>,
+    ) -> Option<Root> {
+        let value = function(Interval::point(at))?[0];
+        let off_by = |reach: f64| {
+            let slope = function(around(at, reach))?[1];
+            let off = (value / slope).magnitude();
+            (slope.low > 0.0 && off <= reach).then_some(off)
+        };
+        let mut alone = widest;
+        for _ in 0..MOST_QUARTERINGS {
+            if let Some(off) = off_by(alone) {
+                // The root is known to be so near, where the slope is known better.
+                let off = off_by(off).unwrap_or(off);
+                return Some(Root { off, alone });
+            }
+            alone *= 0.25;
+        }
+        None
+    }
+}
+
+fn around(value: f64, by: f64) -> Interval {
+    Interval::point(value) + Interval::bounds(-by, by)
+}
+
+impl<'a> Wheel<'a> {
+    fn new(axle: &'a Axle, side: Side) -> Self {
+        let suspension = axle.suspension(side);
+        let mechanism = &suspension.mechanism;
+        let [centre, origin] = [mechanism.wheel_centre, mechanism.origin].map(|id| id.0);
+        let lever = suspension.design[centre] - suspension.design[origin];
+        let [x, y, z] = lever.to_array().map(f64::abs);
+        let prover = Prover::new(suspension);
+        let rise = 1.0 + (x + y + z) / prover.certifier.scale();
+        let exact = |p: &Vector3<f64>| p.map(|c| Jet::constant(Interval::point(c)));
+        Wheel {
+            prover,
+            mechanism,
+            design: suspension.design.iter().map(exact).collect(),
+            // Some roundings of positive numbers.
+            rise: rise * (1.0 + 8.0 * f64::EPSILON),
+        }
+    }
+
+    /// Height of the contact point over the origin, in any of the enclosed poses.
+    fn height(
+        &self,
+        inclusion: &Inclusion,
+        ground: Ground<Jet<Interval, 2>>,
+        radius: f64,
+    ) -> Jet<Interval, 2> {
+        let at = Configuration {
+            mechanism: self.mechanism,
+            design: &self.design,
+            pose: inclusion.pose,
+            rack: Jet::constant(Interval::point(0.0)),
+            steering: None,
+        };
+        let contact =
+            at.point(self.mechanism.wheel_centre) + ground.contact_lever(at.spin_axis(), radius);
+        ground.normal().dot(contact)
+    }
+}
+
+impl<'a> AxleCertifier<'a> {
+    /// For this design.
+    pub fn new(axle: &'a Axle) -> Self {
+        AxleCertifier {
+            wheels: [Side::Left, Side::Right].map(|side| Wheel::new(axle, side)),
+            radius: axle.setup.wheel_radius.unwrap_or(f64::NAN),
+        }
+    }
+
+    /// The proofs of the poses of one wheel.
+    pub fn wheel(&self, side: Side) -> &Certifier<'a> {
+        &self.wheels[side as usize].prover.certifier
+    }
+
+    /// Proves a position that was found for a placement.
+    ///
+    /// # Errors
+    /// [`AxleFailure::Wheel`] where a pose is not proved, [`AxleFailure::Unproven`] where what the ground asks for is
+    /// not.
+    pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, AxleFailure> {
+        let over = |side: Side, travel: Interval| {
+            // In its own frame the rack of the right wheel moves the other way.
+            let rack = match side {
+                Side::Left => placement.rack(),
+                Side::Right => -placement.rack(),
+            };
+            let pose = &placed.poses()[side as usize];
+            let found = self.wheel(side).over_travels(pose, travel, rack);
+            found.map_err(|reason| AxleFailure::Wheel {
+                side,
+                travel: placed.travels[side as usize],
+                failure: Failure::Uncertified(reason),
+            })
+        };
+        let over =
+            |[left, right]: [Interval; 2]| Ok([over(Side::Left, left)?, over(Side::Right, right)?]);
+        match *placement {
+            Placement::Roll { heave, roll, .. } => {
+                self.in_roll([heave, roll], placed.travels, over)
+            }
+            Placement::Travels {
+                travels, on_plane, ..
+            } => {
+                let wheels = over(travels.map(Interval::point))?;
+                let roll = on_plane.then_some(placed.roll);
+                self.at_travels(&wheels, roll)
+            }
+        }
+    }
+
+    /// The heights of both contact points.
+    fn heights(
+        &self,
+        wheels: &[Inclusion; 2],
+        ground: Ground<Jet<Interval, 2>>,
+    ) -> [Jet<Interval, 2>; 2] {
+        let [left, right] = &self.wheels;
+        [
+            left.height(&wheels[0], ground, self.radius),
+            right.height(&wheels[1], ground.mirrored(), self.radius),
+        ]
+    }
+
+    /// With heave and roll angle given; `over` encloses both poses over intervals of their travels.
+    fn in_roll(
+        &self,
+        [heave, roll]: [f64; 2],
+        travels: [f64; 2],
+        over: impl Fn([Interval; 2]) -> Result<[Inclusion; 2], AxleFailure>,
+    ) -> Result<AxleProof, AxleFailure> {
+        let (sine, cosine) = Interval::point(roll).sin_cos();
+        let ground = Ground {
+            sine: Jet::constant(sine),
+            cosine: Jet::constant(cosine),
+        };
+        let half = 0.5 * (travels[0] - travels[1]);
+        let written = travels.map(Interval::point);
+        // With the travels as they are written, at which the poses are proved to be of the design's branch.
+        let travels = |half: Interval| {
+            let heave = Interval::point(heave);
+            let [left, right] = written;
+            [(heave + half).hull(left), (heave - half).hull(right)]
+        };
+        let here = over(travels(Interval::point(half)))?;
+        let root = Root::near(half, 0.25 * nearest_other(&here), |half| {
+            let wheels = over(travels(half)).ok()?;
+            let [left, right] = self.heights(&wheels, ground);
+            // The right wheel goes the other way.
+            Some(Jet([left[0] - right[0], left[1] + right[1]]))
+        });
+        let root = root.ok_or(AxleFailure::Unproven)?;
+        let found = travels(around(half, root.off));
+        let wheels = over(found)?;
+        let errors = [0, 1].map(|wheel| (found[wheel] - written[wheel]).magnitude());
+        // Another position so near both of these poses has travels in the interval that has one root.
+        let nearest = nearest_other(&over(travels(around(half, root.alone)))?);
+        let reach = |wheel: usize| {
+            let error = wheels[wheel].certificate.error;
+            (root.alone - root.off) / self.wheels[wheel].rise - error
+        };
+        Ok(AxleProof {
+            position_errors: self.position_errors(&wheels),
+            travel_error: errors[0].max(errors[1]),
+            roll_error: 0.0,
+            // Less some roundings.
+            uniqueness: nearest.min(reach(0).min(reach(1)) * (1.0 - 1e-12)).max(0.0),
+        })
+    }
+
+    /// At travels that are given, on pads or, where there is a roll angle, on a plane.
+    fn at_travels(
+        &self,
+        wheels: &[Inclusion; 2],
+        roll: Option<f64>,
+    ) -> Result<AxleProof, AxleFailure> {
+        let nearest = nearest_other(wheels);
+        let proof = AxleProof {
+            position_errors: self.position_errors(wheels),
+            travel_error: 0.0,
+            roll_error: 0.0,
+            uniqueness: nearest,
+        };
+        let Some(roll) = roll else {
+            return Ok(proof);
+        };
+        // By the roll angle, the poses held.
+        let held = wheels.map(|wheel| Inclusion {
+            pose: wheel.pose.map(|c| Jet::constant(c[0])),
+            ..wheel
+        });
+        let root = Root::near(roll, WIDEST_ROLL, |roll| {
+            let (sine, cosine) = roll.sin_cos();
+            let ground = Ground {
+                sine: Jet([sine, cosine]),
+                cosine: Jet([cosine, -sine]),
+            };
+            let [left, right] = self.heights(&held, ground);
+            Some(left - right)
+        });
+        let root = root.ok_or(AxleFailure::Unproven)?;
+        let [left, right] = wheels.map(|wheel| wheel.certificate.scale);
+        let away = ((root.alone - root.off) * left.min(right)).next_down();
+        Ok(AxleProof {
+            roll_error: root.off,
+            uniqueness: nearest.min(away).max(0.0),
+            ..proof
+        })
+    }
+
+    fn position_errors(&self, wheels: &[Inclusion; 2]) -> [f64; 2] {
+        [0, 1].map(|wheel| {
+            let proof = self.wheels[wheel].prover.proof(&wheels[wheel].certificate);
+            proof.position_error
+        })
+    }
+}
+
+/// Within this of both poses there is no other of either wheel.
+fn nearest_other(wheels: &[Inclusion; 2]) -> f64 {
+    let [left, right] = wheels.map(|wheel| wheel.certificate.uniqueness);
+    left.min(right)
+}

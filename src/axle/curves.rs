@@ -139,6 +139,20 @@ pub struct AxleSensitivity {
     pub value: f64,
 }
 
+impl AxleColumn {
+    /// What a position has of it, in radians, length units and newtons, or why there is none.
+    pub fn evaluate(&self, read: &Read) -> Result<f64, Void> {
+        if read.is_stuck(self.quantity) {
+            return Err(Void::Toggle);
+        }
+        let value = self.quantity.value(&read.state)?;
+        Ok(match self.by {
+            None => value,
+            Some(motion) => self.quantity.evaluate(&read.state.moving(motion))[1],
+        })
+    }
+}
+
 /// Curves of an axle.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
@@ -368,15 +382,7 @@ fn values(
     read: &Read,
 ) -> AxleStation {
     let value = |column: &AxleColumn| {
-        if read.is_stuck(column.quantity) {
-            return Err(Void::Toggle);
-        }
-        let value = column.quantity.value(&read.state)?;
-        let value = match column.by {
-            None => value,
-            Some(motion) => column.quantity.evaluate(&read.state.moving(motion))[1],
-        };
-        let printed = value * column.factor;
+        let printed = column.evaluate(read)? * column.factor;
         printed
             .is_finite()
             .then_some(printed)

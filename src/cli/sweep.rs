@@ -194,11 +194,10 @@ fn draw(
 fn left_out(study: &Study) -> Vec<&'static str> {
     let outputs = &study.outputs;
     let of_axle = study.axle.as_ref().map(|both| &both.plan);
-    let derived = of_axle.is_some_and(|plan| plan.derivatives);
     let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
     let proved = of_axle.is_some_and(|plan| plan.certify);
     let asked = [
-        ("order", derived || outputs.order != Order::Position),
+        ("order", outputs.order != Order::Position),
         (
             "sensitivities",
             sensitive || !outputs.sensitivities.is_empty(),

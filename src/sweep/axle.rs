@@ -4,10 +4,13 @@
 //! wheel has hardpoints of its own.
 
 use super::Stations;
+use super::axle_gains::{AxleGains, axle_gains};
 use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, FailedStation};
 use super::lanes::NotInLanes;
-use crate::axle::{Axle, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion};
+use crate::axle::{
+    Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion,
+};
 use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure, LimitCause};
 use crate::model::{Drive, Side};
@@ -19,6 +22,10 @@ use crate::study::AxleSample;
 pub(super) struct AxleStations<'s> {
     pub axle: &'s Axle,
     pub quantities: Vec<Quantity>,
+    /// The derivatives in the design position that are asked for, quantity by quantity.
+    pub gains: Vec<AxleColumn>,
+    /// Whether some are by the rack.
+    pub steers: bool,
     /// Those of the motion, then the design position and those of targets where they are not among them.
     pub(super) placements: Vec<Placement>,
     of_motion: usize,
@@ -49,6 +56,12 @@ impl<'s> AxleStations<'s> {
         let value = |placement: &Placement| over.written(placement.along(over), axle);
         AxleStations {
             axle,
+            gains: plan
+                .columns(axle)
+                .into_iter()
+                .filter(|c| c.by.is_some())
+                .collect(),
+            steers: plan.derivatives && plan.course.shows_rack,
             quantities: plan.quantities.clone(),
             values: placements.iter().map(value).collect(),
             placements,
@@ -62,6 +75,11 @@ impl<'s> AxleStations<'s> {
         let quantity = self.quantities.iter().position(|q| *q == sample.quantity);
         let station = self.placements.iter().position(|p| *p == sample.placement);
         [quantity, station].map(|place| place.expect("the plan has what targets look at"))
+    }
+
+    /// The design position.
+    pub(super) fn design_placement(&self) -> Placement {
+        self.placements[self.design]
     }
 
     /// As the stations of a sweep.
@@ -85,6 +103,7 @@ impl<'s> AxleStations<'s> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         Ok(AxleEvaluator {
             points: self.axle.left.design.len(),
+            gains: axle_gains(self)?,
             lanes: match width {
                 Some(width) => AxleLanes::new(self, width),
                 None => Err(NotInLanes::Asked),
@@ -132,6 +151,7 @@ pub(super) struct AxleEvaluator<'a> {
     points: usize,
     lanes: Result<AxleLanes<'a>, NotInLanes>,
     one_by_one: Box<dyn Solves + 'a>,
+    gains: Option<Box<dyn AxleGains + 'a>>,
     /// Designs of the block left to be solved one by one, by number.
     left: Vec<usize>,
 }
@@ -157,6 +177,9 @@ impl AxleEvaluator<'_> {
             Err(_) => self.left.extend(0..count),
         }
         self.one_by_one.evaluate(designs, &self.left, block);
+        if let Some(gains) = &mut self.gains {
+            gains.evaluate(designs, block);
+        }
     }
 }
 

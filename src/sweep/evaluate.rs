@@ -37,11 +37,13 @@ pub struct FailedStation {
 pub struct Block {
     outputs: usize,
     stations: usize,
+    /// Slopes of each design.
+    gains: usize,
     designs: usize,
     /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
     values: Aligned,
     /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
-    /// position.
+    /// position; of an axle by each number that moves.
     slopes: Aligned,
     /// By rising number of the design.
     pub(super) failures: Vec<FailedStation>,
@@ -52,12 +54,18 @@ pub struct Block {
 impl Block {
     /// Room for so many outputs at so many stations.
     pub fn new(outputs: usize, stations: usize) -> Self {
+        Block::with_gains(outputs, stations, outputs)
+    }
+
+    /// The same with a slope of each output's, or so many.
+    pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
         Block {
             outputs,
             stations,
+            gains,
             designs: 0,
             values: Aligned::new(f64::NAN, BLOCK * outputs * stations),
-            slopes: Aligned::new(f64::NAN, BLOCK * outputs),
+            slopes: Aligned::new(f64::NAN, BLOCK * gains),
             failures: Vec::new(),
             faults: Vec::new(),
         }
@@ -128,7 +136,9 @@ impl Block {
             for station in 0..self.stations {
                 self.put(design, output, station, f64::NAN);
             }
-            self.put_slope(design, output, f64::NAN);
+        }
+        for gain in 0..self.gains {
+            self.put_slope(design, gain, f64::NAN);
         }
     }
 
@@ -139,8 +149,8 @@ impl Block {
     }
 
     #[inline(always)]
-    fn slope_place(&self, design: usize, output: usize) -> usize {
-        let row = design / SIDE_BY_SIDE * self.outputs + output;
+    fn slope_place(&self, design: usize, gain: usize) -> usize {
+        let row = design / SIDE_BY_SIDE * self.gains + gain;
         row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
     }
 

@@ -7,6 +7,7 @@
 
 mod aligned;
 mod axle;
+mod axle_gains;
 mod axle_lanes;
 mod effects;
 mod evaluate;

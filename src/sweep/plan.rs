@@ -30,13 +30,24 @@ pub struct SweepPlan<'s> {
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    /// The derivative by the drive of each quantity that is none itself.
-    gains: Vec<Option<Column>>,
+    /// By quantity: the derivative by the drive of one that is none itself; of an axle the derivatives that are asked
+    /// for.
+    gains: Vec<Vec<Gain>>,
     /// Of an axle, instead of the quantities.
     axle: Option<AxleStations<'s>>,
     targets: Vec<SweptTarget>,
     samples: Samples,
     study: &'s Study,
+}
+
+/// A derivative in the design position.
+#[derive(Clone, Debug)]
+struct Gain {
+    column: String,
+    unit: String,
+    factor: f64,
+    /// Its number among the slopes of a block.
+    slope: usize,
 }
 
 /// A target over the stations.
@@ -98,9 +109,20 @@ impl<'s> SweepPlan<'s> {
         let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
         let columns = Column::all(&plan, suspension.length_unit);
         let (values, gains): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
-        let gains = gains.into_iter().zip(&quantities);
-        let gains = gains.map(|(gain, quantity)| (!quantity.is_gain()).then_some(gain));
-        let (mut values, mut gains): (_, Vec<_>) = (values, gains.collect());
+        let mut values = values;
+        let gain = |(slope, gain): (usize, Column)| {
+            let own = Gain {
+                column: named(&gain.output, "gain", &gain.unit),
+                factor: gain.factor(),
+                unit: gain.unit,
+                slope,
+            };
+            match quantities[slope].is_gain() {
+                true => Vec::new(),
+                false => vec![own],
+            }
+        };
+        let mut gains: Vec<Vec<Gain>> = gains.into_iter().enumerate().map(gain).collect();
         let mut wishes: Vec<Vec<SweptWish>> = Vec::new();
         let mut axle = None;
         if let Some(both) = &study.axle {
@@ -112,7 +134,17 @@ impl<'s> SweepPlan<'s> {
             let of_axle = AxleStations::of(&both.axle, &both.plan_with(targets), &samples);
             stations = of_axle.stations();
             values = of_axle.columns();
-            gains = vec![None; values.len()];
+            gains = vec![Vec::new(); values.len()];
+            for (slope, gain) in of_axle.gains.iter().enumerate() {
+                let same = |q: &crate::axle::Quantity| *q == gain.quantity;
+                let of = of_axle.quantities.iter().position(same);
+                gains[of.expect("a gain of what is read")].push(Gain {
+                    column: gain.name.clone(),
+                    unit: gain.unit.clone(),
+                    factor: gain.factor,
+                    slope,
+                });
+            }
             let wish = |sample: &AxleSample| {
                 let [quantity, station] = of_axle.place(sample);
                 SweptWish {
@@ -187,12 +219,17 @@ impl<'s> SweepPlan<'s> {
                 None => {
                     let (stations, quantities) = (&self.stations, &self.quantities);
                     let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
-                    let has_gain = |k: usize| self.gains[k].is_some();
+                    let has_gain = |k: usize| !self.gains[k].is_empty();
                     let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
                     Solves::Wheels(Box::new((evaluator, slopes)))
                 }
             },
-            block: Block::new(self.values.len(), self.stations.count()),
+            block: match &self.axle {
+                Some(axle) => {
+                    Block::with_gains(self.values.len(), self.stations.count(), axle.gains.len())
+                }
+                None => Block::new(self.values.len(), self.stations.count()),
+            },
             designs: Vec::new(),
             rows: Rows::default(),
         })
@@ -254,11 +291,7 @@ impl<'s> SweepPlan<'s> {
                 at_design: None,
             });
         };
-        let named = |output: &str, word: &str, unit: &str| match unit {
-            "" => format!("{output}_{word}"),
-            unit => format!("{output}_{word}_{unit}"),
-        };
-        for (value, gain) in self.values.iter().zip(&self.gains) {
+        for (value, gains) in self.values.iter().zip(&self.gains) {
             let output = value.output.as_str();
             for (word, kind) in [
                 ("min", Kind::Min),
@@ -267,9 +300,8 @@ impl<'s> SweepPlan<'s> {
             ] {
                 add(named(output, word, &value.unit), output, kind, &value.unit);
             }
-            if let Some(gain) = gain {
-                let name = named(output, "gain", &gain.unit);
-                add(name, output, Kind::Gain, &gain.unit);
+            for gain in gains {
+                add(gain.column.clone(), output, Kind::Gain, &gain.unit);
             }
         }
         for (k, target) in self.targets.iter().enumerate() {
@@ -299,7 +331,7 @@ impl<'s> SweepPlan<'s> {
                 false => f64::NAN,
             };
         };
-        for (k, (column, gain)) in self.values.iter().zip(&self.gains).enumerate() {
+        for (k, (column, gains)) in self.values.iter().zip(&self.gains).enumerate() {
             let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for (rack, value) in self.stations.of_motion() {
@@ -319,8 +351,8 @@ impl<'s> SweepPlan<'s> {
             put(min);
             put(max);
             put(value_at(self.stations.design()) * factor);
-            if let Some(gain) = gain {
-                put(block.slope(design, k) * gain.factor());
+            for gain in gains {
+                put(block.slope(design, gain.slope) * gain.factor);
             }
         }
         let (mut squares, mut weights) = (0.0, 0.0);
@@ -463,6 +495,14 @@ impl Worker<'_> {
         self.designs.extend_from_slice(design);
         self.evaluate();
         self.rows.outputs.clone()
+    }
+}
+
+/// The name of a column.
+fn named(output: &str, word: &str, unit: &str) -> String {
+    match unit {
+        "" => format!("{output}_{word}"),
+        unit => format!("{output}_{word}_{unit}"),
     }
 }
 

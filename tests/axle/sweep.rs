@@ -211,3 +211,49 @@ fn misfits_are_those_that_tuning_lowers() {
         }
     }
 }
+
+/// With order = "velocity" a row has, of each quantity, the derivatives by all that moves, in the design position: those that
+/// `solve` finds there of the design's own study. Without, it has none.
+#[test]
+fn gains_are_what_the_designs_own_curves_have() {
+    let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
+    let travels =
+        "motion={ travel_left = [-10.0, 20.0], travel_right = [0.0, 5.0], ground = \"plane\" }";
+    for (right, motion) in [
+        ("[axle]\nright = \"mirrored\"", None),
+        (own, None),
+        (own, Some(travels)),
+    ] {
+        let study = study(right);
+        let asked = ["outputs.order=\"velocity\""].into_iter().chain(motion);
+        let asked: Vec<String> = asked.map(str::to_owned).collect();
+        let without = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+        let is_gain = |o: &&hardpoint::sweep::OutputColumn| o.kind == Kind::Gain;
+        assert!(!without.record.outputs.iter().any(|o| is_gain(&o)));
+        let study = study.with_overrides("gains.toml", &asked);
+        let study = study.unwrap_or_else(|e| panic!("{e}"));
+        let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+        let outputs = &plan.record.outputs;
+        // Roll steer and toe of two wheels, roll steer and roll centre of the axle, by two numbers.
+        assert_eq!(outputs.iter().filter(is_gain).count(), 6 * 2);
+        let rows = plan.worker().unwrap().rows(0).clone();
+        for design in 0..rows.designs() {
+            let right = plan.right_design(design as u64);
+            let text = study.with_designs(&plan.design(design as u64), right.as_deref());
+            let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
+            let both = alone.axle.unwrap();
+            let curves = axle_curves(&both.axle, &both.plan.at_design()).unwrap();
+            for (k, output) in outputs.iter().enumerate().filter(|(_, o)| is_gain(&o)) {
+                let column = curves.columns.iter().position(|c| c.name == output.column);
+                let expected = curves.stations[0].value(column.unwrap()).unwrap();
+                let found = rows.outputs(design)[k];
+                let error = (found - expected).abs();
+                assert!(
+                    error < 1e-9 * expected.abs().max(1e-3),
+                    "{} {found} {expected}",
+                    output.column
+                );
+            }
+        }
+    }
+}

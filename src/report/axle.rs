@@ -4,7 +4,9 @@ use super::accuracy::CertificateSummary;
 use super::figure::figures;
 use super::files::csv_of;
 use super::{Cell, Table, shortest};
-use crate::axle::{Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Placement, WheelMotion};
+use crate::axle::{
+    Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, WheelMotion,
+};
 use crate::curves::Proof;
 use crate::model::Axis;
 use serde::{Deserialize, Serialize};
@@ -84,6 +86,38 @@ impl Place<'_> {
         values.extend(roll.then(|| of(|p| p.roll_error.to_degrees() * (1.0 + 1e-12))));
         values.push(of(|p| p.uniqueness));
         values
+    }
+
+    /// The names of the numbers that the motion gives.
+    pub(super) fn given_names(&self) -> Vec<String> {
+        let length = self.axle.left.length_unit;
+        let given = self.given_coordinates().into_iter();
+        given.map(|c| c.column(length)).collect()
+    }
+
+    /// These numbers at a station, as the study writes them.
+    pub(super) fn given(&self, number: usize, placement: &Placement) -> Vec<f64> {
+        let value = |coordinate: Coordinate| match coordinate {
+            Coordinate::Roll => degrees(placement.along(coordinate)),
+            Coordinate::SteeringWheel => {
+                let angle = self.plan.course.steering_wheel_at(number);
+                degrees(angle.unwrap_or(f64::NAN))
+            }
+            Coordinate::Rack => placement.rack() * self.axle.left.frame.sign(Axis::Y),
+            _ => placement.along(coordinate),
+        };
+        self.given_coordinates().into_iter().map(value).collect()
+    }
+
+    fn given_coordinates(&self) -> Vec<Coordinate> {
+        let mut course = self.plan.course.clone();
+        let mut given = Coordinate::ALL.to_vec();
+        given.retain(|c| match c {
+            Coordinate::Rack => course.shows_rack && course.steering_wheel.is_none(),
+            Coordinate::SteeringWheel => course.steering_wheel.is_some(),
+            _ => course.along(*c).is_some(),
+        });
+        given
     }
 
     /// In words, as in `roll_deg 2, heave_mm 0`.

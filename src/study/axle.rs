@@ -151,12 +151,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         file.solver.accuracy.as_ref().map(Spanned::span),
         "accuracy is not there for an axle, which is always solved in full precision",
     );
-    let sweep = file.sweep.as_ref();
-    let curves = sweep.filter(|s| s.get_ref().curves == Some(true));
-    add(
-        curves.map(Spanned::span),
-        "curves of every design are not there for an axle; `hardpoint sweep --design N` prints a design's study",
-    );
     let tolerance = file.tolerance.as_ref().map(Spanned::span);
     add(tolerance, "[tolerance] is not yet there for an axle");
     let setup = file.setup.as_ref().and(file.axle.as_ref());

@@ -244,6 +244,13 @@ impl<const N: usize> OneByOne<'_, N> {
                     block.put(number, k, station, value);
                 }
             }
+            if let Some(rod) = read.toggles.into_iter().flatten().next() {
+                block.failures.push(FailedStation {
+                    design: number,
+                    station,
+                    failure: Failure::Toggle(rod),
+                });
+            }
         }
         Ok(())
     }

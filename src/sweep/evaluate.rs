@@ -57,8 +57,10 @@ impl Block {
         Block::with_gains(outputs, stations, outputs)
     }
 
-    /// The same with a slope of each output's, or so many.
+    /// The same with so many slopes of each design.
     pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
+        // Where there are none, there is a place for them all the same.
+        let gains = gains.max(1);
         Block {
             outputs,
             stations,

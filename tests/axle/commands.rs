@@ -341,11 +341,40 @@ fn axles_are_swept() {
     let words = "one by one, not in SIMD lanes, since something that is asked for cannot be read in lanes: roll_centre_migration_lateral.";
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains(words), "{said}");
-    let (_, said) = run(&["check", file, "--set", "sweep.curves=true"], 2);
-    assert!(
-        said.contains("curves of every design are not there"),
-        "{said}"
+    swept(&[
+        "--out",
+        out.to_str().unwrap(),
+        "--force",
+        "--set",
+        "sweep.curves=true",
+    ]);
+    let curves = fs::read_to_string(out.join("curves.csv")).unwrap();
+    let mut lines = curves.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "design,roll_deg,heave_mm,steering_wheel_angle_deg,left_roll_steer_deg_per_deg,right_roll_steer_deg_per_deg,\
+             roll_steer_deg_per_deg,ackermann_error_deg,mean_steer_deg,status"
+        )
     );
+    // Two roll angles by two of the steering wheel; each at the values that `solve` has of the design itself.
+    assert_eq!(curves.lines().count(), 1 + 150 * 4);
+    let design = place.join("149.toml");
+    fs::write(&design, text).unwrap();
+    let (solved, _) = run(&["solve", design.to_str().unwrap(), "--out", "-"], 0);
+    let numbers = |line: &str, from: usize| -> Vec<f64> {
+        let cells = line.split(',').skip(from);
+        cells.filter_map(|cell| cell.parse().ok()).collect()
+    };
+    for (ours, theirs) in curves.lines().skip(1 + 149 * 4).zip(solved.lines().skip(1)) {
+        let (ours, mut theirs) = (numbers(ours, 1), numbers(theirs, 0));
+        // Found travels, and the rack that the angle makes.
+        theirs.drain(2..5);
+        assert_eq!((ours.len(), &ours[..3]), (8, &theirs[..3]));
+        for (a, b) in ours.iter().zip(&theirs) {
+            assert!((a - b).abs() < 1e-9, "{ours:?} {theirs:?}");
+        }
+    }
 }
 
 #[test]

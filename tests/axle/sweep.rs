@@ -243,7 +243,7 @@ fn gains_are_what_the_designs_own_curves_have() {
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
             let both = alone.axle.unwrap();
             let curves = axle_curves(&both.axle, &both.plan.at_design()).unwrap();
-            for (k, output) in outputs.iter().enumerate().filter(|(_, o)| is_gain(&o)) {
+            for (k, output) in outputs.iter().enumerate().filter(|(_, o)| is_gain(o)) {
                 let column = curves.columns.iter().position(|c| c.name == output.column);
                 let expected = curves.stations[0].value(column.unwrap()).unwrap();
                 let found = rows.outputs(design)[k];

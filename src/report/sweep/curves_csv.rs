@@ -4,7 +4,8 @@ use super::rows_csv::{append_number, append_whole};
 use crate::curves::Status;
 use crate::mechanism::Failure;
 use crate::model::Axis;
-use crate::study::Study;
+use crate::report::axle::Place;
+use crate::study::{AxleStudy, Study};
 use crate::sweep::{Block, SweepPlan};
 
 /// The part of each row that is the same for all designs, and the names of the rest.
@@ -18,38 +19,59 @@ pub(super) struct CurvesCsv {
     stations_of_block: usize,
 }
 
+/// The names of the columns that say where a station is, and by station of the motion its number in a block and the
+/// values of these.
+type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
+
+fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
+    let (motion, suspension) = (&study.motion, &study.suspension);
+    let mut names = vec![plan.record.drive.clone()];
+    names.extend(
+        motion
+            .rack_moves
+            .then(|| format!("rack_{}", suspension.length_unit.symbol())),
+    );
+    names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
+    let sign = suspension.frame.sign(Axis::Y);
+    let station = |(rack, value): (usize, usize)| {
+        let mut values = vec![motion.drive.printed(plan.stations.values()[value])];
+        values.extend(motion.rack_moves.then(|| plan.stations.racks[rack] * sign));
+        values.extend(motion.time.as_ref().map(|law| law.times[value]));
+        (plan.stations.number(rack, value), values)
+    };
+    (names, plan.stations.of_motion().map(station).collect())
+}
+
+/// What the motion says of each position; what follows from it (the travels in roll) is not kept.
+fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
+    let place = Place { plan, axle };
+    let placements = plan.course.placements().into_iter().enumerate();
+    let stations = placements.map(|(number, at)| (number, place.given(number, &at)));
+    (place.given_names(), stations.collect())
+}
+
 impl CurvesCsv {
     /// The curves of a sweep.
     pub(super) fn of(plan: &SweepPlan, study: &Study) -> Self {
-        let (motion, suspension) = (&study.motion, &study.suspension);
-        let mut names = vec!["design".to_owned(), plan.record.drive.clone()];
-        names.extend(
-            motion
-                .rack_moves
-                .then(|| format!("rack_{}", suspension.length_unit.symbol())),
-        );
-        names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
+        let (places, stations) = match &study.axle {
+            Some(both) => of_axle(both),
+            None => of_wheel(plan, study),
+        };
+        let mut names = vec!["design".to_owned()];
+        names.extend(places);
         names.extend(plan.values.iter().map(|c| c.name.clone()));
         names.push("status".to_owned());
-        let sign = suspension.frame.sign(Axis::Y);
-        let station = |(rack, value): (usize, usize)| {
+        let cells = |(number, values): (usize, Vec<f64>)| {
             let mut cells = Vec::new();
-            let mut add = |number: f64| {
+            for value in values {
                 cells.push(b',');
-                append_number(number + 0.0, &mut cells);
-            };
-            add(motion.drive.printed(plan.stations.values()[value]));
-            if motion.rack_moves {
-                add(plan.stations.racks[rack] * sign);
+                append_number(value + 0.0, &mut cells);
             }
-            if let Some(law) = &motion.time {
-                add(law.times[value]);
-            }
-            (plan.stations.number(rack, value), cells)
+            (number, cells)
         };
         CurvesCsv {
             header: (names.join(",") + "\n").into_bytes(),
-            stations: plan.stations.of_motion().map(station).collect(),
+            stations: stations.into_iter().map(cells).collect(),
             factors: plan.values.iter().map(|c| c.factor()).collect(),
             stations_of_block: plan.stations.count(),
         }

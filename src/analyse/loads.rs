@@ -11,24 +11,33 @@
 //! a hinge are unit forces at its points. The sixth row is what keeps the suspension from moving: the
 //! spring, or, where a study has none, a vertical force at the wheel centre. A spring on a rocker holds it
 //! through the rod, whose tension follows from the moments about the rocker's axis.
+//!
+//! Everything is generic over the number: on series along a variable of the design a force comes with its derivative by
+//! that variable, the factors of the matrix being those of its constant part.
 
-use crate::linear::lu::Lu6;
-use crate::mechanism::Closure;
-use crate::mechanism::WorkCounter;
+use crate::derive::{DesignSeries, Linearised};
+use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Configuration, Wrench};
-use crate::mechanism::{Failure, Pose};
-use crate::model::{Body, PointId, Spring};
-use crate::number::Vector3;
-use crate::solve::Conditioning;
-use crate::solve::Solver;
+use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrench};
+use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Spring};
+use crate::number::{Jet, Scalar, Vector3};
+use crate::solve::{Conditioning, Solver};
+
+/// Where a load acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadPoint {
+    /// The contact point of wheel and ground.
+    ContactPoint,
+    /// The centre of the wheel.
+    WheelCentre,
+}
 
 /// A load on the knuckle, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Load {
+pub struct Load<T = f64> {
     /// Where the force acts.
-    pub point: Vector3<f64>,
+    pub point: Vector3<T>,
     /// Force.
     pub force: Vector3<f64>,
     /// Moment, in units of force times length.
@@ -44,9 +53,48 @@ pub enum Support {
     WheelCentre,
 }
 
+impl Support {
+    /// The spring, if there is one.
+    pub fn of(mechanism: &Mechanism) -> Self {
+        mechanism
+            .spring
+            .map_or(Support::WheelCentre, Support::Spring)
+    }
+
+    /// The rocker through which it holds the suspension.
+    pub fn rocker(self, mechanism: &Mechanism) -> Option<RockerId> {
+        match self {
+            Support::Spring(spring) => mechanism.rockers_moving(spring.lower).next(),
+            Support::WheelCentre => None,
+        }
+    }
+}
+
+/// The factors of a matrix, of the constant part of one of series.
+#[derive(Clone, Copy)]
+pub struct Factors<'f>(&'f Lu6<f64>);
+
+/// A number that balances can be made of.
+pub trait Balanced: Scalar {
+    /// The x with A^T x = b, from the factors of the constant part of A.
+    fn multipliers(factors: Factors<'_>, a: &Matrix6<Self>, b: Vector6<Self>) -> Vector6<Self>;
+}
+
+impl Balanced for f64 {
+    fn multipliers(factors: Factors<'_>, _: &Matrix6<f64>, b: Vector6<f64>) -> Vector6<f64> {
+        factors.0.solve_transposed(b)
+    }
+}
+
+impl<const N: usize> Balanced for Jet<f64, N> {
+    fn multipliers(factors: Factors<'_>, a: &Matrix6<Self>, b: Vector6<Self>) -> Vector6<Self> {
+        factors.0.solve_transposed_series(a, &b)
+    }
+}
+
 /// The part of the load that one equation carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reaction {
+pub enum Reaction<T = f64> {
     /// A rod, or a leg of an arm.
     Rod {
         /// Its inner joint.
@@ -54,7 +102,7 @@ pub enum Reaction {
         /// Its outer joint.
         outer: PointId,
         /// Force in it; negative in compression.
-        tension: f64,
+        tension: T,
     },
     /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
     /// components, or the force in a hinge at one of its points, one of three or two.
@@ -62,52 +110,54 @@ pub enum Reaction {
         /// Where.
         point: PointId,
         /// The component.
-        force: Vector3<f64>,
+        force: Vector3<T>,
     },
 }
 
 /// How a load is carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reactions {
+pub struct Reactions<T = f64> {
     /// By the constraints, in the order of the mechanism's.
-    pub constraints: [Reaction; 5],
+    pub constraints: [Reaction<T>; 5],
     /// By the support: the force of the spring, positive in compression, or the upward force at the
     /// wheel centre.
-    pub support: f64,
+    pub support: T,
     /// Tension in the pushrod or pullrod, where the spring stands on a rocker.
-    pub rod: Option<f64>,
+    pub rod: Option<T>,
     /// The force of the support on the knuckle. Where the spring, or the rod of its rocker, stands on an arm it is what the arm
     /// passes on at its outer joint: with the legs of that arm, which then are loaded in bending as
     /// well, it adds up to the force in the joint.
-    pub support_force: Vector3<f64>,
+    pub support_force: Vector3<T>,
 }
 
 /// A pose with its support, ready to be loaded: its equations are factorised once for any number of
 /// loads.
-pub struct Balance<'a> {
-    closure: &'a Closure<f64>,
-    at: Configuration<'a, f64>,
+pub struct Balance<'a, T = f64> {
+    closure: &'a Closure<T>,
+    at: Configuration<'a, T>,
     /// The equation of the support.
-    support: Wrench<f64>,
+    support: Wrench<T>,
     /// Tension in the rod of the spring's rocker for a spring force of one.
-    rod_per_spring: Option<f64>,
-    lu: Lu6<f64>,
+    rod_per_spring: Option<T>,
+    rows: Matrix6<T>,
+    factors: Lu6<f64>,
     work: &'a WorkCounter,
 }
 
-impl<'a> Balance<'a> {
+impl<'a, T: Balanced> Balance<'a, T> {
     /// The pose of a mechanism of this size; `None` where the support has no leverage, or so little that
     /// fewer than six digits of the forces could be trusted.
     pub(crate) fn new(
-        closure: &'a Closure<f64>,
-        at: Configuration<'a, f64>,
+        closure: &'a Closure<T>,
+        at: Configuration<'a, T>,
         support: Support,
         size: f64,
         work: &'a WorkCounter,
     ) -> Option<Self> {
-        let mut rows = [Wrench::zero(0.0); 6];
+        let like = at.rack;
+        let mut rows = [Wrench::zero(like); 6];
         for (wrench, row) in rows.iter_mut().zip(closure.rows()) {
-            row.differential(&at, 1.0, wrench);
+            row.differential(&at, like.one(), wrench);
         }
         let mut rod_per_spring = None;
         match support {
@@ -121,33 +171,44 @@ impl<'a> Balance<'a> {
                 at.push_point(spring.upper, -along, &mut rows[5]);
             }
             Support::WheelCentre => {
-                let up = Vector3::new(0.0, 0.0, 1.0);
+                let up = Vector3::new(like.zero(), like.zero(), like.one());
                 at.push_point(at.mechanism.wheel_centre, up, &mut rows[5]);
             }
         }
         let support = rows[5];
         work.note(|w| w.factorisations += 1);
-        let lu = Lu6::new(rows.map(Wrench::to_row), size)?;
-        (!Conditioning::of(&lu, size).is_poor()).then_some(Balance {
+        let rows = rows.map(Wrench::to_row);
+        let factors = Lu6::new(rows.map(|row| row.map(T::value)), size)?;
+        (!Conditioning::of(&factors, size).is_poor()).then_some(Balance {
             closure,
             at,
             support,
             rod_per_spring,
-            lu,
+            rows,
+            factors,
             work,
         })
     }
 
+    /// Where the centre of the wheel is.
+    pub fn wheel_centre(&self) -> Vector3<T> {
+        self.at.point(self.at.mechanism.wheel_centre)
+    }
+
     /// What carries a load.
-    pub fn under(&self, load: &Load) -> Reactions {
-        let mut wrench = Wrench::zero(0.0);
+    pub fn under(&self, load: &Load<T>) -> Reactions<T> {
+        let like = self.at.rack;
+        let (force, moment) = (load.point.lit(load.force), load.point.lit(load.moment));
+        let mut wrench = Wrench::zero(like);
         let lever = load.point - self.at.pose.origin;
-        wrench.wrench(load.force, lever.cross(load.force) + load.moment);
+        wrench.wrench(force, lever.cross(force) + moment);
         self.work.note(|w| w.right_hand_sides += 1);
-        let multipliers = self.lu.solve_transposed(wrench.to_row().map(|c| -c));
+        let against = wrench.to_row().map(|c| -c);
+        let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
+        let nothing = Vector3::new(like.zero(), like.zero(), like.zero());
         let mut constraints = [Reaction::Force {
             point: self.at.mechanism.origin,
-            force: Vector3::default(),
+            force: nothing,
         }; 5];
         for ((reaction, row), multiplier) in constraints
             .iter_mut()
@@ -163,11 +224,68 @@ impl<'a> Balance<'a> {
             support_force: self.support.force * multipliers[5],
         }
     }
+
+    /// A force out of those that carry a load; `None` where nothing in the mechanism is meant.
+    pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
+        match what {
+            Carried::Tension(inner, outer) => tension(inner, outer, carried),
+            Carried::Support(_) => Some(carried.support),
+            Carried::Rod => carried.rod,
+            Carried::Force(point, axis) => {
+                let [x, y, z] = self.force_at(point, carried).to_array();
+                Some(match axis {
+                    Axis::X => x,
+                    Axis::Y => y,
+                    Axis::Z => z,
+                })
+            }
+        }
+    }
+
+    /// Everything that acts on the wheel carrier at a point.
+    fn force_at(&self, point: PointId, carried: &Reactions<T>) -> Vector3<T> {
+        let place = |id: PointId| self.at.point(id);
+        let forces = carried
+            .constraints
+            .iter()
+            .filter_map(|reaction| match *reaction {
+                Reaction::Rod {
+                    inner,
+                    outer,
+                    tension,
+                } => {
+                    let pull = (outer == point).then(|| (place(inner) - place(outer)).normalised());
+                    pull.map(|pull| pull * tension)
+                }
+                Reaction::Force { point: at, force } => (at == point).then_some(force),
+            });
+        let none = self.at.rack.zero();
+        let constraints = forces.fold(Vector3::new(none, none, none), |sum, force| sum + force);
+        match sprung_joint(self.at.mechanism) == Some(point) {
+            true => constraints + carried.support_force,
+            false => constraints,
+        }
+    }
 }
 
-impl Row<f64> {
+/// The tension of the rod between two points.
+fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> Option<T> {
+    carried
+        .constraints
+        .iter()
+        .find_map(|reaction| match *reaction {
+            Reaction::Rod {
+                inner: from,
+                outer: to,
+                tension,
+            } => ((from, to) == (inner, outer)).then_some(tension),
+            Reaction::Force { .. } => None,
+        })
+}
+
+impl<T: Scalar> Row<T> {
     /// What the multiplier of this equation means.
-    fn reaction(&self, at: &Configuration<f64>, multiplier: f64) -> Reaction {
+    fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
                 inner: row.inner,
@@ -197,5 +315,129 @@ impl Solver<'_> {
     ) -> Result<Balance<'_>, Failure> {
         let at = self.configuration(pose, rack);
         Balance::new(&self.closure, at, support, self.size(), &self.work).ok_or(Failure::Singular)
+    }
+}
+
+impl<const N: usize> Linearised<'_, N> {
+    /// The same along the series, of a mechanism of this size; `None` where the support cannot carry a load.
+    pub(crate) fn balance(&self, support: Support, size: f64) -> Option<Balance<'_, Jet<f64, N>>> {
+        Balance::new(self.closure(), self.at, support, size, self.work())
+    }
+}
+
+impl<const N: usize> DesignSeries<N> {
+    /// The same of a configuration of this series.
+    pub(crate) fn balance<'a>(
+        &'a self,
+        at: Configuration<'a, Jet<f64, N>>,
+        support: Support,
+        size: f64,
+        work: &'a WorkCounter,
+    ) -> Option<Balance<'a, Jet<f64, N>>> {
+        Balance::new(self.closure(), at, support, size, work)
+    }
+}
+
+/// One of the forces that carry a load, in the kernel's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carried {
+    /// Tension of the rod with these ends, or of a leg of an arm that bears no spring.
+    Tension(PointId, PointId),
+    /// Force at a point on the wheel carrier.
+    Force(PointId, Axis),
+    /// Of the support.
+    Support(Support),
+    /// Tension of the rod of the spring's rocker.
+    Rod,
+}
+
+impl Carried {
+    /// When it is positive.
+    pub fn positive(&self) -> &'static str {
+        match self {
+            Carried::Tension(..) | Carried::Rod => "tension",
+            Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
+            Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
+            Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
+            Carried::Support(Support::Spring(_)) => "compression",
+            Carried::Support(Support::WheelCentre) => "upward on the wheel carrier",
+        }
+    }
+
+    /// The axis along which it is a component.
+    pub fn axis(&self) -> Option<Axis> {
+        match self {
+            Carried::Force(_, axis) => Some(*axis),
+            _ => None,
+        }
+    }
+}
+
+/// A force that is reported, for every load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// What its column's name goes on with after the load's.
+    pub name: String,
+    /// Which force it is.
+    pub what: Carried,
+}
+
+/// Everything that carries: rods, then what is held at points, then joints of arms, then the support.
+pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
+    let mut members = Vec::new();
+    let force = |name: &str, point| {
+        let component = |axis: Axis| Member {
+            name: format!("{name}_{}", axis.name()),
+            what: Carried::Force(point, axis),
+        };
+        Axis::ALL.map(component)
+    };
+    for constraint in &mechanism.constraints {
+        match *constraint {
+            // The legs of an arm with a spring on it are bent, and no force along them is the whole.
+            Constraint::Link { outer, .. } if sprung_joint(mechanism) == Some(outer) => {}
+            Constraint::Link { inner, outer } => {
+                let name = mechanism.name(inner);
+                members.push(Member {
+                    name: name.strip_suffix("_inner").unwrap_or(name).to_owned(),
+                    what: Carried::Tension(inner, outer),
+                });
+            }
+            Constraint::StrutLine { top, .. } => members.extend(force("strut_side", top)),
+            Constraint::Revolute { first, second } => {
+                members.extend(force(mechanism.name(first), first));
+                members.extend(force(mechanism.name(second), second));
+            }
+        }
+    }
+    let ends_a_link = |arm: &&Arm| {
+        let at_joint =
+            |c: &Constraint| matches!(c, Constraint::Link { outer, .. } if *outer == arm.outer);
+        mechanism.constraints.iter().any(at_joint)
+    };
+    for arm in mechanism.arms.iter().filter(ends_a_link) {
+        members.extend(force(mechanism.name(arm.outer), arm.outer));
+    }
+    if let Some(rocker) = support.rocker(mechanism) {
+        members.push(Member {
+            name: mechanism.rocker(rocker).rod.to_string().replace(' ', "_"),
+            what: Carried::Rod,
+        });
+    }
+    members.push(Member {
+        name: match support {
+            Support::Spring(_) => "spring".to_owned(),
+            Support::WheelCentre => "support".to_owned(),
+        },
+        what: Carried::Support(support),
+    });
+    members
+}
+
+/// The joint of the arm the spring stands on, if it or the rod of its rocker stands on an arm.
+fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
+    match mechanism.body(mechanism.spring_seat()?) {
+        Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),
+        _ => None,
     }
 }

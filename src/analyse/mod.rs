@@ -9,4 +9,7 @@ mod loads;
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
 pub use certificate::{Certificate, Certifier, Inclusion};
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
-pub use loads::{Balance, Load, Reaction, Reactions, Support};
+pub use loads::{
+    Balance, Balanced, Carried, Factors, Load, LoadPoint, Member, Reaction, Reactions, Support,
+    members,
+};

@@ -1,4 +1,4 @@
-//! What targets and constraints are about: quantities of the catalogue, and the geometry of parts.
+//! What targets and constraints are about: quantities of the catalogue, forces under loads, and the geometry of parts.
 //!
 //! A [`Measure`] has a value in every pose. Those of geometry are formulas of up to six vectors, each the
 //! position of a point or a direction, now or in the design position. A formula is written once, over
@@ -10,7 +10,7 @@
 //! the nearest place, members that are parallel (the middle of where they overlap is taken), members
 //! that cut one another: their distance is 0 there and grows again beyond; and a member's end on the edge of a rim.
 
-use super::{Quantity, Slot};
+use super::{CarriedForce, Quantity, Slot};
 use crate::derive::Seeds;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
@@ -21,6 +21,8 @@ use crate::number::{Dual, Jet, Scalar, Vector3};
 pub enum Measure {
     /// A quantity of the catalogue.
     Quantity(Quantity),
+    /// A force in a link, a joint or the spring under a load.
+    Carried(CarriedForce),
     /// The distance of two points.
     Length([PointId; 2]),
     /// How far a point is from a plane, on the side its unit normal points to.
@@ -147,13 +149,19 @@ impl Measure {
 
     /// What of wheel and steering axis it is made of.
     pub fn reads(&self) -> &'static [Slot] {
-        self.quantity().map_or(&[], Quantity::reads)
+        match self {
+            Measure::Quantity(quantity) => quantity.reads(),
+            Measure::Carried(_) => CarriedForce::READS,
+            _ => &[],
+        }
     }
 
     /// The rockers it moves with.
     pub fn rockers(&self, mechanism: &Mechanism) -> Vec<RockerId> {
-        if let Measure::Quantity(quantity) = self {
-            return quantity.rockers(mechanism);
+        match self {
+            Measure::Quantity(quantity) => return quantity.rockers(mechanism),
+            Measure::Carried(force) => return force.rocker(mechanism).into_iter().collect(),
+            _ => {}
         }
         let (inputs, count) = self.inputs(mechanism);
         let points = inputs[..count].iter().filter_map(|input| match input {
@@ -181,7 +189,7 @@ impl Measure {
         };
         use Input::{Designed, Now, StudDesigned, StudNow};
         match *self {
-            Measure::Quantity(_) => list(&[]),
+            Measure::Quantity(_) | Measure::Carried(_) => list(&[]),
             Measure::Length([a, b]) => list(&[Now(a), Now(b)]),
             Measure::Height { point, .. }
             | Measure::DistanceFrom(point, _)
@@ -230,7 +238,7 @@ impl Measure {
     }
 
     /// The value of a geometric measure along a series of poses. Quantities of the catalogue are read by
-    /// [`WheelReading`](super::WheelReading).
+    /// [`WheelReading`](super::WheelReading), forces by [`CarriedForce::value`].
     pub fn value<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let (inputs, count) = self.inputs(at.mechanism);
         let like = at.rack;
@@ -268,7 +276,7 @@ impl Measure {
     /// The formula, of the vectors that `inputs` names.
     fn formula<T: Scalar>(&self, v: &[Vector3<T>; MOST]) -> T {
         match self {
-            Measure::Quantity(_) => v[0].x.lit(f64::NAN),
+            Measure::Quantity(_) | Measure::Carried(_) => v[0].x.lit(f64::NAN),
             Measure::Length(_) => (v[0] - v[1]).norm(),
             Measure::Height { over, normal, .. } => {
                 let p = v[0];

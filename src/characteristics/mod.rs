@@ -12,6 +12,7 @@
 mod angles;
 mod anti;
 mod attia;
+mod carried;
 mod gains;
 mod instant_centre;
 mod lanes;
@@ -24,6 +25,7 @@ mod unit;
 mod view;
 mod wheel;
 
+pub use carried::CarriedForce;
 pub use instant_centre::{InstantCentres, instant_centres_of};
 pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub use measure::{Measure, Stud};

@@ -149,9 +149,9 @@ impl<const N: usize> WheelReading<N> {
         &self.inputs
     }
 
-    /// The contact point in the pose; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
-    pub fn contact_point(&self) -> Vector3<f64> {
-        self.inputs.contact_point().map(|c| c[0])
+    /// The contact point along the series; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
+    pub fn contact_point(&self) -> Vector3<Jet<f64, N>> {
+        self.inputs.contact_point()
     }
 
     /// The value of a characteristic, likewise.

@@ -111,6 +111,11 @@ impl<const N: usize> DesignSeries<N> {
         self
     }
 
+    /// The closure equations along the series.
+    pub(crate) fn closure(&self) -> &Closure<Jet<f64, N>> {
+        &self.closure
+    }
+
     /// Whether configurations carry the twist of the steering motion.
     pub(crate) fn is_steered(&self) -> bool {
         self.steered.is_some()
@@ -118,13 +123,43 @@ impl<const N: usize> DesignSeries<N> {
 
     /// Takes over another design of the same mechanism, without allocating.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
+        self.prepare_points(design);
+        self.prepare_equations(mechanism);
+    }
+
+    fn prepare_points(&mut self, design: &[Vector3<f64>]) {
         for (design_series, point) in self.design.iter_mut().zip(design) {
             *design_series = point.map(Jet::constant);
         }
+    }
+
+    fn prepare_equations(&mut self, mechanism: &Mechanism) {
         self.closure.prepare(mechanism, &self.design);
         if let Some(steered) = &mut self.steered {
             steered.prepare(mechanism, &self.design);
         }
+    }
+
+    /// Takes over another design, whose points move in these ways (by number, how fast) along the series.
+    pub(crate) fn prepare_moving(
+        &mut self,
+        mechanism: &Mechanism,
+        design: &[Vector3<f64>],
+        ways: impl Iterator<Item = (usize, Vector3<f64>)>,
+    ) {
+        self.prepare_points(design);
+        for (point, by) in ways {
+            let moved = self.design[point].to_array();
+            let along = moved.into_iter().zip(by.to_array());
+            let mut moving = along.map(|(mut series, by)| {
+                series.0[1] += by;
+                series
+            });
+            self.design[point] = Vector3::from(std::array::from_fn(|_| {
+                moving.next().expect("three coordinates")
+            }));
+        }
+        self.prepare_equations(mechanism);
     }
 
     /// Whether configurations take the factors of the Jacobian.

@@ -104,6 +104,16 @@ impl<'a, const N: usize> Linearised<'a, N> {
         }
     }
 
+    /// The closure equations along the series.
+    pub(crate) fn closure(&self) -> &'a Closure<Jet<f64, N>> {
+        self.closure
+    }
+
+    /// Where work is counted.
+    pub(crate) fn work(&self) -> &'a WorkCounter {
+        self.work
+    }
+
     /// The factors of the Jacobian.
     pub(crate) fn factors(&self) -> &Lu6<f64> {
         &self.lu

@@ -40,6 +40,7 @@ use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
+use crate::number::Scalar;
 use crate::number::{Outlined, Real, SimdReal, Vector3};
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
@@ -456,14 +457,16 @@ impl Configuration<'_, f64> {
         });
         stuck.last().map(|id| self.mechanism.rocker(id).rod)
     }
+}
 
+impl<T: Scalar> Configuration<'_, T> {
     /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
-    pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<f64>, force: Vector3<f64>) -> f64 {
+    pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
         let rocker = self.mechanism.rocker(id);
         let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
         let axis = second - first;
         let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
-        let moment = |at: Vector3<f64>, force: Vector3<f64>| axis.dot((at - first).cross(force));
+        let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
         -moment(at, force) / moment(inner, (outer - inner).normalised())
     }
 }

@@ -17,6 +17,7 @@ mod axle;
 mod bounded_least_squares;
 mod bounds;
 mod builds;
+mod carried;
 mod choices;
 mod constrained;
 mod course;

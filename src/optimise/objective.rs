@@ -15,6 +15,7 @@
 
 use super::axle::{AxleRows, Moved, axle_rows};
 use super::builds::Builds;
+use super::carried::{self, Moving};
 use super::constrained::{Assessment, Constrained, Shape};
 use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
@@ -54,6 +55,8 @@ pub struct Objective<'a, const N: usize> {
     reader: Reader<N>,
     /// With the derivative by the drive of what is read: for extremes.
     sloped: Option<Reader<3>>,
+    /// Where forces under loads are wanted or limited.
+    moving: Option<Moving>,
     /// Both wheels, where targets are of an axle.
     axle: Option<Box<dyn AxleRows + 'a>>,
     /// Values of the parts of a leg, by part and station.
@@ -64,31 +67,62 @@ pub struct Objective<'a, const N: usize> {
 /// Reads values and gradients off poses.
 struct Reader<const N: usize> {
     series: DesignSeries<N>,
-    buffer: Vec<Vector3<Jet<f64, N>>>,
-    gradient: Vec<Vector3<f64>>,
+    slopes: Slopes<N>,
 }
 
 impl<const N: usize> Reader<N> {
-    fn new(suspension: &Suspension, layout: &TargetLayout, points: &[PointId]) -> Self {
+    fn new(
+        suspension: &Suspension,
+        layout: &TargetLayout,
+        points: &[PointId],
+        variables: usize,
+    ) -> Self {
         let design = &suspension.design;
         Reader {
             series: DesignSeries::new(&suspension.mechanism, design)
                 .with_steering_axis(layout.reads.contain_steering_axis())
                 .with_sensitivities_to(&suspension.mechanism, points),
-            buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
-            gradient: vec![Vector3::new(0.0, 0.0, 0.0); design.len()],
+            slopes: Slopes {
+                buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
+                gradient: vec![Vector3::new(0.0, 0.0, 0.0); design.len()],
+                by_variable: vec![0.0; variables],
+            },
         }
     }
+}
 
-    /// The gradient of a measure by the hardpoints, into `gradient`.
-    fn form_gradient(
-        buffer: &mut [Vector3<Jet<f64, N>>],
-        gradient: &mut [Vector3<f64>],
-        measure: &Measure,
-        view: &WheelReading<N>,
-        linearised: &Linearised<'_, N>,
-    ) {
-        match measure {
+/// The derivatives of a measure by the variables.
+struct Slopes<const N: usize> {
+    buffer: Vec<Vector3<Jet<f64, N>>>,
+    gradient: Vec<Vector3<f64>>,
+    by_variable: Vec<f64>,
+}
+
+/// A measure in a pose, and how the design moves.
+struct Reading<'r, 'a, const N: usize> {
+    measure: &'r Measure,
+    view: &'r WheelReading<N>,
+    linearised: &'r Linearised<'a, N>,
+    solver: &'r Solver<'a>,
+    motion: &'r MotionPoint<f64>,
+    ways: &'r [Way],
+    /// Where the measure is a force.
+    moving: Option<&'r Moving>,
+}
+
+impl<const N: usize> Slopes<N> {
+    fn form(&mut self, of: &Reading<'_, '_, N>) {
+        let (view, linearised) = (of.view, of.linearised);
+        let (buffer, gradient) = (&mut self.buffer, &mut self.gradient);
+        match of.measure {
+            Measure::Carried(force) => {
+                let moving = of.moving.iter();
+                let found = moving.flat_map(|m| m.slopes(force, of.solver, linearised, of.motion));
+                for (slope, found) in self.by_variable.iter_mut().zip(found) {
+                    *slope = found;
+                }
+                return;
+            }
             Measure::Quantity(quantity) => {
                 view.gradients(
                     linearised,
@@ -100,7 +134,7 @@ impl<const N: usize> Reader<N> {
                     },
                 );
             }
-            _ => {
+            measure => {
                 buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));
                 linearised.gradient(buffer, |seeds| measure.seed(&linearised.at, seeds));
                 for (gradient, series) in gradient.iter_mut().zip(buffer) {
@@ -108,17 +142,30 @@ impl<const N: usize> Reader<N> {
                 }
             }
         }
+        self.by_variable.fill(0.0);
+        for way in of.ways {
+            self.by_variable[way.column] += self.gradient[way.point].dot(way.by);
+        }
+    }
+
+    /// Writes them, times a factor, into a row.
+    fn write(&self, into: &mut Evaluation, row: usize, scale: f64) {
+        for (column, slope) in self.by_variable.iter().enumerate() {
+            into.jacobian[(row, column)] = slope * scale;
+        }
     }
 }
 
-/// The value of a measure along the motion.
+/// The value of a measure along the motion; NaN of a force where nothing can carry the load.
 fn read<const N: usize>(
     measure: &Measure,
     view: &WheelReading<N>,
     linearised: &Linearised<'_, N>,
+    size: f64,
 ) -> Jet<f64, N> {
     match measure {
         Measure::Quantity(quantity) => view.value(&linearised.at, *quantity),
+        Measure::Carried(force) => carried::value(force, view, linearised, size),
         _ => measure.value(&linearised.at),
     }
 }
@@ -148,16 +195,28 @@ pub(super) fn add_to_row(
     }
 }
 
+/// A drive value in words.
+fn place_in_words(drive: Drive, value: f64) -> String {
+    match drive {
+        Drive::Travel => format!("travel {value}"),
+        Drive::ArmAngle => format!("arm angle {} deg", value.to_degrees()),
+    }
+}
+
 /// A drive value without a pose.
 fn unreached(drive: Drive, value: f64, failure: Failure) -> Infeasible {
-    Infeasible::Refused(match drive {
-        Drive::Travel => format!("travel {value} is not reached: {failure}"),
-        Drive::ArmAngle => {
-            format!(
-                "arm angle {} deg is not reached: {failure}",
-                value.to_degrees()
-            )
-        }
+    let place = place_in_words(drive, value);
+    Infeasible::Refused(format!("{place} is not reached: {failure}"))
+}
+
+/// A drive value where nothing can carry the load whose force is read there.
+fn uncarried(measure: &Measure, found: f64, place: &MotionPoint<f64>) -> Option<Infeasible> {
+    let is_uncarried = matches!(measure, Measure::Carried(_)) && found.is_nan();
+    is_uncarried.then(|| {
+        let place = place_in_words(place.drive, place.value);
+        Infeasible::Refused(format!(
+            "at {place} nothing has the leverage to carry the load"
+        ))
     })
 }
 
@@ -176,8 +235,8 @@ impl<'a, const N: usize> Objective<'a, N> {
         }
         let mechanism = &suspension.mechanism;
         let parts = layout.parts.iter().map(|part| &part.of);
-        let all = layout.measures.iter().chain(parts);
-        let rockers = all.flat_map(|measure| measure.rockers(mechanism));
+        let all = || layout.measures.iter().chain(parts.clone());
+        let rockers = all().flat_map(|measure| measure.rockers(mechanism));
         let has_extremes = layout.legs.iter().any(|leg| !leg.extremes.is_empty());
         Ok(Objective {
             frame: suspension.frame,
@@ -194,8 +253,9 @@ impl<'a, const N: usize> Objective<'a, N> {
             follower: None,
             solver: Solver::new(&suspension.mechanism, design)?,
             toggles: Toggles::of(mechanism, rockers),
-            reader: Reader::new(suspension, layout, &points),
-            sloped: has_extremes.then(|| Reader::new(suspension, layout, &points)),
+            reader: Reader::new(suspension, layout, &points, variables.len()),
+            sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
+            moving: Moving::new(suspension, variables.len(), all()),
             axle: layout.axle.as_ref().map(axle_rows).transpose()?,
             values: vec![Vec::new(); layout.parts.len()],
             searches: Vec::new(),
@@ -216,7 +276,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         let mut objective = Objective::new(suspension, variables, layout)?;
         // A move of the drawing moves anything in a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
-        objective.reader = Reader::new(suspension, layout, &all);
+        objective.reader = Reader::new(suspension, layout, &all, variables.len());
         let builds = Builds::new(suspension, scatter)?;
         let points = suspension.design.len();
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, width));
@@ -362,6 +422,9 @@ impl<'a, const N: usize> Objective<'a, N> {
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         self.solver.prepare(&self.moved).map_err(refused)?;
         self.reader.series.prepare(mechanism, &self.moved);
+        if let Some(moving) = &mut self.moving {
+            moving.prepare(&self.solver, &self.moved, &self.ways);
+        }
         if let Some(sloped) = &mut self.sloped {
             sloped.series.prepare(mechanism, &self.moved);
         }
@@ -391,6 +454,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             toggles,
             reader,
             values,
+            moving,
             ..
         } = self;
         for values in values.iter_mut() {
@@ -403,12 +467,12 @@ impl<'a, const N: usize> Objective<'a, N> {
         let visited =
             solver.for_each_pose(leg.drive, &leg.order, leg.rack, |solver, station, pose| {
                 let value = leg.order.values()[station];
-                let motion = MotionPoint {
+                let place = MotionPoint {
                     drive: leg.drive,
                     value,
                     rack: leg.rack,
-                }
-                .along_drive::<N>();
+                };
+                let motion = place.along_drive::<N>();
                 let linearised = pose
                     .and_then(|pose| solver.linearised(&reader.series, pose, &motion))
                     .and_then(|linearised| {
@@ -420,16 +484,26 @@ impl<'a, const N: usize> Objective<'a, N> {
                 let linearised = match linearised {
                     Ok(linearised) => linearised,
                     Err(failure) => {
-                        failed = Some((value, failure));
+                        failed = Some(unreached(leg.drive, value, failure));
                         return ControlFlow::Break(());
                     }
                 };
                 let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
+                let reading = |measure| Reading {
+                    measure,
+                    view: &view,
+                    linearised: &linearised,
+                    solver,
+                    motion: &place,
+                    ways,
+                    moving: moving.as_ref(),
+                };
+                let slopes = &mut reader.slopes;
                 if let Some((into, first)) = into {
                     for wish in &leg.targets[station] {
                         let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
-                        let found = read(measure, &view, &linearised)[0];
+                        let found = read(measure, &view, &linearised, solver.size())[0];
+                        failed = failed.take().or_else(|| uncarried(measure, found, &place));
                         let nearest = found.clamp(wish.low, wish.high);
                         into.residuals[row] = (found - nearest) * wish.scale;
                         if wish.low < wish.high && nearest == found {
@@ -437,8 +511,8 @@ impl<'a, const N: usize> Objective<'a, N> {
                             into.jacobian.row_mut(row).fill(0.0);
                             continue;
                         }
-                        Reader::form_gradient(buffer, gradient, measure, &view, &linearised);
-                        write_row(into, row, ways, gradient, wish.scale);
+                        slopes.form(&reading(measure));
+                        slopes.write(into, row, wish.scale);
                     }
                 }
                 let Some(rows) = rows else {
@@ -446,9 +520,10 @@ impl<'a, const N: usize> Objective<'a, N> {
                 };
                 for check in &leg.checks[station] {
                     let part = &layout.parts[check.part];
-                    let found = read(&part.of, &view, &linearised)[0];
+                    let found = read(&part.of, &view, &linearised, solver.size())[0];
+                    failed = failed.take().or_else(|| uncarried(&part.of, found, &place));
                     values[check.part][station] = found;
-                    Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
+                    slopes.form(&reading(&part.of));
                     let limits = [
                         (check.lower, part.lower, -1.0),
                         (check.upper, part.upper, 1.0),
@@ -458,17 +533,14 @@ impl<'a, const N: usize> Objective<'a, N> {
                         if let (Some(row), Some(limit)) = (row, limit) {
                             let scale = sign / part.scale;
                             rows.residuals[row] = (found - limit) * scale;
-                            write_row(rows, row, ways, gradient, scale);
+                            slopes.write(rows, row, scale);
                         }
                     }
                 }
                 ControlFlow::Continue(())
             });
         visited.map_err(refused)?;
-        match failed {
-            None => Ok(()),
-            Some((value, failure)) => Err(unreached(leg.drive, value, failure)),
-        }
+        failed.map_or(Ok(()), Err)
     }
 
     /// Seeks the extremes of a leg between its stations. Each takes the place of its station in the rows.
@@ -481,6 +553,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             sloped: Some(reader),
             values,
             searches,
+            moving,
             ..
         } = self
         else {
@@ -499,18 +572,18 @@ impl<'a, const N: usize> Objective<'a, N> {
             let visited =
                 solver.for_each_pose(leg.drive, &order, leg.rack, |solver, number, pose| {
                     let search = &mut searches[number];
-                    let motion = MotionPoint {
+                    let place = MotionPoint {
                         drive: leg.drive,
                         value: search.place,
                         rack: leg.rack,
-                    }
-                    .along_drive::<3>();
+                    };
+                    let motion = place.along_drive::<3>();
                     let linearised =
                         pose.and_then(|pose| solver.linearised(&reader.series, pose, &motion));
                     let linearised = match linearised {
                         Ok(linearised) => linearised,
                         Err(failure) => {
-                            failed = Some((search.place, failure));
+                            failed = Some(unreached(leg.drive, search.place, failure));
                             return ControlFlow::Break(());
                         }
                     };
@@ -520,20 +593,27 @@ impl<'a, const N: usize> Objective<'a, N> {
                     let limit = limit.expect("an extreme is sought for a limit");
                     let scale = sign / part.scale;
                     let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                    let series = read(&part.of, &view, &linearised);
+                    let series = read(&part.of, &view, &linearised, solver.size());
                     let value = (series[0] - limit) * scale;
                     search.is_found = search.advance(series[1]) || round == SEARCHES;
                     if search.is_found && value > search.at_station {
-                        let (buffer, gradient) = (&mut reader.buffer, &mut reader.gradient);
-                        Reader::form_gradient(buffer, gradient, &part.of, &view, &linearised);
+                        reader.slopes.form(&Reading {
+                            measure: &part.of,
+                            view: &view,
+                            linearised: &linearised,
+                            solver,
+                            motion: &place,
+                            ways,
+                            moving: moving.as_ref(),
+                        });
                         rows.residuals[search.row] = value;
-                        write_row(rows, search.row, ways, gradient, scale);
+                        reader.slopes.write(rows, search.row, scale);
                     }
                     ControlFlow::Continue(())
                 });
             visited.map_err(refused)?;
-            if let Some((value, failure)) = failed {
-                return Err(unreached(leg.drive, value, failure));
+            if let Some(reason) = failed {
+                return Err(reason);
             }
             searches.retain(|search| !search.is_found);
         }

@@ -385,8 +385,10 @@ pub(super) struct Target {
     pub point: Option<Text>,
     /// with its coordinate,
     pub axis: Option<Text>,
-    /// or a length.
+    /// or a length,
     pub length: Option<Spanned<MemberName>>,
+    /// or a force under a load.
+    pub load: Option<Text>,
     /// A curve: pairs of drive value and wanted value.
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
     /// A curve in a CSV file.
@@ -531,6 +533,8 @@ pub(super) struct Constraint {
     pub plunge: Option<Spanned<MemberName>>,
     /// A characteristic.
     pub characteristic: Option<Text>,
+    /// A force under a load.
+    pub load: Option<Text>,
     /// Points of one plane.
     pub coplanar: Option<Spanned<Vec<Text>>>,
     /// Points of one line.

@@ -7,12 +7,10 @@ use super::{Load, LoadPoint};
 use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
 
-impl LoadPoint {
-    const ALL: [(&str, LoadPoint); 2] = [
-        ("contact_point", LoadPoint::ContactPoint),
-        ("wheel_centre", LoadPoint::WheelCentre),
-    ];
-}
+const PLACES: [(&str, LoadPoint); 2] = [
+    ("contact_point", LoadPoint::ContactPoint),
+    ("wheel_centre", LoadPoint::WheelCentre),
+];
 
 /// The loads, if nothing is wrong with them.
 pub(super) fn loads(
@@ -42,7 +40,7 @@ fn resolved(
     problems: &mut Problems,
 ) -> Option<Load> {
     let name = name(written, problems);
-    let at = choose(&written.at, "place", &LoadPoint::ALL, problems);
+    let at = choose(&written.at, "place", &PLACES, problems);
     if at == Some(LoadPoint::ContactPoint) && suspension.wheel_radius.is_none() {
         let message = "the contact point needs radius in [wheel], which this study does not give";
         problems.add(written.at.span(), message);

@@ -40,6 +40,7 @@ mod targets;
 mod tolerance;
 mod value;
 
+pub use crate::analyse::LoadPoint;
 pub use axle::AxleStudy;
 pub(crate) use axle::missing;
 pub use axle_targets::AxleSite;
@@ -192,15 +193,6 @@ pub struct Load {
     pub force: Vector3<f64>,
     /// Moment, in newtons times the study's length unit.
     pub moment: Vector3<f64>,
-}
-
-/// Where a load acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LoadPoint {
-    /// The contact point of wheel and ground.
-    ContactPoint,
-    /// The centre of the wheel.
-    WheelCentre,
 }
 
 /// A sweep.

@@ -2,7 +2,7 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Motion, Optimise, Study, axle, edit, file, motion, optimise, outputs,
+    AxleStudy, Drive, Load, Motion, Optimise, Study, axle, edit, file, motion, optimise, outputs,
     overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
@@ -17,6 +17,8 @@ pub(super) struct Context<'a> {
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
+    /// What acts on the wheel.
+    pub loads: &'a [Load],
     /// Both wheels, if the study is of an axle.
     pub axle: Option<&'a AxleStudy>,
     /// The file as written.
@@ -123,6 +125,7 @@ fn resolve(
         suspension: &suspension,
         motion: motion.as_ref(),
         motions: &motions,
+        loads: outputs.as_ref().map_or(&[], |outputs| &outputs.loads),
         axle: axle.as_ref().and_then(Option::as_ref),
         file: &file,
         directory,

@@ -6,8 +6,9 @@ use super::outputs::characteristic;
 use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
 use super::{About as Of, Site, Subject};
+use crate::analyse::{Support, members as carriers};
 use crate::axle::Unit;
-use crate::characteristics::{Measure, Quantity};
+use crate::characteristics::{CarriedForce, Measure, Quantity};
 use crate::model::{Axis, Constraint, PointId, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -97,6 +98,42 @@ pub(super) fn length(
     }
 }
 
+/// A force under a load, by the name of its column without the unit; with what it is multiplied by to be along the study's
+/// axes.
+pub(super) fn force(
+    name: &Text,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<(CarriedForce, f64)> {
+    if context.loads.is_empty() {
+        let message = "this study has no loads; they are in [outputs] loads";
+        problems.add(name.span(), message);
+        return None;
+    }
+    let Suspension {
+        mechanism, frame, ..
+    } = context.suspension;
+    let support = Support::of(mechanism);
+    let carriers = carriers(mechanism, support);
+    let all = context.loads.iter().flat_map(|load| {
+        carriers.iter().map(move |member| {
+            let force = CarriedForce {
+                at: load.at,
+                force: load.force,
+                moment: load.moment,
+                support,
+                what: member.what,
+            };
+            (format!("{}_{}", load.name, member.name), force)
+        })
+    });
+    let all: Vec<(String, CarriedForce)> = all.collect();
+    let options: Vec<_> = all.iter().map(|(n, f)| (n.as_str(), f.clone())).collect();
+    let force = choose(name, "force under a load", &options, problems)?;
+    let sign = force.what.axis().map_or(1.0, |axis| frame.sign(axis));
+    Some((force, sign))
+}
+
 /// The keys of a target that say what it is about.
 pub(super) struct About<'a> {
     /// Where they are.
@@ -107,23 +144,26 @@ pub(super) struct About<'a> {
     pub point: &'a Option<Text>,
     /// with a coordinate,
     pub axis: &'a Option<Text>,
-    /// or a length.
+    /// or a length,
     pub length: &'a Option<Spanned<MemberName>>,
+    /// or a force under a load.
+    pub load: &'a Option<Text>,
 }
 
 /// What a target is about.
 pub(super) fn subject(
     about: &About<'_>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<Subject> {
+    let suspension = context.suspension;
     let unit = suspension.length_unit;
-    match (about.characteristic, about.point, about.length) {
-        (Some(name), None, None) => {
+    match (about.characteristic, about.point, about.length, about.load) {
+        (Some(name), None, None, None) => {
             let found = characteristic(name, suspension, problems)?;
             Some(Subject::characteristic(found, unit))
         }
-        (None, Some(name), None) => {
+        (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
             let Some(axis) = about.axis else {
                 problems.add(
@@ -142,7 +182,7 @@ pub(super) fn subject(
                 sign: suspension.frame.sign(axis),
             })
         }
-        (None, None, Some(written)) => {
+        (None, None, Some(written), None) => {
             let (name, ends) = length(written, suspension, problems)?;
             Some(Subject {
                 about: Of::Wheel(Measure::Length(ends)),
@@ -152,13 +192,25 @@ pub(super) fn subject(
                 sign: 1.0,
             })
         }
-        (None, None, None) => {
-            let message = "expected what it is about: characteristic, point with axis, or length";
+        (None, None, None, Some(name)) => {
+            let (force, sign) = force(name, context, problems)?;
+            Some(Subject {
+                about: Of::Wheel(Measure::Carried(force)),
+                column: format!("{}_{}", name.get_ref(), Unit::Force.suffix(unit)),
+                unit: Unit::Force,
+                length: unit,
+                sign,
+            })
+        }
+        (None, None, None, None) => {
+            let message =
+                "expected what it is about: characteristic, point with axis, length, or load";
             problems.add(about.place.clone(), message);
             None
         }
         _ => {
-            let message = "expected one of characteristic, point and length, found more than one";
+            let message =
+                "expected one of characteristic, point, length and load, found more than one";
             problems.add(about.place.clone(), message);
             None
         }

@@ -62,8 +62,9 @@ fn target(
                 point: &written.point,
                 axis: &written.axis,
                 length: &written.length,
+                load: &written.load,
             };
-            let of = subject(&about, context.suspension, problems);
+            let of = subject(&about, context, problems);
             let site = site(&written.motion, &written.rack, context, problems);
             (of, site, None)
         }

@@ -362,31 +362,36 @@ fn noise(seed: &mut u64) -> f64 {
 /// the study's in every coordinate of six of its points.
 #[test]
 fn derivatives_are_exact_at_a_random_design_of_every_topology() {
-    for (file, carried, more) in [
+    for (file, carried, more, forces) in [
         (
             "macpherson_front.toml",
             "tie_rod_outer",
             "{ members = [\"strut\", \"tie_rod\"], radii = [30.0, 8.0], clearance = 2.0 }",
+            ["tie_rod", "strut_side_y"],
         ),
         (
             "double_wishbone_front.toml",
             "upper_ball_joint",
             "{ articulation = \"upper_ball_joint\", at_most = 20.0 }",
+            ["lower_arm_front", "upper_ball_joint_y"],
         ),
         (
             "double_wishbone_rocker.toml",
             "tie_rod_outer",
             "{ members = [\"pushrod\", \"upper_arm_front\"], radii = [8.0, 10.0], clearance = 5.0 }, { characteristic = \"spring_length\", between = [165.0, 205.0] }",
+            ["pushrod", "lower_ball_joint_x"],
         ),
         (
             "five_link_rear.toml",
             "toe_link_outer",
             "{ members = [\"toe_link\", \"lower_rear_link\"], radii = [9.0, 11.0], clearance = 5.0 }, { length = \"upper_rear_link\", at_least = 90.0 }",
+            ["toe_link", "support"],
         ),
         (
             "semi_trailing_arm_rear.toml",
             "wheel_centre",
             "{ length = [\"arm_pivot_inner\", \"wheel_centre\"], between = [500.0, 800.0] }",
+            ["arm_pivot_inner_x", "arm_pivot_outer_z"],
         ),
     ] {
         let plain = edited(file, &[]);
@@ -417,8 +422,13 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
             {{ characteristic = \"bump_steer\", at_most = -0.05, tolerance = 0.0005 }}, \
             {{ characteristic = \"toe\", points = [[-40.0, 0.9], [40.0, -0.7]], tolerance = 0.05 }}, \
             {{ point = \"{carried}\", axis = \"x\", at = 10.0, value = -400.0, tolerance = 0.5 }}, \
-            {{ characteristic = \"roll_centre_height\", at = 0.0, value = 900.0, tolerance = 2.0 }}]"
+            {{ load = \"kerb_{0}\", points = [[-30.0, -9e3], [30.0, 8e3]], tolerance = 20.0 }}, \
+            {{ load = \"kerb_{1}\", at = -10.0, value = 5e3, tolerance = 20.0 }}, \
+            {{ characteristic = \"roll_centre_height\", at = 0.0, value = 900.0, tolerance = 2.0 }}]",
+            forces[0], forces[1]
         );
+        let loads = "outputs.loads=[{ name = \"kerb\", at = \"contact_point\", force = [-900.0, 400.0, 3000.0], \
+            moment = [2e4, -3e4, 5e4] }]";
         // The wheel centre lies on the spin axis: its distance from it has no derivative.
         let rim = match carried {
             "wheel_centre" => String::new(),
@@ -431,11 +441,16 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
             {rim}\
             {{ point = \"{carried}\", inside = {{ sphere = {{ centre = [10.0, 300.0, 200.0], radius = 600.0 }} }} }}, \
             {{ point = \"{carried}\", inside = {{ half_space = {{ point = [0, 0, 0], normal = [0.1, 1.0, 0.2] }} }} }}, \
-            {more}]"
+            {{ load = \"kerb_{0}\", between = [-9e4, 9e4] }}, {{ load = \"kerb_{1}\", at_most = 9e4 }}, \
+            {more}]",
+            forces[0], forces[1]
         );
         let travel = "motion.travel={ from = -30.0, to = 30.0, steps = 5 }";
         let wheel = "wheel.radius=290.0";
-        let study = edited(file, &[travel, wheel, &variables, &targets, &constraints]);
+        let study = edited(
+            file,
+            &[travel, wheel, loads, &variables, &targets, &constraints],
+        );
         let optimise = study.optimise.as_ref().unwrap();
         let suspension = &study.suspension;
         let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
@@ -798,6 +813,73 @@ fn mistakes_in_front_scatter_and_constraints_are_refused() {
             hardpoint(&["optimise", "studies/macpherson_front.toml", "--set", edit]).code(2);
         let said = String::from_utf8(refused.get_output().stderr.clone()).unwrap();
         assert!(said.contains(wanted), "{edit}: {said}");
+    }
+}
+
+/// A wanted force in the tie rod is had, and what `solve` says of the tuned design; the steering arm's force stays below a
+/// limit everywhere, also between stations. Without loads there is no force to want.
+#[test]
+fn forces_under_loads_are_tuned_and_held() {
+    let loads = "outputs.loads=[{ name = \"braking\", at = \"contact_point\", force = [-3000.0, 0.0, 4000.0] }]";
+    let targets = "optimise.targets=[\
+        { load = \"braking_tie_rod\", at_least = -200.0, tolerance = 10.0 }, \
+        { characteristic = \"toe\", points = [[-60.0, 0.0], [60.0, 0.0]], tolerance = 0.5 }]";
+    let variables = "optimise.variables=[\
+        { hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-40.0, 40.0] }, \
+        { hardpoint = \"tie_rod_outer\", axis = \"z\", range = [-40.0, 40.0] }, \
+        { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-60.0, 60.0] }]";
+    let constraint =
+        "optimise.constraints=[{ load = \"braking_lower_ball_joint_x\", between = [-1e4, 1e4] }]";
+    let motion = "motion.travel={ from = -60.0, to = 60.0, steps = 13 }";
+    let file = "macpherson_front.toml";
+    let study = edited(
+        file,
+        &[
+            loads,
+            targets,
+            variables,
+            constraint,
+            motion,
+            "optimise.good_enough=0.0",
+        ],
+    );
+    let tuning = study.tune(Control::default()).unwrap();
+    let best = tuning.best.unwrap();
+    let tuned = Study {
+        suspension: hardpoint::model::Suspension {
+            design: best.design.clone(),
+            ..study.suspension.clone()
+        },
+        ..study.clone()
+    };
+    let least = |study: &Study| {
+        let plan = hardpoint::plan::Plan::of(study);
+        let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+        let is_wanted = |c: &hardpoint::curves::Column| c.name == "braking_tie_rod_N";
+        let column = curves.columns.iter().position(is_wanted).unwrap();
+        let values = curves.stations.iter().map(|s| s.values[column].unwrap());
+        values.fold(f64::INFINITY, f64::min)
+    };
+    let (before, after) = (least(&study), least(&tuned));
+    assert!(before < -400.0 && after > before, "{before} {after}");
+    let worst = -200.0 + 10.0 * best.after.targets[0].worst;
+    assert!((after - worst).abs() < 1e-6, "{after} {worst}");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(file);
+    for (edits, wanted) in [
+        (vec![targets], "this study has no loads"),
+        (
+            vec![
+                loads,
+                "optimise.targets=[{ load = \"braking_tierod\", at_most = 1.0, tolerance = 1.0 }]",
+            ],
+            "did you mean \"braking_tie_rod\"",
+        ),
+    ] {
+        let edits: Vec<String> = edits.into_iter().map(str::to_owned).collect();
+        let said = Study::read(&path, &edits).unwrap_err().to_string();
+        assert!(said.contains(wanted), "{said}");
     }
 }
 

@@ -149,6 +149,96 @@ impl Random {
         Random::of(with(&limits))
     }
 
+    /// A random design of a strut or wishbone, every coordinate up to 15 mm from the study's, whose eight coordinates that
+    /// matter most are to give the camber and kingpin inclination of another design that they can reach, but for what no
+    /// curve of the kind has; and limits through 41 stations, 126 rows, such that a third design just keeps them.
+    fn of_design(number: u64) -> Self {
+        let mut seed = 0x2545_F491_4F6C_DD1D ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95);
+        let mut off = |by: f64| by * noise(&mut seed);
+        let is_strut = number.is_multiple_of(2);
+        let file = match is_strut {
+            true => "macpherson_front.toml",
+            false => "double_wishbone_front.toml",
+        };
+        let plain = edited(file, &[]);
+        let suspension = &plain.suspension;
+        let names = suspension.mechanism.points.iter().map(|p| p.name.as_str());
+        let mut overrides: Vec<String> = names
+            .zip(&suspension.design)
+            .filter(|(name, _)| !name.starts_with("wheel") && !name.starts_with("spindle"))
+            .map(|(name, at)| {
+                let [x, y, z] = at.to_array().map(|c| c + off(15.0));
+                format!("suspension.hardpoints.{name}=[{x}, {y}, {z}]")
+            })
+            .collect();
+        let moved = match is_strut {
+            true => [
+                ("strut_top", "y"),
+                ("lower_ball_joint", "y"),
+                ("lower_ball_joint", "z"),
+                ("lower_arm_front", "y"),
+                ("lower_arm_front", "z"),
+                ("lower_arm_rear", "z"),
+                ("tie_rod_inner", "z"),
+                ("tie_rod_outer", "y"),
+            ],
+            false => [
+                ("upper_ball_joint", "y"),
+                ("lower_ball_joint", "y"),
+                ("lower_ball_joint", "z"),
+                ("upper_arm_front", "z"),
+                ("upper_arm_rear", "z"),
+                ("lower_arm_front", "z"),
+                ("tie_rod_inner", "z"),
+                ("tie_rod_outer", "y"),
+            ],
+        };
+        let variables = moved.map(|(name, axis)| {
+            format!("{{ hardpoint = \"{name}\", axis = \"{axis}\", range = [-20.0, 20.0] }}")
+        });
+        overrides.push(format!("optimise.variables=[{}]", variables.join(", ")));
+        overrides.push("motion.travel={ from = -60.0, to = 60.0, steps = 41 }".to_owned());
+        let with = |curves: &[Vec<[f64; 2]>; 2], limits: &[Limit]| {
+            let [camber, inclination] = curves;
+            let constraints: Vec<String> = limits.iter().map(|l| l.written(number)).collect();
+            let more = [
+                format!(
+                    "optimise.targets=[{{ characteristic = \"camber\", points = {camber:?}, tolerance = 0.05 }}, \
+                     {{ characteristic = \"kingpin_inclination\", points = {inclination:?}, tolerance = 0.1 }}]"
+                ),
+                format!("optimise.constraints=[{}]", constraints.join(", ")),
+            ];
+            let all: Vec<&str> = overrides.iter().chain(&more).map(String::as_str).collect();
+            Random::of(edited(file, &all))
+        };
+        let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
+        let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
+        let wide = with(&[nought(), nought()], &limits);
+        // Deviations from nothing, in tolerances, are the curves of the design wanted.
+        let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
+        let wanted = &wanted.goal.residuals;
+        let stations = &wide.study.motion.values;
+        let bent = [off(1.0), off(1.0)];
+        let curves = [0, 1].map(|target| {
+            let points = stations.iter().enumerate().map(|(k, travel)| {
+                let tolerance = [0.05, 0.1][target];
+                let swing = 4.0 * bent[target] * (travel / 20.0).sin();
+                [
+                    *travel,
+                    (wanted[target * stations.len() + k] + swing) * tolerance,
+                ]
+            });
+            points.collect()
+        });
+        let at = wide.assessed(&DVector::from_fn(8, |_, _| off(12.0)));
+        for (limit, room) in limits.iter_mut().zip(wide.rooms(&at)) {
+            let slack = if limit.kind == Kind::Band { 0.1 } else { 1.0 };
+            limit.low += room[0] - slack;
+            limit.high -= room[1] - slack;
+        }
+        with(&curves, &limits)
+    }
+
     fn of(study: Study) -> Self {
         let optimise = study.optimise.as_ref().unwrap();
         let (frame, mechanism) = (&study.suspension.frame, &study.suspension.mechanism);
@@ -554,10 +644,8 @@ fn forty_constrained_minima_are_those_of_independent_methods() {
     }
 }
 
-/// Evaluations of a problem with so many variables: ours, all; the other's until it was as near to its end as six digits of
-/// the ranges, and all.
+/// Evaluations of a problem: ours, all; the other's until it was as near to its end as six digits of the ranges, and all.
 struct Evaluations {
-    variables: usize,
     ours: u64,
     other: Option<[u64; 2]>,
 }
@@ -574,10 +662,10 @@ struct Course {
 
 impl Course {
     /// Of problems with these numbers; with `others` by the crate `slsqp` as well.
-    fn of(numbers: std::ops::Range<u64>, others: bool) -> Self {
+    fn of(numbers: std::ops::Range<u64>, problem: fn(u64) -> Random, others: bool) -> Self {
         let mut course = Course::default();
         for number in numbers {
-            let random = Random::new(number);
+            let random = problem(number);
             let start = random
                 .bounds
                 .nearest(&DVector::zeros(random.bounds.variables()));
@@ -604,7 +692,6 @@ impl Course {
             let other = others.then(|| slsqp(&random, &start));
             let other = other.filter(End::is_feasible);
             course.evaluations.push(Evaluations {
-                variables: random.bounds.variables(),
                 ours: ours.evaluations(),
                 other: other.map(|end| [end.evaluations_to(1e-6), end.away.len() as u64]),
             });
@@ -612,10 +699,9 @@ impl Course {
         course
     }
 
-    /// Medians of ours, the others' to six digits and all of them, with so many variables, of problems that both kept.
-    fn medians(&self, variables: std::ops::Range<usize>) -> [u64; 3] {
+    /// Medians of ours, the others' to six digits and all of them, of problems that both kept.
+    fn medians(&self) -> [u64; 3] {
         let both = self.evaluations.iter();
-        let both = both.filter(|e| variables.contains(&e.variables));
         let both: Vec<[u64; 3]> = both
             .filter_map(|e| e.other.map(|[near, all]| [e.ours, near, all]))
             .collect();
@@ -624,6 +710,21 @@ impl Course {
             counts.sort_unstable();
             counts[counts.len() / 2]
         })
+    }
+
+    /// In words.
+    fn say(&self) {
+        let mut ours: Vec<u64> = self.evaluations.iter().map(|e| e.ours).collect();
+        ours.sort_unstable();
+        println!(
+            "{} kept, {} balanced, {} cannot be kept; evaluations median {}, 95 % {}, most {}",
+            self.kept,
+            self.balanced,
+            self.refused,
+            ours[ours.len() / 2],
+            ours[ours.len() * 95 / 100],
+            ours[ours.len() - 1]
+        );
     }
 }
 
@@ -675,43 +776,33 @@ fn nothing_is_violated_between_stations() {
 /// Where constraints can be kept, multipliers balance to a millionth.
 #[test]
 fn multipliers_balance() {
-    let Course {
-        kept,
-        balanced,
-        refused,
-        ..
-    } = Course::of(0..12, false);
-    assert!(
-        kept + refused == 12 && kept >= 11 && balanced + 1 >= kept,
-        "{kept} {balanced}"
-    );
+    for problem in [Random::new, Random::of_design] {
+        let course = Course::of(0..8, problem, false);
+        let Course { kept, balanced, .. } = course;
+        assert!(kept >= 7 && balanced == kept, "{kept} {balanced}");
+    }
 }
 
+/// Of six hundred random designs all but one in a hundred end where multipliers balance to a millionth, by the median in
+/// at most a fifth of the evaluations that `slsqp` takes.
 #[test]
 #[ignore = "six hundred problems by two methods"]
 fn multipliers_of_six_hundred_designs_balance() {
-    let course = Course::of(0..600, true);
-    let mut ours: Vec<u64> = course.evaluations.iter().map(|e| e.ours).collect();
-    ours.sort_unstable();
-    let ended = course
-        .evaluations
-        .iter()
-        .filter(|e| e.other.is_some())
-        .count();
-    println!(
-        "{} kept, {} balanced, {} cannot be kept; evaluations median {}, 95 % {}, most {}; slsqp kept {ended}",
-        course.kept,
-        course.balanced,
-        course.refused,
-        ours[ours.len() / 2],
-        ours[ours.len() * 95 / 100],
-        ours[ours.len() - 1]
-    );
-    for variables in [2..5, 5..8, 8..11, 11..13] {
-        let [ours, near, all] = course.medians(variables.clone());
-        println!(
-            "{ours} evaluations with {variables:?} variables, slsqp {near} to six digits, {all} in all"
-        );
-    }
+    let course = Course::of(0..600, Random::of_design, true);
+    course.say();
+    let ended = course.evaluations.iter().filter(|e| e.other.is_some());
+    let ended = ended.count();
+    let [ours, near, all] = course.medians();
+    println!("slsqp kept {ended}: {near} evaluations to six digits, {all} in all; ours {ours}");
+    assert!(course.kept >= 590 && course.balanced * 100 >= course.kept * 99);
+    assert!(ended >= 500 && 5 * ours <= all, "{ours} {near} {all}");
+}
+
+/// The same of six hundred problems of two to twelve variables.
+#[test]
+#[ignore = "six hundred problems"]
+fn multipliers_of_six_hundred_problems_balance() {
+    let course = Course::of(0..600, Random::new, false);
+    course.say();
     assert!(course.kept >= 590 && course.balanced * 100 >= course.kept * 99);
 }

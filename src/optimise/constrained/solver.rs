@@ -13,6 +13,8 @@ use nalgebra::DVector;
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends at this share of [`Options::reduction_below`]: multipliers are right to the root of it.
 const NEGLIGIBLE: f64 = 1e-2;
+/// Multipliers that balance to this are those of a minimum: its goal is right to the square of it.
+const BALANCED: f64 = 1e-8;
 /// First radius, in half ranges.
 const FIRST_RADIUS: f64 = 1.0;
 /// A radius that holds the whole box.
@@ -239,6 +241,11 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
+                break;
+            }
+            if is_balanced && obstacle.is_none() && self.model.imbalance() <= BALANCED {
+                // Another step would not show.
+                self.course.end(Termination::NoFurtherDescent);
                 break;
             }
             self.model.step_from(&x, &mut self.trial_x);

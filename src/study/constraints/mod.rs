@@ -7,7 +7,7 @@ use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
 use super::outputs::characteristic;
 use super::resolve::Context;
-use super::subject::{length, member, point, site};
+use super::subject::{force, length, member, point, site};
 use super::value::{Number, Text};
 use super::{Constraint, Limited};
 use crate::characteristics::{Measure, Quantity, Unit};
@@ -70,11 +70,12 @@ impl Reader<'_> {
             written.articulation.is_some(),
             written.plunge.is_some(),
             written.characteristic.is_some(),
+            written.load.is_some(),
             written.coplanar.is_some(),
             written.line.is_some(),
         ];
         if subjects.iter().filter(|given| **given).count() != 1 {
-            let message = "expected one of length, point, members, articulation, plunge, characteristic, \
+            let message = "expected one of length, point, members, articulation, plunge, characteristic, load, \
                            coplanar and line";
             problems.add(self.place.clone(), message);
             return None;
@@ -83,6 +84,8 @@ impl Reader<'_> {
             self.length(written, problems)?
         } else if let Some(name) = &written.characteristic {
             self.characteristic(name, problems)?
+        } else if let Some(name) = &written.load {
+            self.load(name, problems)?
         } else if let Some(name) = &written.articulation {
             self.articulation(name, problems)?
         } else if let Some(ends) = &written.plunge {
@@ -252,6 +255,22 @@ impl Reader<'_> {
             upper,
             scale: unit.from_printed(visible),
             unit: symbol.to_owned(),
+        };
+        Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
+    }
+
+    fn load(&self, name: &Text, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {
+        self.takes(&LIMITS, problems);
+        let (force, sign) = force(name, self.context, problems)?;
+        let limits = self.needed_limits(problems)?;
+        let [lower, upper] = limits.map(|limit| limit.map(|value| value * sign));
+        let is_turned = sign < 0.0;
+        let of = Limited {
+            of: Measure::Carried(force),
+            lower: if is_turned { upper } else { lower },
+            upper: if is_turned { lower } else { upper },
+            scale: 10.0,
+            unit: "10 N".to_owned(),
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }

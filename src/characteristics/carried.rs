@@ -1,0 +1,49 @@
+//! Forces in links, joints and spring under a load on the wheel, as something that targets and constraints are about.
+
+use super::{Slot, WheelReading};
+use crate::analyse::{Balance, Carried, Load, LoadPoint, Support};
+use crate::model::{Mechanism, RockerId};
+use crate::number::{Jet, Vector3};
+
+/// A force that carries a load. In the kernel's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarriedForce {
+    /// Where the load acts.
+    pub at: LoadPoint,
+    /// Its force.
+    pub force: Vector3<f64>,
+    /// Its moment, in units of force times length.
+    pub moment: Vector3<f64>,
+    /// What keeps the suspension from moving under it.
+    pub support: Support,
+    /// Which of the forces that carry it.
+    pub what: Carried,
+}
+
+impl CarriedForce {
+    /// What of the wheel the place of a load is made of.
+    pub(crate) const READS: &'static [Slot] = &[Slot::SpinAxis, Slot::Centre];
+
+    /// The rocker through which the spring holds the suspension.
+    pub(super) fn rocker(&self, mechanism: &Mechanism) -> Option<RockerId> {
+        self.support.rocker(mechanism)
+    }
+
+    /// Its value along the series of a balance with its support, that `view` reads as well.
+    pub fn value<const N: usize>(
+        &self,
+        view: &WheelReading<N>,
+        balance: &Balance<'_, Jet<f64, N>>,
+    ) -> Option<Jet<f64, N>> {
+        let point = match self.at {
+            LoadPoint::ContactPoint => view.contact_point(),
+            LoadPoint::WheelCentre => balance.wheel_centre(),
+        };
+        let carried = balance.under(&Load {
+            point,
+            force: self.force,
+            moment: self.moment,
+        });
+        balance.force(&carried, self.what)
+    }
+}

@@ -1,0 +1,85 @@
+//! Forces that carry loads, as residuals and rows.
+//!
+//! A force is a multiplier of the closure equations under a load, so its derivatives take those of the equations' Jacobian.
+//! They are had forwards: the design moves along a variable as a series, the pose follows, and so does the balance.
+
+use super::moves::Way;
+use crate::characteristics::{CarriedForce, Constants, Measure, Slots, WheelReading};
+use crate::derive::{DesignSeries, Linearised, MotionPoint};
+use crate::model::Suspension;
+use crate::number::{Jet, Vector3};
+use crate::solve::Solver;
+
+/// A design that moves along each of the variables.
+pub(super) struct Moving {
+    /// By variable.
+    series: Vec<DesignSeries<2>>,
+    constants: Constants,
+    reads: Slots,
+}
+
+impl Moving {
+    /// For so many variables; `None` where no measure is a force.
+    pub(super) fn new<'m>(
+        suspension: &Suspension,
+        variables: usize,
+        mut measures: impl Iterator<Item = &'m Measure>,
+    ) -> Option<Self> {
+        measures
+            .any(|measure| matches!(measure, Measure::Carried(_)))
+            .then(|| {
+                let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+                let one = DesignSeries::new(mechanism, design).with_steering_axis(false);
+                Moving {
+                    series: vec![one; variables],
+                    constants: Constants::of(suspension),
+                    reads: Slots::default().with(CarriedForce::READS),
+                }
+            })
+    }
+
+    /// Takes over a design that moves in these ways.
+    pub(super) fn prepare(&mut self, solver: &Solver, design: &[Vector3<f64>], ways: &[Way]) {
+        for (column, series) in self.series.iter_mut().enumerate() {
+            let own = ways.iter().filter(|way| way.column == column);
+            let own = own.map(|way| (way.point, way.by));
+            series.prepare_moving(solver.mechanism(), design, own);
+        }
+    }
+
+    /// The derivatives of a force by the variables in a pose, one by one; NaN where nothing can carry the load.
+    pub(super) fn slopes<const N: usize>(
+        &self,
+        force: &CarriedForce,
+        solver: &Solver,
+        linearised: &Linearised<'_, N>,
+        motion: &MotionPoint<f64>,
+    ) -> impl Iterator<Item = f64> {
+        let pose = linearised.at.pose.map(|series| series[0]);
+        let held = MotionPoint {
+            drive: motion.drive,
+            value: Jet::constant(motion.value),
+            rack: Jet::constant(motion.rack),
+        };
+        self.series.iter().map(move |series| {
+            let (factors, work) = (Some(linearised.factors()), linearised.work());
+            let at = series.configuration(solver.mechanism(), &pose, &held, factors, work);
+            let view = WheelReading::reading(&at, self.constants, self.reads);
+            let balance = series.balance(at, force.support, solver.size(), work);
+            let moved = balance.and_then(|balance| force.value(&view, &balance));
+            moved.map_or(f64::NAN, |moved| moved[1])
+        })
+    }
+}
+
+/// The value of a force along a series of poses; NaN where nothing can carry the load.
+pub(super) fn value<const N: usize>(
+    force: &CarriedForce,
+    view: &WheelReading<N>,
+    linearised: &Linearised<'_, N>,
+    size: f64,
+) -> Jet<f64, N> {
+    let balance = linearised.balance(force.support, size);
+    let value = balance.and_then(|balance| force.value(view, &balance));
+    value.unwrap_or(Jet::constant(f64::NAN))
+}

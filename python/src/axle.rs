@@ -26,8 +26,7 @@ pub(crate) fn solve<'py>(
     for (k, c) in found.columns.iter().enumerate() {
         let values = stations.iter().map(|s| s.value(k).unwrap_or(f64::NAN));
         columns.set_item(&c.name, array(values.collect()))?;
-        let positive = c.by.is_none().then(|| c.quantity.positive());
-        info.set_item(&c.name, (c.quantity.name(), &c.unit, positive))?;
+        info.set_item(&c.name, (c.output(), &c.unit, c.positive()))?;
     }
     let motion = PyDict::new(py);
     for (name, values) in axle_motion(axle, plan, &found) {

@@ -64,6 +64,8 @@ pub enum Void {
     NoPlane,
     /// A rocker at a toggle, or beyond it.
     Toggle,
+    /// Forces under loads that nothing can carry.
+    Unsupported,
     /// The formula divides by nothing here.
     NotFinite,
 }
@@ -80,6 +82,9 @@ impl Void {
             }
             Void::NoPlane => "the wheels stand on pads of different heights, not on a plane",
             Void::Toggle => "a rocker it moves with is at a toggle",
+            Void::Unsupported => {
+                "the spring, or the support in its place, has next to no leverage there"
+            }
             Void::NotFinite => "its formula divides by zero there",
         }
     }

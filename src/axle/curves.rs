@@ -1,12 +1,14 @@
 //! Curves of an axle: every quantity at every station.
 
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
-use super::state::Motion;
-use super::{Axle, AxleCertifier, AxleProof, AxleQuantity, Course, Quantity, Void, WheelMotion};
-use crate::curves::Status;
+use super::{
+    Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, Course, Quantity, Void, WheelMotion,
+};
+use crate::curves::{Loads, Status};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, LengthUnit, PointId, Side};
+use crate::model::{Axis, PointId, Side};
 use crate::solve::{LEAST_DIGITS, rate_digits};
+use crate::study::Load;
 
 /// What of an axle is computed.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +23,8 @@ pub struct AxlePlan {
     pub sensitivities: Vec<PointId>,
     /// Whether each position is proved.
     pub certify: bool,
+    /// Loads on the left and the right wheel, each in the kernel's frame of its side.
+    pub loads: [Vec<Load>; 2],
 }
 
 impl AxlePlan {
@@ -30,6 +34,15 @@ impl AxlePlan {
             sensitivities: Vec::new(),
             certify: false,
             ..self.clone()
+        }
+    }
+
+    /// The quantities alone.
+    pub fn quantities_alone(&self) -> AxlePlan {
+        AxlePlan {
+            derivatives: false,
+            loads: Default::default(),
+            ..self.values_alone()
         }
     }
 
@@ -74,21 +87,6 @@ impl Axle {
         let ratio = ratio.and_then(|curves| curves.stations.first()?.value(0));
         ratio.is_some_and(|ratio| ratio < 0.0)
     }
-}
-
-/// A column of values.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AxleColumn {
-    /// Name with unit.
-    pub name: String,
-    /// Of what.
-    pub quantity: Quantity,
-    /// Along which motion it is the derivative, if it is one.
-    pub by: Option<Motion>,
-    /// Unit alone; empty for a plain number.
-    pub unit: String,
-    /// What a value in radians, length units and newtons is multiplied by to be printed.
-    pub factor: f64,
 }
 
 /// A station with its values, as they are printed.
@@ -139,20 +137,6 @@ pub struct AxleSensitivity {
     pub value: f64,
 }
 
-impl AxleColumn {
-    /// What a position has of it, in radians, length units and newtons, or why there is none.
-    pub fn evaluate(&self, read: &Read) -> Result<f64, Void> {
-        if read.is_stuck(self.quantity) {
-            return Err(Void::Toggle);
-        }
-        let value = self.quantity.value(&read.state)?;
-        Ok(match self.by {
-            None => value,
-            Some(motion) => self.quantity.evaluate(&read.state.moving(motion))[1],
-        })
-    }
-}
-
 /// Curves of an axle.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
@@ -177,74 +161,6 @@ impl AxlePlan {
     fn is_on_plane(&self) -> bool {
         self.course.shows_roll()
     }
-
-    /// The motions along which derivatives are reported, with the name and unit of each.
-    fn motions(&self, length: LengthUnit) -> Vec<(Motion, &'static str, String, f64)> {
-        if !self.derivatives {
-            return Vec::new();
-        }
-        let per_length = || format!("per_{}", length.symbol());
-        let by_length = |motion, name| (motion, name, per_length(), 1.0);
-        let roll = (
-            Motion::Roll,
-            "roll",
-            "per_deg".to_owned(),
-            1.0_f64.to_radians(),
-        );
-        let mut motions = match &self.course.wheels {
-            WheelMotion::Heave(_) => vec![by_length(Motion::Heave, "heave")],
-            WheelMotion::Roll { .. } => vec![roll, by_length(Motion::Heave, "heave")],
-            WheelMotion::Travels { .. } => vec![
-                by_length(Motion::TravelLeft, "travel_left"),
-                by_length(Motion::TravelRight, "travel_right"),
-            ],
-        };
-        if self.course.shows_rack {
-            motions.push(by_length(Motion::Rack, "rack"));
-        }
-        motions
-    }
-
-    /// The columns: each value before its derivatives.
-    pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
-        let length = axle.left.length_unit;
-        let rack_sign = axle.left.frame.sign(Axis::Y);
-        let mut columns = Vec::new();
-        for quantity in &self.quantities {
-            let unit = quantity.unit();
-            let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
-            let named = |stem: String, unit: &str| match unit.is_empty() {
-                true => stem,
-                false => format!("{stem}_{unit}"),
-            };
-            columns.push(AxleColumn {
-                name: named(quantity.name(), &suffix),
-                quantity: *quantity,
-                by: None,
-                unit: suffix.clone(),
-                factor,
-            });
-            for (motion, by, per, by_factor) in self.motions(length) {
-                let unit = match suffix.is_empty() {
-                    true => per,
-                    false => format!("{suffix}_{per}"),
-                };
-                let sign = if motion == Motion::Rack {
-                    rack_sign
-                } else {
-                    1.0
-                };
-                columns.push(AxleColumn {
-                    name: named(format!("{}_by_{by}", quantity.name()), &unit),
-                    quantity: *quantity,
-                    by: Some(motion),
-                    unit,
-                    factor: factor * by_factor * sign,
-                });
-            }
-        }
-        columns
-    }
 }
 
 /// The curves of an axle under a plan.
@@ -261,6 +177,10 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     let columns = plan.columns(axle);
     let by_rack = plan.derivatives && plan.course.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
+    let loads = [Side::Left, Side::Right].map(|side| plan.carried(axle, side));
+    for (side, loads) in [Side::Left, Side::Right].into_iter().zip(&loads) {
+        solver.watch(side, loads.rocker());
+    }
     let mut sensitivities = Vec::new();
     let mut stations = Vec::with_capacity(plan.course.stations());
     let mut curves = Curves::default();
@@ -275,7 +195,10 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
             Some(placed) => placed.and_then(|placed| Ok((placed, solver.read(&placed)?))),
             None => curves.position(&mut solver, &plan.course, &placement),
         };
-        let found = found.map(|(placed, read)| values(&columns, &placement, placed, &read));
+        let found = found.map(|(placed, read)| {
+            let forces = forces(&loads, &solver, &placed, &read);
+            values(&columns, &placement, placed, &read, forces)
+        });
         let found = found.and_then(|found| {
             let placed = found.placed.as_ref();
             if let (false, Ok(placed)) = (plan.sensitivities.is_empty(), placed) {
@@ -380,31 +303,63 @@ fn values(
     placement: &Placement,
     placed: Placed,
     read: &Read,
+    forces: Vec<Result<f64, Void>>,
 ) -> AxleStation {
-    let value = |column: &AxleColumn| {
-        let printed = column.evaluate(read)? * column.factor;
+    let value = |value: Result<f64, Void>, column: &AxleColumn| {
+        let printed = value? * column.factor;
         printed
             .is_finite()
             .then_some(printed)
             .ok_or(Void::NotFinite)
     };
-    let values: Vec<_> = columns.iter().map(value).collect();
+    let quantities = columns
+        .iter()
+        .filter_map(|c| Some(value(c.evaluate(read)?, c)));
+    let values: Vec<_> = quantities.chain(forces).collect();
     let differentiates = columns
         .iter()
-        .any(|c| c.by.is_some() || c.quantity.rate_order() > 0);
+        .any(|c| c.by.is_some() || c.quantity().is_some_and(|q| q.rate_order() > 0));
     let is_poor = differentiates && rate_digits(read.condition) < LEAST_DIGITS;
     AxleStation {
         placement: *placement,
         placed: Ok(placed),
-        status: match values.contains(&Err(Void::Toggle)) {
-            true => "toggle",
-            false if is_poor => Status::IllConditioned.word(),
-            false => Status::Ok.word(),
+        status: match &values {
+            v if v.contains(&Err(Void::Toggle)) => "toggle",
+            v if v.contains(&Err(Void::Unsupported)) => Status::Unsupported.word(),
+            _ if is_poor => Status::IllConditioned.word(),
+            _ => Status::Ok.word(),
         },
         values,
         condition: Some(read.condition),
         proof: None,
     }
+}
+
+/// The forces that carry the loads on both wheels.
+fn forces<const N: usize>(
+    loads: &[Loads<'_>; 2],
+    solver: &AxleSolver<N>,
+    placed: &Placed,
+    read: &Read,
+) -> Vec<Result<f64, Void>> {
+    let mut forces = Vec::new();
+    for (side, loads) in [Side::Left, Side::Right].into_iter().zip(loads) {
+        if loads.is_empty() {
+            continue;
+        }
+        let none = |void: Void| loads.columns().map(move |_| Err(void));
+        let is_stuck = loads.rocker().is_some() && read.toggles[side as usize].is_some();
+        match solver.balance(side, placed, loads.support) {
+            _ if is_stuck => forces.extend(none(Void::Toggle)),
+            Err(_) => forces.extend(none(Void::Unsupported)),
+            Ok(balance) => {
+                let contact = read.state.wheel(side).contact_point();
+                let found = loads.forces(&balance, contact);
+                forces.extend(found.map(|force| force.ok_or(Void::NotFinite)));
+            }
+        }
+    }
+    forces
 }
 
 fn gradients<const N: usize>(
@@ -418,7 +373,8 @@ fn gradients<const N: usize>(
     let mut found = Vec::new();
     let is_own = axle.right.is_some();
     solver.gradients(placed, &plan.quantities, |number, [left, right]| {
-        let is_value = |c: &AxleColumn| c.by.is_none() && c.quantity == plan.quantities[number];
+        let is_value =
+            |c: &AxleColumn| c.by.is_none() && c.quantity() == Some(plan.quantities[number]);
         let Some(column) = columns.iter().position(is_value) else {
             return;
         };
@@ -458,7 +414,7 @@ impl AxleCurves {
         let all = self
             .stations
             .iter()
-            .all(|s| s.placed.is_ok() && s.status != "toggle");
+            .all(|s| s.placed.is_ok() && s.status != "toggle" && s.status != "unsupported");
         let has_value = |column: usize| {
             let mut stations = self.stations.iter().filter(solved);
             stations.any(|s| s.values[column].is_ok())
@@ -472,7 +428,9 @@ impl AxleCurves {
         for column in 0..self.columns.len() {
             let is_whole = |s: &&AxleStation| s.placed.is_ok() && s.status != "toggle";
             let cells = self.stations.iter().filter(is_whole);
-            for void in cells.filter_map(|s| s.values[column].err()) {
+            let voids = cells.filter_map(|s| s.values[column].err());
+            // Of loads all cells are empty together.
+            for void in voids.filter(|void| *void != Void::Unsupported) {
                 match counts.iter_mut().find(|c| c.0 == column && c.1 == void) {
                     Some(count) => count.2 += 1,
                     None => counts.push((column, void, 1)),
@@ -487,8 +445,8 @@ impl AxleCurves {
         let is_load = |c: &AxleColumn| {
             c.by.is_none()
                 && matches!(
-                    c.quantity,
-                    Quantity::Wheel(_, super::WheelQuantity::WheelLoad)
+                    c.quantity(),
+                    Some(Quantity::Wheel(_, super::WheelQuantity::WheelLoad))
                 )
         };
         let loads = self.columns.iter().enumerate().filter(|(_, c)| is_load(c));

@@ -7,6 +7,7 @@
 
 mod catalogue;
 mod certificate;
+mod column;
 mod coordinate;
 mod course;
 mod curves;
@@ -25,9 +26,10 @@ mod unit;
 pub use crate::mechanism::Ground;
 pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};
+pub use column::{AxleColumn, Of};
 pub use coordinate::Coordinate;
 pub use course::{Course, WheelMotion};
-pub use curves::{AxleColumn, AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};
+pub use curves::{AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
 pub use limits::{AxleEnd, AxleLimits};
@@ -40,7 +42,7 @@ pub use taylor::{Line, Taylor};
 pub use unit::Unit;
 
 use crate::characteristics::Slot;
-use crate::model::{RockerId, Side, Suspension};
+use crate::model::{Frame, RockerId, Side, Suspension};
 use crate::number::Vector3;
 
 /// An axle.
@@ -61,6 +63,14 @@ impl Axle {
         match (side, &self.right) {
             (Side::Right, Some(right)) => right,
             _ => &self.left,
+        }
+    }
+
+    /// The study's axes as the kernel's frame of a side has them.
+    pub fn frame(&self, side: Side) -> Frame {
+        match side {
+            Side::Left => self.left.frame,
+            Side::Right => self.left.frame.of_other_side(),
         }
     }
 

@@ -10,7 +10,7 @@ use super::setup::Setup;
 use super::state::{Hold, State};
 use super::taylor::Line;
 use super::{Axle, Quantity};
-use crate::analyse::{Certifier, Limits};
+use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
 use crate::model::{Drive, Mechanism, PointId, RockerId, Rod, Side};
@@ -509,6 +509,27 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             corner.toggles = Toggles::of(corner.mechanism, rockers);
             corner.begun = None;
         }
+    }
+
+    /// Looks for toggles of these rockers of one wheel, beside those that the quantities move with.
+    pub fn watch(&mut self, side: Side, rockers: impl IntoIterator<Item = RockerId>) {
+        let corner = &mut self.corners[side as usize];
+        corner.toggles = corner.toggles.and(corner.mechanism, rockers);
+        corner.begun = None;
+    }
+
+    /// One wheel in a position, ready to be loaded; [`Failure::Singular`] where the support cannot carry a load.
+    pub fn balance(
+        &self,
+        side: Side,
+        placed: &Placed,
+        support: Support,
+    ) -> Result<Balance<'_>, Failure> {
+        let corner = &self.corners[side as usize];
+        let rack = placed.rack * corner.rack_sign;
+        corner
+            .solver
+            .balance(&placed.poses[side as usize], rack, support)
     }
 
     /// Takes over other designs of the same mechanisms, each in the frame of its side.

@@ -195,6 +195,7 @@ fn left_out(study: &Study) -> Vec<&'static str> {
     let outputs = &study.outputs;
     let of_axle = study.axle.as_ref().map(|both| &both.plan);
     let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
+    let loaded = of_axle.is_some_and(|plan| plan.loads.iter().any(|on| !on.is_empty()));
     let proved = of_axle.is_some_and(|plan| plan.certify);
     let asked = [
         ("order", outputs.order != Order::Position),
@@ -203,7 +204,7 @@ fn left_out(study: &Study) -> Vec<&'static str> {
             sensitive || !outputs.sensitivities.is_empty(),
         ),
         ("certify", proved || outputs.certify),
-        ("loads", !outputs.loads.is_empty()),
+        ("loads", loaded || !outputs.loads.is_empty()),
     ];
     asked
         .into_iter()

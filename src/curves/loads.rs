@@ -2,51 +2,48 @@
 
 use super::Column;
 use crate::analyse::{self, Balance, Member, Support, members};
-use crate::characteristics::{Constants, Slot, Slots, WheelReading};
-use crate::mechanism::Configuration;
-use crate::model::{RockerId, Suspension};
-use crate::number::Jet;
-use crate::plan::Plan;
+use crate::model::{Frame, Mechanism, RockerId};
+use crate::number::Vector3;
 use crate::study::{Load, LoadPoint};
 
-/// The loads of a plan and what is reported of how they are carried.
-pub(super) struct Loads<'a> {
+/// The loads of a wheel and what is reported of how they are carried.
+pub(crate) struct Loads<'a> {
     loads: &'a [Load],
-    suspension: &'a Suspension,
-    constants: Constants,
+    mechanism: &'a Mechanism,
+    frame: Frame,
     /// What keeps the suspension from moving.
-    pub(super) support: Support,
+    pub(crate) support: Support,
     members: Vec<Member>,
 }
 
 impl<'a> Loads<'a> {
-    pub(super) fn of(suspension: &'a Suspension, plan: &'a Plan) -> Self {
-        let mechanism = &suspension.mechanism;
+    /// Of a mechanism whose own frame the study's axes have as `frame`.
+    pub(crate) fn of(mechanism: &'a Mechanism, frame: Frame, loads: &'a [Load]) -> Self {
         let support = Support::of(mechanism);
         Loads {
-            loads: &plan.loads,
-            suspension,
-            constants: plan.constants,
+            loads,
+            mechanism,
+            frame,
             support,
-            members: match plan.loads.is_empty() {
+            members: match loads.is_empty() {
                 true => Vec::new(),
                 false => members(mechanism, support),
             },
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.loads.is_empty()
     }
 
     /// The rocker through which the spring holds the suspension, where loads are followed.
-    pub(super) fn rocker(&self) -> Option<RockerId> {
-        let rocker = self.support.rocker(&self.suspension.mechanism);
+    pub(crate) fn rocker(&self) -> Option<RockerId> {
+        let rocker = self.support.rocker(self.mechanism);
         rocker.filter(|_| !self.is_empty())
     }
 
     /// The columns, load by load.
-    pub(super) fn columns(&self) -> impl Iterator<Item = Column> {
+    pub(crate) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
             let column = move |m: &Member| Column::force(name(m), m.what.positive());
@@ -54,26 +51,23 @@ impl<'a> Loads<'a> {
         })
     }
 
-    /// The values of the columns in a pose.
-    pub(super) fn forces<const N: usize>(
+    /// The values of the columns in a pose, the contact point being where it is.
+    pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,
-        at: &Configuration<Jet<f64, N>>,
+        contact: Vector3<f64>,
     ) -> impl Iterator<Item = Option<f64>> {
-        let slots = Slots::default().with(&[Slot::SpinAxis, Slot::Centre]);
-        let view = WheelReading::reading(at, self.constants, slots);
         self.loads.iter().flat_map(move |load| {
-            let point = match load.at {
-                LoadPoint::ContactPoint => view.contact_point(),
-                LoadPoint::WheelCentre => at.point(at.mechanism.wheel_centre),
-            };
             let carried = balance.under(&analyse::Load {
-                point: point.map(|c| c[0]),
+                point: match load.at {
+                    LoadPoint::ContactPoint => contact,
+                    LoadPoint::WheelCentre => balance.wheel_centre(),
+                },
                 force: load.force,
                 moment: load.moment,
             });
             self.members.iter().map(move |member| {
-                let sign = |axis| self.suspension.frame.sign(axis);
+                let sign = |axis| self.frame.sign(axis);
                 let value = balance.force(&carried, member.what)?;
                 let value = member.what.axis().map_or(value, |axis| value * sign(axis));
                 value.is_finite().then_some(value)

@@ -14,6 +14,7 @@ pub use column::Column;
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};
+pub(crate) use loads::Loads;
 pub(crate) use prover::Prover;
 pub use run::curves;
 

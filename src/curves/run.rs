@@ -4,7 +4,7 @@ use super::drive_law::DriveLaw;
 use super::loads::Loads;
 use super::prover::Prover;
 use super::{Column, Curves, Proof, Sensitivity, Station, Status};
-use crate::characteristics::{Quantity, WheelReading};
+use crate::characteristics::{Quantity, Slot, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles, Work, WorkCounter};
 use crate::model::{Axis, RockerId, Rod, Suspension};
@@ -58,7 +58,7 @@ pub(super) struct Findings {
 
 impl<'a, const N: usize> Run<'a, N> {
     fn new(suspension: &'a Suspension, plan: &'a Plan) -> Self {
-        let loads = Loads::of(suspension, plan);
+        let loads = Loads::of(&suspension.mechanism, suspension.frame, &plan.loads);
         let mut columns = Column::all(plan, suspension.length_unit);
         columns.extend(loads.columns());
         let at = |rack: f64, number: usize, value: f64| Station {
@@ -235,7 +235,13 @@ impl<'a, const N: usize> Run<'a, N> {
             findings.values.resize(self.columns.len(), None);
         } else if !self.loads.is_empty() {
             match solver.balance(pose, at.rack[0], self.loads.support) {
-                Ok(balance) => findings.values.extend(self.loads.forces(&balance, at)),
+                Ok(balance) => {
+                    let slots = Slots::default().with(&[Slot::SpinAxis, Slot::Centre]);
+                    let wheel = WheelReading::reading(at, self.plan.constants, slots);
+                    let contact = wheel.contact_point().map(|c| c[0]);
+                    let forces = self.loads.forces(&balance, contact);
+                    findings.values.extend(forces);
+                }
                 Err(_) => {
                     findings.values.resize(self.columns.len(), None);
                     findings.unsupported = true;

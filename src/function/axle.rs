@@ -38,8 +38,7 @@ pub(super) trait AxleEvaluator {
 impl AxleCourse {
     pub(super) fn of(both: &AxleStudy) -> Self {
         let plan = AxlePlan {
-            derivatives: false,
-            ..both.plan.values_alone()
+            ..both.plan.quantities_alone()
         };
         AxleCourse {
             columns: plan.columns(&both.axle),

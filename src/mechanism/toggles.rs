@@ -58,6 +58,11 @@ impl Toggles {
         }
     }
 
+    /// Watches these rockers as well.
+    pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
+        Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
+    }
+
     /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
     pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
         if self.watched.is_empty() {

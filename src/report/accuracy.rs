@@ -62,7 +62,7 @@ fn toggled(study: &Study, curves: &Curves) -> Option<String> {
     ))
 }
 
-fn stations_in_words(count: usize) -> String {
+pub(super) fn stations_in_words(count: usize) -> String {
     match count {
         1 => "1 station".to_owned(),
         n => format!("{n} stations"),

@@ -1,11 +1,11 @@
 //! Curves of an axle as files, tables and words.
 
-use super::accuracy::CertificateSummary;
+use super::accuracy::{CertificateSummary, stations_in_words};
 use super::figure::figures;
 use super::files::csv_of;
 use super::{Cell, Table, shortest};
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, WheelMotion,
+    Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
 };
 use crate::curves::Proof;
 use crate::model::Axis;
@@ -233,6 +233,9 @@ pub struct AxleSummary {
     /// For the words of the certificate.
     #[serde(skip)]
     length_unit: String,
+    /// Where nothing carries the loads, in a sentence.
+    #[serde(skip)]
+    unsupported: Option<String>,
 }
 
 /// As of a corner: empty cells by reason.
@@ -335,6 +338,7 @@ impl AxleSummary {
             failed,
             certificate: certificate(&place, curves),
             length_unit: axle.left.length_unit.symbol().to_owned(),
+            unsupported: unsupported(&place, curves),
         }
     }
 
@@ -369,7 +373,7 @@ impl AxleSummary {
     pub fn remarks(&self) -> Vec<String> {
         let certificate = self.certificate.iter();
         let certificate = certificate.map(|c| c.remark(self.stations, &self.length_unit));
-        let mut said: Vec<_> = certificate.collect();
+        let mut said: Vec<_> = certificate.chain(self.unsupported.clone()).collect();
         for cells in &self.completeness.empty {
             let EmptyCells {
                 columns: [column],
@@ -390,6 +394,19 @@ impl AxleSummary {
         let failed = self.failed.iter();
         failed.map(|f| format!("not solved: {}: {}", f.at, f.reason))
     }
+}
+
+/// Where nothing carries the loads.
+fn unsupported(place: &Place<'_>, curves: &AxleCurves) -> Option<String> {
+    let stations = curves.stations.iter().enumerate();
+    let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(Void::Unsupported)));
+    let (number, first) = lacking.next()?;
+    Some(format!(
+        "warning: loads not carried at {}, the first at {}: {}",
+        stations_in_words(1 + lacking.count()),
+        place.words(number, first),
+        Void::Unsupported.reason(),
+    ))
 }
 
 /// What was proved of some curves, where that was asked for: of the worse wheel.

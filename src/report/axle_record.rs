@@ -120,7 +120,7 @@ fn frames(
 }
 
 fn output(column: &AxleColumn) -> OutputRecord {
-    let name = column.quantity.name().replace('_', " ");
+    let name = column.output().replace('_', " ");
     let by = column.by.map(|motion| match motion {
         Motion::Roll => "roll",
         Motion::Heave => "heave",
@@ -133,10 +133,7 @@ fn output(column: &AxleColumn) -> OutputRecord {
         column: column.name.clone(),
         title: by.map_or(name.clone(), |by| format!("{name} by {by}")),
         unit: readable_unit(&column.unit),
-        positive: column
-            .by
-            .is_none()
-            .then(|| column.quantity.positive().to_owned()),
+        positive: column.positive().map(str::to_owned),
     }
 }
 

@@ -171,6 +171,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     }
     Ok(AxlePlan {
         quantities,
+        loads: Default::default(),
         ..plan.values_alone()
     })
 }
@@ -278,11 +279,11 @@ fn columns(found: &AxleCurves) -> Vec<ColumnValues> {
         .map(|(number, column)| ColumnValues {
             column: column.name.clone(),
             title: match column.by {
-                None => column.quantity.name().replace('_', " "),
+                None => column.output().replace('_', " "),
                 Some(_) => column.name.replace('_', " "),
             },
             unit: readable_unit(&column.unit),
-            positive: column.by.is_none().then(|| column.quantity.positive()),
+            positive: column.positive(),
             values: found.stations.iter().map(|s| s.value(number)).collect(),
         })
         .collect()
@@ -326,8 +327,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
     let here = AxlePlan {
         course,
         quantities: Vec::new(),
-        derivatives: false,
-        ..plan.values_alone()
+        ..plan.quantities_alone()
     };
     let found = axle_curves(axle, &here).ok()?;
     let station = found.stations.first()?;

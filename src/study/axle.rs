@@ -2,6 +2,7 @@
 
 use super::error::Problems;
 use super::file::{self, File};
+use super::loads::loads_of_axle;
 use super::motion::values;
 use super::names::choose;
 use super::outputs::{distinct, hardpoint, hardpoints, order};
@@ -93,6 +94,10 @@ pub(super) fn axle(
     track_agrees(file, &axle, problems)?;
     let course = course(file, &axle, problems);
     let plan = outputs(file, &axle, problems);
+    let loads = match &file.outputs {
+        None => Some(Default::default()),
+        Some(section) => loads_of_axle(section, suspension, problems),
+    };
     let ((quantities, derivatives, sensitivities), course) = (plan?, course?);
     let plan = AxlePlan {
         course,
@@ -100,6 +105,7 @@ pub(super) fn axle(
         derivatives,
         sensitivities,
         certify: certify(file),
+        loads: loads?,
     };
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy { axle, plan })
@@ -170,10 +176,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
                 .filter(|k| *k.get_ref())
                 .map(Spanned::span),
             "knuckle is not there for an axle",
-        );
-        add(
-            outputs.loads.as_ref().map(Spanned::span),
-            "loads are not yet there for an axle",
         );
         let acceleration = outputs
             .order

@@ -272,6 +272,8 @@ pub(super) struct Load {
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
     pub at: Text,
+    /// Of an axle: the wheel; both where it is not given.
+    pub side: Option<Text>,
     /// Three components, if they are right.
     pub force: Option<Coordinates>,
     /// Three components, if they are right.

@@ -12,8 +12,47 @@ const PLACES: [(&str, LoadPoint); 2] = [
     ("wheel_centre", LoadPoint::WheelCentre),
 ];
 
-/// The loads, if nothing is wrong with them.
+/// The loads on one wheel, if nothing is wrong with them.
 pub(super) fn loads(
+    section: &file::Outputs,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<Load>> {
+    let written = section.loads.iter().flat_map(|l| l.get_ref());
+    for side in written.filter_map(|load| load.side.as_ref()) {
+        let message = "side is of an axle, and this study is of one wheel";
+        problems.add(side.span(), message);
+    }
+    all(section, suspension, problems)
+}
+
+/// The loads on left and right wheel of an axle, each in the kernel's frame of its side, if nothing is wrong with them.
+pub(super) fn loads_of_axle(
+    section: &file::Outputs,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<[Vec<Load>; 2]> {
+    let loads = all(section, left, problems);
+    let written = section.loads.iter().flat_map(|l| l.get_ref());
+    let sides: Vec<_> = written
+        .map(|load| match &load.side {
+            None => Some([true; 2]),
+            Some(side) => {
+                let sides = [("left", [true, false]), ("right", [false, true])];
+                choose(side, "side", &sides, problems)
+            }
+        })
+        .collect();
+    let sides: Option<Vec<_>> = sides.into_iter().collect();
+    let mut on = [Vec::new(), Vec::new()];
+    for (load, [left, right]) in loads?.into_iter().zip(sides?) {
+        on[1].extend(right.then(|| load.clone().on_other_side()));
+        on[0].extend(left.then_some(load));
+    }
+    Some(on)
+}
+
+fn all(
     section: &file::Outputs,
     suspension: &Suspension,
     problems: &mut Problems,
@@ -24,7 +63,12 @@ pub(super) fn loads(
         .map(|load| resolved(load, suspension, problems))
         .collect();
     for (i, load) in written.iter().enumerate() {
-        let same = |other: &&file::Load| other.name == load.name;
+        // One name may stand for a load on the left wheel and another on the right one.
+        let apart = |other: &file::Load| match (&other.side, &load.side) {
+            (Some(one), Some(other)) => one != other,
+            _ => false,
+        };
+        let same = |other: &&file::Load| other.name == load.name && !apart(other);
         if let Some(first) = written[..i].iter().find(same) {
             let message = format!("{:?} is the name of another load", load.name.get_ref());
             let error = problems.add(load.name.span(), message);

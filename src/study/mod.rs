@@ -195,6 +195,18 @@ pub struct Load {
     pub moment: Vector3<f64>,
 }
 
+impl Load {
+    /// The same load in the kernel's axes of the other side, which are the mirror image.
+    pub(crate) fn on_other_side(self) -> Load {
+        let (force, moment) = (self.force, self.moment);
+        Load {
+            force: Vector3::new(force.x, -force.y, force.z),
+            moment: Vector3::new(-moment.x, moment.y, -moment.z),
+            ..self
+        }
+    }
+}
+
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {

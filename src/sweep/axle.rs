@@ -59,7 +59,7 @@ impl<'s> AxleStations<'s> {
             gains: plan
                 .columns(axle)
                 .into_iter()
-                .filter(|c| c.by.is_some())
+                .filter(|c| c.by.is_some() && c.quantity().is_some())
                 .collect(),
             steers: plan.derivatives && plan.course.shows_rack,
             quantities: plan.quantities.clone(),

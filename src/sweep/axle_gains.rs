@@ -21,7 +21,8 @@ pub(super) fn axle_gains<'a>(
     if stations.gains.is_empty() {
         return Ok(None);
     }
-    let orders = stations.gains.iter().map(|g| g.quantity.rate_order());
+    let quantities = stations.gains.iter().filter_map(|g| g.quantity());
+    let orders = quantities.map(|q| q.rate_order());
     Ok(Some(match orders.max().unwrap_or(0) {
         0 => Gains::<2>::boxed(stations)?,
         1 => Gains::<3>::boxed(stations)?,
@@ -60,7 +61,7 @@ impl<const N: usize> AxleGains for Gains<'_, N> {
         for (number, left) in designs.chunks_exact(points).enumerate() {
             let read = self.read(left);
             for (k, column) in self.stations.gains.iter().enumerate() {
-                let gain = read.as_ref().and_then(|read| column.evaluate(read).ok());
+                let gain = read.as_ref().and_then(|read| column.evaluate(read)?.ok());
                 block.put_slope(number, k, gain.unwrap_or(f64::NAN));
             }
         }

@@ -136,7 +136,7 @@ impl<'s> SweepPlan<'s> {
             values = of_axle.columns();
             gains = vec![Vec::new(); values.len()];
             for (slope, gain) in of_axle.gains.iter().enumerate() {
-                let same = |q: &crate::axle::Quantity| *q == gain.quantity;
+                let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
                 let of = of_axle.quantities.iter().position(same);
                 gains[of.expect("a gain of what is read")].push(Gain {
                     column: gain.name.clone(),

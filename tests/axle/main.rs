@@ -5,6 +5,7 @@ mod commands;
 mod gradients;
 mod lanes;
 mod limits;
+mod loads;
 mod own;
 mod reference;
 mod sweep;

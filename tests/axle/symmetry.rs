@@ -112,6 +112,7 @@ fn an_axle_in_heave_is_two_corners() {
             derivatives: false,
             sensitivities: Vec::new(),
             certify: false,
+            loads: Default::default(),
         };
         let axle = axle_curves(&both, &plan).unwrap();
         for (k, c) in asked.iter().enumerate() {

@@ -1,9 +1,10 @@
 //! Columns of an axle's curves: names that say what a number is and in what unit.
 
+use super::reading::WheelParts;
 use super::state::Motion;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
 use crate::curves::Loads;
-use crate::model::{Axis, LengthUnit, Side};
+use crate::model::{Axis, LengthUnit, PointId, Side};
 
 /// A column of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,23 @@ pub struct AxleColumn {
 pub enum Of {
     /// A quantity.
     Quantity(Quantity),
+    /// A coordinate of a point of one wheel's suspension.
+    Point {
+        /// Which wheel.
+        side: Side,
+        /// Number of the point among those of the plan.
+        number: usize,
+        /// The point.
+        id: PointId,
+        /// The coordinate.
+        axis: Axis,
+        /// Its name without the unit.
+        name: String,
+        /// Whether it stands on a rocker.
+        on_rocker: bool,
+    },
+    /// A component of the angular velocity of one wheel carrier.
+    Turn(Side, Axis),
     /// A force that carries a load on one wheel.
     Force {
         /// Its name without the unit.
@@ -39,29 +57,54 @@ impl AxleColumn {
     pub fn quantity(&self) -> Option<Quantity> {
         match &self.of {
             Of::Quantity(quantity) => Some(*quantity),
+            _ => None,
+        }
+    }
+
+    /// What a position has of it, in radians, length units and newtons, or why there is none; `None` of a force, which
+    /// is not read of the position alone.
+    pub fn evaluate(&self, read: &Read) -> Option<Result<f64, Void>> {
+        match &self.of {
+            Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read)),
+            Of::Point {
+                side, on_rocker, ..
+            } if *on_rocker && read.toggles[*side as usize].is_some() => Some(Err(Void::Toggle)),
+            Of::Point {
+                side, number, axis, ..
+            } => {
+                let place = &read.points[*side as usize][*number][*axis];
+                let by = [[1, 0], [0, 1]].map(|powers| place.coefficient(powers));
+                Some(Ok(match self.by {
+                    None => place.coefficient([0, 0]),
+                    Some(motion) => read.state.along(motion, *side, by),
+                }))
+            }
+            Of::Turn(side, axis) => {
+                let wheel = &read.state.readings[*side as usize];
+                let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[*axis]);
+                Some(Ok(read.state.along(self.by?, *side, by)))
+            }
             Of::Force { .. } => None,
         }
     }
 
-    /// What a position has of a quantity, in radians, length units and newtons, or why there is none; `None` of what is
-    /// no quantity.
-    pub fn evaluate(&self, read: &Read) -> Option<Result<f64, Void>> {
-        let quantity = self.quantity()?;
+    fn quantity_in(&self, quantity: Quantity, read: &Read) -> Result<f64, Void> {
         if read.is_stuck(quantity) {
-            return Some(Err(Void::Toggle));
+            return Err(Void::Toggle);
         }
-        let value = quantity.value(&read.state);
-        Some(value.map(|value| match self.by {
+        let value = quantity.value(&read.state)?;
+        Ok(match self.by {
             None => value,
             Some(motion) => quantity.evaluate(&read.state.moving(motion))[1],
-        }))
+        })
     }
 
     /// What it is of, without motion and unit.
     pub fn output(&self) -> String {
         match &self.of {
             Of::Quantity(quantity) => quantity.name(),
-            Of::Force { name, .. } => name.clone(),
+            Of::Point { name, .. } | Of::Force { name, .. } => name.clone(),
+            Of::Turn(side, axis) => format!("{}_knuckle_omega_{}", side.name(), axis.name()),
         }
     }
 
@@ -71,8 +114,15 @@ impl AxleColumn {
             _ if self.by.is_some() => None,
             Of::Quantity(quantity) => Some(quantity.positive()),
             Of::Force { positive, .. } => Some(positive),
+            Of::Point { .. } | Of::Turn(..) => None,
         }
     }
+}
+
+/// Three components of the left wheel, three of the right one.
+fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
+    let sides = [Side::Left, Side::Right].into_iter();
+    sides.flat_map(|side| Axis::ALL.map(|axis| (side, axis)))
 }
 
 impl AxlePlan {
@@ -103,42 +153,78 @@ impl AxlePlan {
         motions
     }
 
-    /// The columns: each value before its derivatives, forces last.
+    /// The columns: each value before its derivatives; quantities, points, wheel carriers, forces.
     pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
         let length = axle.left.length_unit;
+        let motions = self.motions(length);
         let rack_sign = axle.left.frame.sign(Axis::Y);
         let mut columns = Vec::new();
+        let named = |stem: String, unit: &str| match unit.is_empty() {
+            true => stem,
+            false => format!("{stem}_{unit}"),
+        };
+        let value = |of: Of, unit: String, factor: f64| {
+            let mut column = AxleColumn {
+                name: String::new(),
+                of,
+                by: None,
+                unit,
+                factor,
+            };
+            column.name = named(column.output(), &column.unit);
+            column
+        };
+        let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
+            let by = |(motion, by, per, by_factor): &(Motion, &str, String, f64)| {
+                let unit = match value.unit.is_empty() {
+                    true => per.clone(),
+                    false => format!("{}_{per}", value.unit),
+                };
+                let sign = match motion {
+                    Motion::Rack => rack_sign,
+                    _ => 1.0,
+                };
+                AxleColumn {
+                    name: named(format!("{}_by_{by}", value.output()), &unit),
+                    by: Some(*motion),
+                    factor: value.factor * by_factor * sign,
+                    unit,
+                    of: value.of.clone(),
+                }
+            };
+            motions.iter().map(by).collect()
+        };
         for quantity in &self.quantities {
             let unit = quantity.unit();
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
-            let named = |stem: String, unit: &str| match unit.is_empty() {
-                true => stem,
-                false => format!("{stem}_{unit}"),
-            };
-            columns.push(AxleColumn {
-                name: named(quantity.name(), &suffix),
-                of: Of::Quantity(*quantity),
-                by: None,
-                unit: suffix.clone(),
-                factor,
-            });
-            for (motion, by, per, by_factor) in self.motions(length) {
-                let unit = match suffix.is_empty() {
-                    true => per,
-                    false => format!("{suffix}_{per}"),
+            let value = value(Of::Quantity(*quantity), suffix, factor);
+            let derivatives = derivatives(&value);
+            columns.push(value);
+            columns.extend(derivatives);
+        }
+        for (number, id) in self.points.iter().enumerate() {
+            for (side, axis) in by_wheel() {
+                let mechanism = &axle.suspension(side).mechanism;
+                let of = Of::Point {
+                    side,
+                    number,
+                    id: *id,
+                    axis,
+                    name: format!("{}_{}_{}", side.name(), mechanism.name(*id), axis.name()),
+                    on_rocker: mechanism.rockers_moving(*id).next().is_some(),
                 };
-                let sign = if motion == Motion::Rack {
-                    rack_sign
-                } else {
-                    1.0
-                };
-                columns.push(AxleColumn {
-                    name: named(format!("{}_by_{by}", quantity.name()), &unit),
-                    of: Of::Quantity(*quantity),
-                    by: Some(motion),
-                    unit,
-                    factor: factor * by_factor * sign,
-                });
+                let sign = axle.frame(side).sign(axis);
+                let value = value(of, length.symbol().to_owned(), sign);
+                let derivatives = derivatives(&value);
+                columns.push(value);
+                columns.extend(derivatives);
+            }
+        }
+        if self.knuckle {
+            for (side, axis) in by_wheel() {
+                let sign = axle.frame(side).turn_sign(axis);
+                let turn = value(Of::Turn(side, axis), "rad".to_owned(), sign);
+                columns.extend(derivatives(&turn));
             }
         }
         for side in [Side::Left, Side::Right] {

@@ -1,8 +1,9 @@
 //! Curves of an axle: every quantity at every station.
 
-use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
+use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead};
 use super::{
-    Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, Course, Quantity, Void, WheelMotion,
+    Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, Course, Of, Quantity, Void,
+    WheelMotion,
 };
 use crate::curves::{Loads, Status};
 use crate::mechanism::DesignFault;
@@ -23,6 +24,10 @@ pub struct AxlePlan {
     pub sensitivities: Vec<PointId>,
     /// Whether each position is proved.
     pub certify: bool,
+    /// Points whose coordinates are reported.
+    pub points: Vec<PointId>,
+    /// Whether the angular velocities of the wheel carriers are.
+    pub knuckle: bool,
     /// Loads on the left and the right wheel, each in the kernel's frame of its side.
     pub loads: [Vec<Load>; 2],
 }
@@ -41,6 +46,8 @@ impl AxlePlan {
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan {
             derivatives: false,
+            points: Vec::new(),
+            knuckle: false,
             loads: Default::default(),
             ..self.values_alone()
         }
@@ -177,6 +184,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     let columns = plan.columns(axle);
     let by_rack = plan.derivatives && plan.course.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
+    solver.read_points(&plan.points);
     let loads = [Side::Left, Side::Right].map(|side| plan.carried(axle, side));
     for (side, loads) in [Side::Left, Side::Right].into_iter().zip(&loads) {
         solver.watch(side, loads.rocker());
@@ -372,12 +380,15 @@ fn gradients<const N: usize>(
 ) -> Result<Vec<AxleSensitivity>, AxleFailure> {
     let mut found = Vec::new();
     let is_own = axle.right.is_some();
-    solver.gradients(placed, &plan.quantities, |number, [left, right]| {
-        let is_value =
-            |c: &AxleColumn| c.by.is_none() && c.quantity() == Some(plan.quantities[number]);
-        let Some(column) = columns.iter().position(is_value) else {
-            return;
-        };
+    let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
+    let sought = values.filter_map(|(column, c)| match c.of {
+        Of::Quantity(quantity) => Some((column, Sought::Quantity(quantity))),
+        Of::Point { side, id, axis, .. } => Some((column, Sought::Point(side, id, axis))),
+        Of::Turn(..) | Of::Force { .. } => None,
+    });
+    let (of, sought): (Vec<_>, Vec<_>) = sought.unzip();
+    solver.gradients_of(placed, &sought, |number, [left, right]| {
+        let column = of[number];
         let factor = columns[column].factor;
         for point in &plan.sensitivities {
             for axis in Axis::ALL {

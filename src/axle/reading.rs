@@ -303,6 +303,12 @@ pub trait WheelParts<T: Real>: Copy {
         self.vector(CENTRE, [0, 0])
     }
 
+    /// How far the wheel centre is above its design position.
+    #[inline(always)]
+    fn travel(&self) -> T {
+        self.centre().z - self.design_centre().z
+    }
+
     /// Unit vector along the spin axis, outboard.
     #[inline(always)]
     fn spin_axis(&self) -> Vector3<T> {

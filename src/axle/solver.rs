@@ -8,12 +8,12 @@
 use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
 use super::setup::Setup;
 use super::state::{Hold, State};
-use super::taylor::Line;
+use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
-use crate::model::{Drive, Mechanism, PointId, RockerId, Rod, Side};
+use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -173,6 +173,8 @@ struct Corner<'a, const N: usize> {
     /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
     begun: Option<f64>,
     side: Side,
+    /// Points that are read with the wheel.
+    points: Vec<PointId>,
 }
 
 /// Solves the positions of one axle, one design after another. `N` coefficients of every power series are
@@ -275,6 +277,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             toggles: Toggles::of(mechanism, rockers.iter().copied()),
             begun: None,
             side,
+            points: Vec::new(),
         })
     }
 
@@ -393,6 +396,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             solver,
             series,
             toggles,
+            points,
             ..
         } = self;
         read_wheel(
@@ -401,7 +405,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             toggles,
             pose,
             (travel, rack),
-            (lines, parts),
+            (lines, parts, points),
         )
     }
 }
@@ -413,15 +417,18 @@ fn read_wheel<const N: usize>(
     toggles: &Toggles,
     pose: &Pose<f64>,
     (travel, rack): (f64, f64),
-    (lines, parts): (&[Line], &Parts),
+    (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
+    // Of every line, where each point goes along it.
+    let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {
         let motion = along(line, travel, rack);
         let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
         condition = condition.max(conditioning.number);
         snapshots[number] = Snapshot::of(&at, parts);
+        ways.extend(points.iter().map(|id| at.point(*id)));
         if number == 0 {
             toggle = toggles.note(Some(solver), &at, travel);
         }
@@ -432,7 +439,25 @@ fn read_wheel<const N: usize>(
         reading: Reading::of(&snapshots[..lines.len()]),
         condition,
         toggle,
+        points: (0..points.len())
+            .map(|point| {
+                let along = |axis: Axis| {
+                    let lines = ways.chunks_exact(points.len());
+                    let series: Vec<&[f64]> = lines.map(|way| &way[point][axis].0[..]).collect();
+                    Taylor::through(&series)
+                };
+                Vector3::from(Axis::ALL.map(along))
+            })
+            .collect(),
     })
+}
+
+/// What a gradient is sought of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sought {
+    Quantity(Quantity),
+    /// A coordinate of a point of one wheel.
+    Point(Side, PointId, Axis),
 }
 
 /// What is read of one wheel at a travel.
@@ -444,6 +469,8 @@ pub struct WheelRead {
     condition: f64,
     /// A rod of a rocker that is at toggle or beyond.
     toggle: Option<Rod>,
+    /// Where the points are, as functions of the wheel's own travel and rack.
+    points: Vec<Vector3<Taylor<f64>>>,
 }
 
 /// What is read in a position.
@@ -454,6 +481,9 @@ pub struct Read<'a> {
     pub condition: f64,
     /// Of each wheel, a rod of a rocker that is at toggle or beyond.
     pub toggles: [Option<Rod>; 2],
+    /// Of each wheel, where the points of [`AxleSolver::read_points`] are as functions of its own travel and rack, in
+    /// the frame of its side.
+    pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 
 impl Read<'_> {
@@ -516,6 +546,17 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let corner = &mut self.corners[side as usize];
         corner.toggles = corner.toggles.and(corner.mechanism, rockers);
         corner.begun = None;
+    }
+
+    /// Reads these points of both wheels with every position.
+    pub fn read_points(&mut self, points: &[PointId]) {
+        for side in [Side::Left, Side::Right] {
+            let corner = &mut self.corners[side as usize];
+            corner.points = points.to_vec();
+            let mechanism = corner.mechanism;
+            let rockers = points.iter().flat_map(|id| mechanism.rockers_moving(*id));
+            self.watch(side, rockers);
+        }
     }
 
     /// One wheel in a position, ready to be loaded; [`Failure::Singular`] where the support cannot carry a load.
@@ -835,14 +876,16 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             solver,
             series,
             toggles,
+            points,
             ..
         } = corner;
         let order = StationOrder::through(travels);
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let travel = travels[station];
             let at = (travel, rack);
-            let wheel = pose
-                .and_then(|pose| read_wheel(solver, series, toggles, pose, at, (lines, &parts)));
+            let wheel = pose.and_then(|pose| {
+                read_wheel(solver, series, toggles, pose, at, (lines, &parts, points))
+            });
             found[station] = wheel.map_err(|failure| fails(travel, failure));
             ControlFlow::Continue(())
         });
@@ -877,6 +920,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             state: self.state([left.reading, right.reading], placed),
             condition: left.condition.max(right.condition),
             toggles: [left.toggle, right.toggle],
+            points: [left.points.clone(), right.points.clone()],
         }
     }
 
@@ -907,6 +951,17 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &mut self,
         placed: &Placed,
         quantities: &[Quantity],
+        receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
+    ) -> Result<(), AxleFailure> {
+        let sought: Vec<_> = quantities.iter().copied().map(Sought::Quantity).collect();
+        self.gradients_of(placed, &sought, receive)
+    }
+
+    /// The same, of coordinates of points too, these in the frame of their side.
+    pub(super) fn gradients_of(
+        &mut self,
+        placed: &Placed,
+        sought: &[Sought],
         mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
     ) -> Result<(), AxleFailure> {
         let (lines, parts) = (self.lines, self.parts);
@@ -941,7 +996,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         });
         let inputs = inputs_on_tape::<N>(&parts, lines.len());
         let per_line = inputs / lines.len();
-        for (number, quantity) in quantities.iter().enumerate() {
+        for (number, sought) in sought.iter().enumerate() {
             self.tape.clear();
             let tape = &self.tape;
             let mut first = [0; 2];
@@ -950,13 +1005,34 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 Reading::on_tape(tape, &snapshots[wheel], &parts)
             });
             let state = self.state(readings, placed).settled(slopes);
-            tape.gradient(quantity.evaluate(&state), &mut self.adjoints);
+            let value = match sought {
+                Sought::Quantity(quantity) => quantity.evaluate(&state),
+                // A point moves with the travel, which moves where it follows from the ground.
+                Sought::Point(side, ..) => state.readings[*side as usize].travel(),
+            };
+            tape.gradient(value, &mut self.adjoints);
             for wheel in [0, 1] {
                 let gradient = &mut self.gradients[wheel];
                 gradient.fill(Vector3::new(0.0, 0.0, 0.0));
                 let by_wheel = &self.adjoints[first[wheel]..first[wheel] + inputs];
                 for (linearised, by) in linearised[wheel].iter().zip(by_wheel.chunks(per_line)) {
                     add_gradient(linearised, &parts, by, &mut self.buffer, gradient);
+                }
+            }
+            if let Sought::Point(side, id, axis) = *sought {
+                let linearised = &linearised[side as usize][0];
+                let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
+                for by in self.gradients.iter_mut().flatten() {
+                    // On pads nothing follows.
+                    *by = *by * by_travel.unwrap_or(0.0);
+                }
+                let zero = Vector3::new(0.0, 0.0, 0.0);
+                self.buffer.fill(zero.map(Jet::constant));
+                let along = Axis::ALL.map(|other| Jet::constant(f64::from(other == axis)));
+                linearised.gradient(&mut self.buffer, |sink| sink.point(id, along.into()));
+                let own = self.gradients[side as usize].iter_mut();
+                for (total, by) in own.zip(&self.buffer) {
+                    *total = *total + by.map(|c| c[0]);
                 }
             }
             let [left, right] = &self.gradients;

@@ -250,6 +250,17 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
         rates
     }
 
+    /// The derivative along a motion of something of one wheel, from its derivatives by the wheel's own travel and rack.
+    pub(super) fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
+        let Rates { travel, rack, .. } = self.rates(motion);
+        let by_travel = by_travel * travel[side as usize];
+        match (rack, side) {
+            (None, _) => by_travel,
+            (Some(rack), Side::Left) => by_travel + by_rack * rack,
+            (Some(rack), Side::Right) => by_travel - by_rack * rack,
+        }
+    }
+
     /// The state along a motion, as series.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {

@@ -195,6 +195,9 @@ fn left_out(study: &Study) -> Vec<&'static str> {
     let outputs = &study.outputs;
     let of_axle = study.axle.as_ref().map(|both| &both.plan);
     let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
+    // Of one wheel it has points.
+    let placed = of_axle.is_some_and(|plan| !plan.points.is_empty());
+    let turned = of_axle.is_some_and(|plan| plan.knuckle);
     let loaded = of_axle.is_some_and(|plan| plan.loads.iter().any(|on| !on.is_empty()));
     let proved = of_axle.is_some_and(|plan| plan.certify);
     let asked = [
@@ -203,6 +206,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
             "sensitivities",
             sensitive || !outputs.sensitivities.is_empty(),
         ),
+        ("points", placed),
+        ("knuckle", turned),
         ("certify", proved || outputs.certify),
         ("loads", loaded || !outputs.loads.is_empty()),
     ];

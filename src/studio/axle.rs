@@ -171,8 +171,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     }
     Ok(AxlePlan {
         quantities,
-        loads: Default::default(),
-        ..plan.values_alone()
+        derivatives: plan.derivatives,
+        ..plan.quantities_alone()
     })
 }
 

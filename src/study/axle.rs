@@ -5,9 +5,9 @@ use super::file::{self, File};
 use super::loads::loads_of_axle;
 use super::motion::values;
 use super::names::choose;
-use super::outputs::{distinct, hardpoint, hardpoints, order};
+use super::outputs::{self, distinct, hardpoint};
 use super::suspension::{above_zero, position, positive};
-use super::value::{Number, RightWheel, Selection, Text, Values};
+use super::value::{Number, RightWheel, Text, Values};
 use super::{Order, Outputs};
 use crate::axle::{
     Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
@@ -93,20 +93,7 @@ pub(super) fn axle(
     };
     track_agrees(file, &axle, problems)?;
     let course = course(file, &axle, problems);
-    let plan = outputs(file, &axle, problems);
-    let loads = match &file.outputs {
-        None => Some(Default::default()),
-        Some(section) => loads_of_axle(section, suspension, problems),
-    };
-    let ((quantities, derivatives, sensitivities), course) = (plan?, course?);
-    let plan = AxlePlan {
-        course,
-        quantities,
-        derivatives,
-        sensitivities,
-        certify: certify(file),
-        loads: loads?,
-    };
+    let plan = plan(file, &axle, course, problems)?;
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy { axle, plan })
 }
@@ -165,18 +152,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         "[setup] is not yet there for an axle",
     );
     if let Some(outputs) = &file.outputs {
-        add(
-            outputs.points.first().map(Text::span),
-            "points are not yet there for an axle",
-        );
-        add(
-            outputs
-                .knuckle
-                .as_ref()
-                .filter(|k| *k.get_ref())
-                .map(Spanned::span),
-            "knuckle is not there for an axle",
-        );
         let acceleration = outputs
             .order
             .as_ref()
@@ -496,14 +471,27 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
     Some(course)
 }
 
-/// Quantities, whether derivatives are asked for, and the hardpoints of sensitivities.
-type Asked = (Vec<Quantity>, bool, Vec<crate::model::PointId>);
-
-fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
+/// What of these stations is computed, if nothing is wrong with it.
+fn plan(
+    file: &File,
+    axle: &Axle,
+    course: Option<Course>,
+    problems: &mut Problems,
+) -> Option<AxlePlan> {
+    let of = |quantities: Vec<Quantity>, course: Course| AxlePlan {
+        course,
+        quantities,
+        derivatives: false,
+        sensitivities: Vec::new(),
+        certify: false,
+        points: Vec::new(),
+        knuckle: false,
+        loads: Default::default(),
+    };
     let Some(section) = &file.outputs else {
         let default = ["camber", "steer", "mean_steer"];
         let quantities = default.iter().flat_map(|name| Quantity::named(name));
-        return Some((quantities.collect(), false, Vec::new()));
+        return Some(of(quantities.collect(), course?));
     };
     let names: Vec<_> = Quantity::names()
         .into_iter()
@@ -512,25 +500,22 @@ fn outputs(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Asked> {
     let listed = distinct(&section.characteristics, problems, |text, problems| {
         choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
     });
-    let order = order(section, problems);
-    let points = match &section.sensitivities {
-        None | Some(Selection::All(false)) => Some(Vec::new()),
-        Some(Selection::All(true)) => Some(hardpoints(&axle.left).map(|(_, id)| id).collect()),
-        Some(Selection::Named(names)) => distinct(names, problems, |text, problems| {
-            hardpoint(text, &axle.left, problems)
-        }),
-    };
-    Some((
-        listed?.into_iter().flatten().collect(),
-        order? == Order::Velocity,
-        points?,
-    ))
-}
-
-/// Whether each position is to be proved.
-fn certify(file: &File) -> bool {
-    let asked = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
-    asked.is_some_and(|c| *c.get_ref())
+    let order = outputs::order(section, problems);
+    let points = outputs::points(section, &axle.left, problems);
+    let sensitivities = outputs::sensitivities(section, &axle.left, problems);
+    let loads = loads_of_axle(section, &axle.left, problems);
+    let order = order?;
+    let knuckle = outputs::knuckle(section, order, problems);
+    let quantities = listed?.into_iter().flatten().collect();
+    Some(AxlePlan {
+        derivatives: order == Order::Velocity,
+        sensitivities: sensitivities?,
+        certify: outputs::certify(section),
+        points: points?,
+        knuckle,
+        loads: loads?,
+        ..of(quantities, course?)
+    })
 }
 
 /// What a study must give for something that a quantity needs, where it does not.

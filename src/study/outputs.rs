@@ -35,36 +35,64 @@ pub(super) fn outputs(
     let characteristics = distinct(&section.characteristics, problems, |text, problems| {
         characteristic(text, suspension, problems)
     });
+    let points = points(section, suspension, problems);
+    let order = order(section, problems);
+    let sensitivities = sensitivities(section, suspension, problems);
+    let loads = loads(section, suspension, problems);
+    let order = order?;
+    Some(Outputs {
+        characteristics: characteristics?,
+        points: points?,
+        knuckle: knuckle(section, order, problems),
+        order,
+        sensitivities: sensitivities?,
+        certify: certify(section),
+        loads: loads?,
+    })
+}
+
+/// Points whose coordinates are reported.
+pub(super) fn points(
+    section: &file::Outputs,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<PointId>> {
     let points = suspension.mechanism.points.iter().enumerate();
     let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
-    let reported = distinct(&section.points, problems, |text, problems| {
+    distinct(&section.points, problems, |text, problems| {
         choose(text, "point", &points, problems)
-    });
-    let order = order(section, problems);
-    let sensitivities = match &section.sensitivities {
+    })
+}
+
+/// Hardpoints by whose coordinates derivatives are wanted.
+pub(super) fn sensitivities(
+    section: &file::Outputs,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<PointId>> {
+    match &section.sensitivities {
         None | Some(Selection::All(false)) => Some(Vec::new()),
         Some(Selection::All(true)) => Some(hardpoints(suspension).map(|(_, id)| id).collect()),
         Some(Selection::Named(names)) => distinct(names, problems, |text, problems| {
             hardpoint(text, suspension, problems)
         }),
-    };
-    let loads = loads(section, suspension, problems);
-    let order = order?;
+    }
+}
+
+/// Whether angular rates of the knuckle are wanted, which want an order that has any.
+pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Problems) -> bool {
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
         let message = "the knuckle's angular velocity is asked for, but order is \"position\"";
         let error = problems.add(knuckle.span(), message);
         error.help("order = \"velocity\" or \"acceleration\" reports it");
     }
-    Some(Outputs {
-        characteristics: characteristics?,
-        points: reported?,
-        knuckle: knuckle.is_some_and(|k| *k.get_ref()),
-        order,
-        sensitivities: sensitivities?,
-        certify: section.certify.as_ref().is_some_and(|c| *c.get_ref()),
-        loads: loads?,
-    })
+    knuckle.is_some_and(|k| *k.get_ref())
+}
+
+/// Whether each pose is to be proved.
+pub(super) fn certify(section: &file::Outputs) -> bool {
+    section.certify.as_ref().is_some_and(|c| *c.get_ref())
 }
 
 pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<Order> {

@@ -115,10 +115,8 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
         ("motion.travel_left=1.0", "roll holds the mean travel"),
         ("motion.ground=\"pads\"", "expected ground = \"plane\""),
         ("motion.rack=1.0", "rack already says where the rack is"),
-        (
-            "outputs.points=[\"wheel_centre\"]",
-            "points are not yet there for an axle",
-        ),
+        ("outputs.points=[\"wheel_center\"]", "unknown point"),
+        ("outputs.knuckle=true", "but order is \"position\""),
         (
             "outputs.order=\"acceleration\"",
             "second derivatives are not there for an axle",

@@ -7,6 +7,7 @@ mod lanes;
 mod limits;
 mod loads;
 mod own;
+mod points;
 mod reference;
 mod sweep;
 mod symmetry;

@@ -112,6 +112,8 @@ fn an_axle_in_heave_is_two_corners() {
             derivatives: false,
             sensitivities: Vec::new(),
             certify: false,
+            points: Vec::new(),
+            knuckle: false,
             loads: Default::default(),
         };
         let axle = axle_curves(&both, &plan).unwrap();

@@ -118,7 +118,7 @@ pub(super) struct Moved<'m> {
 }
 
 /// Residuals and their derivatives.
-pub(super) trait AxleRows {
+pub(super) trait AxleRows: Send {
     /// Writes the rows of all targets of the axle.
     fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible>;
 }

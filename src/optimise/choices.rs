@@ -3,8 +3,8 @@
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
 use super::trade::Aim;
-use super::tune::Tuner;
-use super::{Control, Options, TargetLayout, Tuning, moved_design};
+use super::tune::{Asked, Tuner};
+use super::{Control, Options, Tuning, moved_design};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
@@ -50,10 +50,10 @@ pub fn front(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Front, DesignFault> {
-    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
-    Ok(match layout.rate_order() {
-        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.front(tuning),
-        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.front(tuning),
+    let asked = Asked::new(suspension, motion, optimise, control)?;
+    Ok(match asked.layout.rate_order() {
+        0 => Tuner::<1>::new(&asked)?.front(tuning),
+        _ => Tuner::<2>::new(&asked)?.front(tuning),
     })
 }
 
@@ -66,10 +66,10 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
-    Ok(match layout.rate_order() {
-        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.price_list(tuning),
-        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.price_list(tuning),
+    let asked = Asked::new(suspension, motion, optimise, control)?;
+    Ok(match asked.layout.rate_order() {
+        0 => Tuner::<1>::new(&asked)?.price_list(tuning),
+        _ => Tuner::<2>::new(&asked)?.price_list(tuning),
     })
 }
 

@@ -34,6 +34,7 @@ mod moves;
 mod multistart;
 mod objective;
 mod options;
+mod pool;
 mod problem;
 mod qr;
 mod standard_errors;

@@ -9,6 +9,7 @@ use super::builds::follower;
 use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
 use super::fit::fit_start;
 use super::multistart::every_start;
+use super::pool::{Lent, Pool};
 use super::trade::{Aim, Distance, Trade};
 use super::{
     Bounds, ConstraintState, Control, Deviation, Evaluation, Fit, Held, Identifiability,
@@ -100,17 +101,49 @@ pub fn tune(
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    let layout = TargetLayout::of(optimise, motion, &suspension.frame, &suspension.mechanism);
-    match layout.rate_order() {
-        0 => Tuner::<1>::new(suspension, motion, optimise, &layout, control)?.run(),
-        _ => Tuner::<2>::new(suspension, motion, optimise, &layout, control)?.run(),
+    let asked = Asked::new(suspension, motion, optimise, control)?;
+    match asked.layout.rate_order() {
+        0 => Tuner::<1>::new(&asked)?.run(),
+        _ => Tuner::<2>::new(&asked)?.run(),
+    }
+}
+
+/// A tuning that is asked for.
+pub(super) struct Asked<'a> {
+    suspension: &'a Suspension,
+    /// As builds have it, where the tuning is robust.
+    assembled: Option<Suspension>,
+    motion: &'a Motion,
+    optimise: &'a Optimise,
+    pub layout: TargetLayout,
+    control: Control<'a>,
+}
+
+impl<'a> Asked<'a> {
+    pub(super) fn new(
+        suspension: &'a Suspension,
+        motion: &'a Motion,
+        optimise: &'a Optimise,
+        control: Control<'a>,
+    ) -> Result<Self, DesignFault> {
+        let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
+        Ok(Asked {
+            suspension,
+            assembled: match &optimise.scatter {
+                Some(_) => Some(Assembler::new(suspension)?.suspension().clone()),
+                None => None,
+            },
+            motion,
+            optimise,
+            layout: TargetLayout::of(optimise, motion, frame, mechanism),
+            control,
+        })
     }
 }
 
 pub(super) struct Tuner<'a, const N: usize> {
     pub suspension: &'a Suspension,
-    /// As builds have it, where the tuning is robust.
-    assembled: Option<Suspension>,
+    assembled: Option<&'a Suspension>,
     motion: &'a Motion,
     pub optimise: &'a Optimise,
     pub layout: &'a TargetLayout,
@@ -118,46 +151,43 @@ pub(super) struct Tuner<'a, const N: usize> {
     /// Where no variable has moved anything.
     pub design: DVector<f64>,
     pub control: Control<'a>,
+    problems: Pool<Objective<'a, N>>,
 }
 
 impl<'a, const N: usize> Tuner<'a, N> {
-    pub(super) fn new(
-        suspension: &'a Suspension,
-        motion: &'a Motion,
-        optimise: &'a Optimise,
-        layout: &'a TargetLayout,
-        control: Control<'a>,
-    ) -> Result<Self, DesignFault> {
+    pub(super) fn new(asked: &'a Asked<'a>) -> Result<Self, DesignFault> {
+        let (suspension, optimise) = (asked.suspension, asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
-        let assembled = match &optimise.scatter {
-            Some(_) => Some(Assembler::new(suspension)?.suspension().clone()),
-            None => None,
-        };
         // Accepted here, the design is accepted from every start.
-        Objective::<N>::new(suspension, &optimise.variables, layout)?;
+        let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
+        let problems = Pool::new();
+        if asked.assembled.is_none() {
+            drop(problems.lend(|| plain));
+        }
         Ok(Tuner {
             suspension,
-            assembled,
-            motion,
+            assembled: asked.assembled.as_ref(),
+            motion: asked.motion,
             optimise,
-            layout,
+            layout: &asked.layout,
             bounds: Bounds::new(&ranges).expect("a study's ranges are not empty"),
             design: DVector::zeros(ranges.len()),
-            control,
+            control: asked.control,
+            problems,
         })
     }
 
-    pub(super) fn problem(&self) -> Objective<'_, N> {
-        self.problem_of(self.optimise, self.layout)
+    pub(super) fn problem(&self) -> Lent<'_, Objective<'a, N>> {
+        let make = || self.problem_of(self.optimise, self.layout);
+        self.problems.lend(make)
     }
 
-    fn problem_of<'o>(
-        &'o self,
-        optimise: &'o Optimise,
-        layout: &'o TargetLayout,
-    ) -> Objective<'o, N> {
+    fn problem_of<'o>(&self, optimise: &'o Optimise, layout: &'o TargetLayout) -> Objective<'o, N>
+    where
+        'a: 'o,
+    {
         let variables = &optimise.variables;
-        let made = match (&optimise.scatter, &self.assembled) {
+        let made = match (&optimise.scatter, self.assembled) {
             (Some(scatter), Some(assembled)) => {
                 let follower = follower(self.suspension, assembled);
                 let width = Some(Width::widest());

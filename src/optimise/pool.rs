@@ -1,0 +1,85 @@
+//! Problems that are used again: making one costs as much as evaluating it several times.
+
+use super::{Assessment, Constrained, Evaluation, Infeasible, LeastSquares, Shape};
+use nalgebra::DVector;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Problems that nobody uses at the moment.
+pub(super) struct Pool<P>(Mutex<Vec<P>>);
+
+impl<P> Pool<P> {
+    pub(super) fn new() -> Self {
+        Pool(Mutex::new(Vec::new()))
+    }
+
+    /// One of them, or a new one; it comes back when it is dropped. What it finds depends on where it is asked alone, so that
+    /// it does not matter which one it is.
+    pub(super) fn lend(&self, make: impl FnOnce() -> P) -> Lent<'_, P> {
+        let idle = self.idle().pop();
+        Lent {
+            pool: self,
+            problem: Some(idle.unwrap_or_else(make)),
+        }
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<P>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A problem that goes back to its pool.
+pub(super) struct Lent<'p, P> {
+    pool: &'p Pool<P>,
+    problem: Option<P>,
+}
+
+impl<P> Lent<'_, P> {
+    fn get(&self) -> &P {
+        self.problem.as_ref().expect("it is there until dropped")
+    }
+
+    fn get_mut(&mut self) -> &mut P {
+        self.problem.as_mut().expect("it is there until dropped")
+    }
+}
+
+impl<P> Drop for Lent<'_, P> {
+    fn drop(&mut self) {
+        // One that a panic has left halfway is not used again.
+        if !std::thread::panicking() {
+            self.pool.idle().extend(self.problem.take());
+        }
+    }
+}
+
+impl<P: LeastSquares> LeastSquares for Lent<'_, P> {
+    fn variables(&self) -> usize {
+        self.get().variables()
+    }
+
+    fn residuals(&self) -> usize {
+        self.get().residuals()
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+        self.get_mut().evaluate(x, into)
+    }
+}
+
+impl<P: Constrained> Constrained for Lent<'_, P> {
+    fn variables(&self) -> usize {
+        self.get().variables()
+    }
+
+    fn shape(&self) -> Shape {
+        self.get().shape()
+    }
+
+    fn levels(&self) -> Vec<f64> {
+        self.get().levels()
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        self.get_mut().assess(x, into)
+    }
+}

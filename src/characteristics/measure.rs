@@ -118,9 +118,12 @@ pub enum Stud {
 /// The most vectors that a formula reads.
 const MOST: usize = 6;
 
+/// The vectors that a formula reads; of those it does not read, anything.
+pub(crate) type Vectors<T> = [Vector3<T>; MOST];
+
 /// A vector that a formula reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Input {
+pub(crate) enum Input {
     /// The position of a point.
     Now(PointId),
     /// Its position in the design position.
@@ -181,7 +184,8 @@ impl Measure {
         }
     }
 
-    fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
+    /// The vectors that its formula reads, and how many; none where it is no geometry.
+    pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {
             let mut inputs = [Input::SpinAxis; MOST];
             inputs[..given.len()].copy_from_slice(given);
@@ -261,20 +265,25 @@ impl Measure {
             *vector = input.read(at).map(|c| c[0]);
         }
         for (k, input) in inputs[..count].iter().enumerate() {
-            let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
-            let v = vectors[k];
-            seeded[k] = Vector3::new(
-                Dual::input(v.x, 0),
-                Dual::input(v.y, 1),
-                Dual::input(v.z, 2),
-            );
-            let gradient = Vector3::from(self.formula(&seeded).partials);
+            let gradient = self.by_vector(k, &vectors);
             input.push(gradient.map(Jet::constant), at, seeds);
         }
     }
 
+    /// The derivative of the formula by the vector of this number.
+    pub(crate) fn by_vector(&self, number: usize, vectors: &Vectors<f64>) -> Vector3<f64> {
+        let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
+        let v = vectors[number];
+        seeded[number] = Vector3::new(
+            Dual::input(v.x, 0),
+            Dual::input(v.y, 1),
+            Dual::input(v.z, 2),
+        );
+        Vector3::from(self.formula(&seeded).partials)
+    }
+
     /// The formula, of the vectors that `inputs` names.
-    fn formula<T: Scalar>(&self, v: &[Vector3<T>; MOST]) -> T {
+    pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
             Measure::Quantity(_) | Measure::Carried(_) => v[0].x.lit(f64::NAN),
             Measure::Length(_) => (v[0] - v[1]).norm(),

@@ -28,6 +28,7 @@ mod wheel;
 pub use carried::CarriedForce;
 pub use instant_centre::{InstantCentres, instant_centres_of};
 pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
+pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
 pub use unit::Unit;
 pub use view::{Quantity, WheelReading};

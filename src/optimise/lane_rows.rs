@@ -1,7 +1,9 @@
-//! Residuals of targets in SIMD lanes: the stations of one design side by side, or the builds of a robust tuning.
+//! Residuals of targets and rows of constraints in SIMD lanes: the stations of one design side by side, or the builds of a
+//! robust tuning.
 
 use super::Evaluation;
 use super::lane_builds::LaneBuilds;
+use super::lane_parts::{LanePart, Moving};
 use super::layout::{TargetLayout, TargetSample};
 use super::moves::Way;
 use crate::characteristics::Quantity;
@@ -12,10 +14,14 @@ use crate::sweep::{Gradients, Stations};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// By leg; none where a leg has no targets.
+    /// By leg; none where a leg has nothing that is read.
     legs: Vec<Option<Leg<'a>>>,
+    /// The parts of constraints; none where lanes do not tell all of them.
+    parts: Option<Vec<LanePart>>,
     /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
     along: Vec<f64>,
+    /// Room for the derivatives of a part.
+    slopes: Vec<f64>,
 }
 
 /// A motion with the rack in one place.
@@ -26,46 +32,72 @@ struct Leg<'a> {
     groups: Vec<Vec<usize>>,
 }
 
+/// The rows of constraints, and the values of their parts by station.
+pub(super) struct Checked<'r> {
+    pub rows: &'r mut Evaluation,
+    pub values: &'r mut [Vec<f64>],
+}
+
 impl<'a> LaneRows<'a> {
-    /// For the targets of a layout; `None` where they cannot be differentiated in lanes.
+    /// For the targets of a layout, with its constraints if they are wanted; `None` where targets cannot be differentiated in
+    /// lanes.
     pub(super) fn new(
         suspension: &'a Suspension,
         layout: &TargetLayout,
+        with_constraints: bool,
         width: Width,
     ) -> Option<Self> {
         let measures = layout.measures.iter().map(|measure| measure.quantity());
-        let quantities: Vec<Quantity> = measures.collect::<Option<_>>()?;
-        let legs = layout.legs.iter().map(|leg| {
-            if leg.targets.iter().all(Vec::is_empty) {
-                return Some(None);
-            }
-            let stations = Stations::at_rack(leg.drive, &leg.order, leg.rack);
-            let gradients = Gradients::new(suspension, &stations, &quantities, width)?;
-            Some(Some(Leg {
-                groups: gradients.side_by_side(),
-                gradients,
-            }))
-        });
-        let legs: Vec<Option<Leg>> = legs.collect::<Option<_>>()?;
-        let has_targets = legs.iter().any(Option::is_some);
-        has_targets.then_some(LaneRows {
-            legs,
+        let wanted: Vec<Quantity> = measures.collect::<Option<_>>()?;
+        let has_targets = |leg: &super::layout::Leg| leg.targets.iter().any(|t| !t.is_empty());
+        layout.legs.iter().any(has_targets).then_some(())?;
+        let of = |quantities: &[Quantity], with_checks: bool| {
+            let legs = layout.legs.iter().map(|leg| {
+                if !with_checks && !has_targets(leg) {
+                    return Some(None);
+                }
+                let stations = Stations::at_rack(leg.drive, &leg.order, leg.rack);
+                let gradients = Gradients::new(suspension, &stations, quantities, width)?;
+                Some(Some(Leg {
+                    groups: gradients.side_by_side(),
+                    gradients,
+                }))
+            });
+            legs.collect::<Option<Vec<_>>>()
+        };
+        let mut rows = LaneRows {
+            legs: Vec::new(),
+            parts: None,
             along: Vec::new(),
-        })
+            slopes: Vec::new(),
+        };
+        if with_constraints {
+            let mut read = wanted.clone();
+            let parts = layout
+                .parts
+                .iter()
+                .map(|part| LanePart::of(&part.of, &suspension.mechanism, &mut read));
+            let parts: Option<Vec<LanePart>> = parts.collect();
+            if let (Some(parts), Some(legs)) = (parts, of(&read, true)) {
+                (rows.parts, rows.legs) = (Some(parts), legs);
+                return Some(rows);
+            }
+        }
+        rows.legs = of(&wanted, false)?;
+        Some(rows)
     }
 
-    /// Writes the residuals of a design that moves in these ways, and their derivatives. Returns whether all of it was plain
-    /// sailing; if not, what is written is not to be used.
-    pub(super) fn of_design(
-        &mut self,
-        layout: &TargetLayout,
-        design: &[Vector3<f64>],
-        ways: &[Way],
-        into: &mut Evaluation,
-    ) -> bool {
-        let one = 3 * design.len();
+    /// Whether lanes tell all constraints.
+    pub(super) fn has_parts(&self) -> bool {
+        self.parts.is_some()
+    }
+
+    /// Takes over how a design of so many points moves with so many variables.
+    pub(super) fn begin(&mut self, points: usize, ways: &[Way], variables: usize) {
+        let one = 3 * points;
+        self.slopes.resize(variables, 0.0);
         self.along.clear();
-        self.along.resize(into.jacobian.ncols() * one, 0.0);
+        self.along.resize(variables * one, 0.0);
         for way in ways {
             let first = way.column * one + 3 * way.point;
             for (sum, by) in self.along[first..first + 3]
@@ -75,21 +107,53 @@ impl<'a> LaneRows<'a> {
                 *sum += by;
             }
         }
-        let along = &self.along;
-        let legs = layout.legs.iter().zip(&mut self.legs);
-        legs.filter_map(|(leg, lanes)| Some((leg, lanes.as_mut()?)))
-            .all(|(leg, lanes)| {
-                let groups = &lanes.groups;
-                lanes.gradients.slopes_of_one(design, along, |found| {
-                    for (lane, station) in groups[found.station()].iter().enumerate() {
-                        for wish in &leg.targets[*station] {
-                            let value = found.value(lane, wish.measure);
-                            let slope = |column| found.slope(lane, wish.measure, column);
-                            write(wish, wish.row, value, slope, into);
-                        }
-                    }
-                })
-            })
+    }
+
+    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their derivatives.
+    /// Returns whether all of it was plain sailing; if not, what is written is not to be used.
+    pub(super) fn of_leg(
+        &mut self,
+        number: usize,
+        layout: &TargetLayout,
+        design: &[Vector3<f64>],
+        into: &mut Evaluation,
+        mut checked: Option<Checked<'_>>,
+    ) -> bool {
+        let LaneRows {
+            legs,
+            parts,
+            along,
+            slopes,
+        } = self;
+        let leg = &layout.legs[number];
+        let is_wanted = checked.is_some() || leg.targets.iter().any(|t| !t.is_empty());
+        let Some(Leg { gradients, groups }) = legs[number].as_mut().filter(|_| is_wanted) else {
+            return true;
+        };
+        if let Some(Checked { values, .. }) = &mut checked {
+            for values in values.iter_mut() {
+                values.clear();
+                values.resize(leg.order.values().len(), f64::NAN);
+            }
+        }
+        let moving = Moving { design, along };
+        gradients.slopes_of_one(design, along, |found| {
+            for (lane, station) in groups[found.station()].iter().enumerate() {
+                for wish in &leg.targets[*station] {
+                    let value = found.value(lane, wish.measure);
+                    let slope = |column| found.slope(lane, wish.measure, column);
+                    write(wish, wish.row, value, slope, into);
+                }
+                let (Some(Checked { rows, values }), Some(parts)) = (&mut checked, &*parts) else {
+                    continue;
+                };
+                for check in &leg.checks[*station] {
+                    let value = parts[check.part].read(found, lane, &moving, slopes);
+                    values[check.part][*station] = value;
+                    check.write(&layout.parts[check.part], value, slopes, rows);
+                }
+            }
+        })
     }
 
     /// Writes the residuals of builds and their derivatives, as far as they are plain sailing.

@@ -1,5 +1,6 @@
 //! What is looked at where: targets and constraints laid out over the stations of the motions.
 
+use super::Evaluation;
 use super::axle::AxleLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
@@ -30,6 +31,24 @@ pub(super) struct Check {
     pub lower: Option<usize>,
     pub upper: Option<usize>,
     pub equal: Option<usize>,
+}
+
+impl Check {
+    /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
+    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Evaluation) {
+        let limits = [
+            (self.lower, of.lower, -1.0),
+            (self.upper, of.upper, 1.0),
+            (self.equal, of.upper, 1.0),
+        ];
+        for (row, limit, sign) in limits {
+            if let (Some(row), Some(limit)) = (row, limit) {
+                let scale = sign / of.scale;
+                rows.residuals[row] = (found - limit) * scale;
+                rows.write_slopes(row, slopes, scale);
+            }
+        }
+    }
 }
 
 /// A part with a limit along a motion, whose extremes are sought between the stations.

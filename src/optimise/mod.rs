@@ -26,6 +26,7 @@ mod fit;
 mod front;
 mod identifiability;
 mod lane_builds;
+mod lane_parts;
 mod lane_rows;
 mod layout;
 mod levenberg_marquardt;

@@ -19,7 +19,7 @@ use super::carried::{self, Moving};
 use super::constrained::{Assessment, Constrained, Shape};
 use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
-use super::lane_rows::LaneRows;
+use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Extremes, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible, LeastSquares};
@@ -147,13 +147,6 @@ impl<const N: usize> Slopes<N> {
             self.by_variable[way.column] += self.gradient[way.point].dot(way.by);
         }
     }
-
-    /// Writes them, times a factor, into a row.
-    fn write(&self, into: &mut Evaluation, row: usize, scale: f64) {
-        for (column, slope) in self.by_variable.iter().enumerate() {
-            into.jacobian[(row, column)] = slope * scale;
-        }
-    }
 }
 
 /// The value of a measure along the motion; NaN of a force where nothing can carry the load.
@@ -246,7 +239,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             design,
             moved: design.clone(),
             ways: Vec::new(),
-            lanes: LaneRows::new(suspension, layout, Width::widest()),
+            lanes: LaneRows::new(suspension, layout, true, Width::widest()),
             builds: None,
             lane_builds: None,
             built: design.clone(),
@@ -279,7 +272,8 @@ impl<'a, const N: usize> Objective<'a, N> {
         objective.reader = Reader::new(suspension, layout, &all, variables.len());
         let builds = Builds::new(suspension, scatter)?;
         let points = suspension.design.len();
-        objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, width));
+        // Constraints are on the drawing.
+        objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
         objective.lane_builds =
             width.map(|width| LaneBuilds::new(builds.draws(), points, variables.len(), width));
         objective.builds = Some(builds);
@@ -290,7 +284,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     /// The same in lanes of a width, or station by station.
     #[cfg(test)]
     pub(super) fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
-        self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, width));
+        self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
         assert!(width.is_none() || self.lanes.is_some());
         self
     }
@@ -300,9 +294,8 @@ impl<'a, const N: usize> Objective<'a, N> {
     pub(super) fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
         let mut into = Evaluation::new(self.layout.residuals(), x.len());
-        let (layout, design, ways) = (self.layout, &self.moved, &self.ways);
-        let lanes = self.lanes.as_mut();
-        lanes.is_some_and(|lanes| lanes.of_design(layout, design, ways, &mut into))
+        let mut rows = Evaluation::new(self.layout.labels.len(), x.len());
+        matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
     /// How many builds were evaluated in lanes.
@@ -339,13 +332,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     ) -> Result<(), Infeasible> {
         self.move_to(x);
         let Some(mut builds) = self.builds.take() else {
-            let is_done = match &mut self.lanes {
-                Some(lanes) if rows.is_none() || self.layout.labels.is_empty() => {
-                    lanes.of_design(self.layout, &self.moved, &self.ways, into)
-                }
-                _ => false,
-            };
-            if !is_done {
+            if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows)?;
             }
             let Some(axle) = &mut self.axle else {
@@ -366,6 +353,54 @@ impl<'a, const N: usize> Objective<'a, N> {
         };
         let found = found.and_then(|()| self.evaluate_builds(&mut builds, into));
         self.builds = Some(builds);
+        found
+    }
+
+    /// The same of one wheel, in lanes: whether they tell all that is wanted, and the design was plain sailing.
+    fn evaluate_in_lanes(
+        &mut self,
+        into: &mut Evaluation,
+        rows: Option<&mut Evaluation>,
+    ) -> Result<bool, Infeasible> {
+        let mut rows = rows.filter(|_| !self.layout.labels.is_empty());
+        let tell_all = |lanes: &mut LaneRows| rows.is_none() || lanes.has_parts();
+        let Some(mut lanes) = self.lanes.take_if(tell_all) else {
+            return Ok(false);
+        };
+        lanes.begin(self.moved.len(), &self.ways, self.variables.len());
+        let mut found = Ok(true);
+        let mut is_prepared = false;
+        for (number, leg) in self.layout.legs.iter().enumerate() {
+            let values = &mut self.values[..];
+            let checked = rows.as_deref_mut().map(|rows| Checked { rows, values });
+            if !lanes.of_leg(number, self.layout, &self.moved, into, checked) {
+                found = Ok(false);
+                break;
+            }
+            let Some(rows) = &mut rows else {
+                continue;
+            };
+            extremes::searches(
+                leg,
+                &self.layout.parts,
+                &self.values,
+                rows,
+                &mut self.searches,
+            );
+            if self.searches.is_empty() {
+                continue;
+            }
+            if !is_prepared {
+                found = self.prepare().map(|()| true);
+                is_prepared = true;
+            }
+            let sought = found.clone().and_then(|_| self.begin(leg));
+            if let Err(reason) = sought.and_then(|()| self.find_extremes(leg, rows)) {
+                found = Err(reason);
+                break;
+            }
+        }
+        self.lanes = Some(lanes);
         found
     }
 
@@ -418,6 +453,26 @@ impl<'a, const N: usize> Objective<'a, N> {
         mut into: Option<(&mut Evaluation, usize)>,
         mut rows: Option<&mut Evaluation>,
     ) -> Result<(), Infeasible> {
+        self.prepare()?;
+        for leg in &self.layout.legs {
+            self.begin(leg)?;
+            self.visit(leg, &mut into, &mut rows)?;
+            if let Some(rows) = &mut rows {
+                extremes::searches(
+                    leg,
+                    &self.layout.parts,
+                    &self.values,
+                    rows,
+                    &mut self.searches,
+                );
+                self.find_extremes(leg, rows)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes ready to solve the moved design one by one.
+    fn prepare(&mut self) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         self.solver.prepare(&self.moved).map_err(refused)?;
@@ -428,15 +483,14 @@ impl<'a, const N: usize> Objective<'a, N> {
         if let Some(sloped) = &mut self.sloped {
             sloped.series.prepare(mechanism, &self.moved);
         }
-        for leg in &self.layout.legs {
-            let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
-            begun.map_err(refused)?;
-            self.visit(leg, &mut into, &mut rows)?;
-            if let Some(rows) = &mut rows {
-                self.find_extremes(leg, rows)?;
-            }
-        }
         Ok(())
+    }
+
+    /// Makes ready to visit stations of a leg.
+    fn begin(&mut self, leg: &Leg) -> Result<(), Infeasible> {
+        let mechanism = self.solver.mechanism();
+        let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
+        begun.map_err(|fault| Infeasible::Refused(fault.describe(mechanism)))
     }
 
     /// Visits the stations of a leg.
@@ -512,7 +566,7 @@ impl<'a, const N: usize> Objective<'a, N> {
                             continue;
                         }
                         slopes.form(&reading(measure));
-                        slopes.write(into, row, wish.scale);
+                        into.write_slopes(row, &slopes.by_variable, wish.scale);
                     }
                 }
                 let Some(rows) = rows else {
@@ -524,18 +578,7 @@ impl<'a, const N: usize> Objective<'a, N> {
                     failed = failed.take().or_else(|| uncarried(&part.of, found, &place));
                     values[check.part][station] = found;
                     slopes.form(&reading(&part.of));
-                    let limits = [
-                        (check.lower, part.lower, -1.0),
-                        (check.upper, part.upper, 1.0),
-                        (check.equal, part.upper, 1.0),
-                    ];
-                    for (row, limit, sign) in limits {
-                        if let (Some(row), Some(limit)) = (row, limit) {
-                            let scale = sign / part.scale;
-                            rows.residuals[row] = (found - limit) * scale;
-                            slopes.write(rows, row, scale);
-                        }
-                    }
+                    check.write(part, found, &slopes.by_variable, rows);
                 }
                 ControlFlow::Continue(())
             });
@@ -543,7 +586,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         failed.map_or(Ok(()), Err)
     }
 
-    /// Seeks the extremes of a leg between its stations. Each takes the place of its station in the rows.
+    /// Seeks the extremes of a leg between its stations, where searches say that there are. Each takes the place of its station in the rows.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Evaluation) -> Result<(), Infeasible> {
         let Objective {
             layout,
@@ -551,7 +594,6 @@ impl<'a, const N: usize> Objective<'a, N> {
             ways,
             solver,
             sloped: Some(reader),
-            values,
             searches,
             moving,
             ..
@@ -561,7 +603,6 @@ impl<'a, const N: usize> Objective<'a, N> {
         };
         let mechanism = solver.mechanism();
         let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
-        extremes::searches(leg, &layout.parts, values, rows, searches);
         for round in 1..=SEARCHES {
             if searches.is_empty() {
                 break;
@@ -607,7 +648,8 @@ impl<'a, const N: usize> Objective<'a, N> {
                             moving: moving.as_ref(),
                         });
                         rows.residuals[search.row] = value;
-                        reader.slopes.write(rows, search.row, scale);
+                        let slopes = &reader.slopes.by_variable;
+                        rows.write_slopes(search.row, slopes, scale);
                     }
                     ControlFlow::Continue(())
                 });

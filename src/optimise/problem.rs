@@ -50,6 +50,13 @@ impl Evaluation {
         (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
     }
 
+    /// Writes derivatives by the variables, times a factor, into a row.
+    pub(super) fn write_slopes(&mut self, row: usize, slopes: &[f64], scale: f64) {
+        for (column, slope) in slopes.iter().enumerate() {
+            self.jacobian[(row, column)] = slope * scale;
+        }
+    }
+
     /// Refuses entries that are not finite, or so large that their squares could overflow.
     pub(super) fn check(&self) -> Result<(), Infeasible> {
         // Squares of 1e8 such numbers still have a finite sum.

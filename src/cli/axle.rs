@@ -7,6 +7,7 @@ use super::output::{Output, pool};
 use super::printer::Printer;
 use super::progress;
 use super::report::Wanted;
+use super::tolerance::FANS;
 use super::{RunArguments, StudyArguments};
 use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
@@ -17,6 +18,7 @@ use crate::report::{
     axle_sensitivities_csv, history_csv, variable_doubts, wheel_doubts,
 };
 use crate::study::{AxleStudy, Optimise, Study};
+use crate::tolerance::{MonteCarlo, Problem};
 use nalgebra::DVector;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -224,6 +226,57 @@ pub(super) fn optimise(
     })
 }
 
+/// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
+/// files that makes.
+pub(super) fn fans(
+    output: &Output,
+    study: &Study,
+    AxleStudy { axle, plan }: &AxleStudy,
+    problem: &Problem,
+    builds: &MonteCarlo,
+) -> Result<Vec<&'static str>, Stop> {
+    let plan = AxlePlan {
+        derivatives: false,
+        certify: false,
+        sensitivities: Vec::new(),
+        ..plan.clone()
+    };
+    let path = Path::new(&study.name);
+    let drawn = axle_curves(axle, &plan).map_err(|f| fault(path, axle, f))?;
+    let of_percentile = |percentile: usize| {
+        let mut curves = drawn.clone();
+        for (number, station) in curves.stations.iter_mut().enumerate() {
+            for (k, value) in station.values.iter_mut().enumerate() {
+                let spread = &builds.spreads[problem.cell(k, number)];
+                let found = spread.percentiles[percentile] * drawn.columns[k].factor;
+                if let Ok(value) = value {
+                    *value = found;
+                }
+            }
+        }
+        curves
+    };
+    let fans = FANS.map(|(name, file, percentile)| (name, file, of_percentile(percentile)));
+    let fans = fans.iter();
+    let mut designs: Vec<SolvedAxle<'_>> = fans
+        .map(|(name, file, curves)| (*name, *file, axle, curves))
+        .collect();
+    // What matters most is the last.
+    designs.push(("drawn", "curves.csv", axle, &drawn));
+    for (_, file, _, curves) in &designs {
+        output.file(file, &axle_curves_csv(axle, &plan, curves))?;
+    }
+    let both = AxleStudy {
+        axle: axle.clone(),
+        plan: plan.clone(),
+    };
+    let record = Record::of_axle("tolerance", study, &both, &plan, &designs);
+    output.record("report.json", &record.map_err(|f| fault(path, axle, f))?)?;
+    let mut files: Vec<_> = FANS.iter().map(|(_, file, _)| *file).collect();
+    files.extend(["curves.csv", "report.json"]);
+    Ok(files)
+}
+
 pub(super) fn check(
     arguments: &StudyArguments,
     study: &Study,
@@ -254,6 +307,18 @@ pub(super) fn check(
     }
     if let Some(sweep) = &study.sweep {
         out.say(&format!("{}\n\n", super::check::swept(study, sweep)))?;
+    }
+    if let Some(tolerance) = &study.tolerance {
+        let said = super::check::scattered(tolerance);
+        let problem = Problem::of(study, tolerance);
+        let why = problem.ok().and_then(|problem| problem.not_in_lanes());
+        let why = why.map_or_else(String::new, |why| {
+            format!(
+                " Its builds are solved one by one, not in SIMD lanes, {}.",
+                why.describe()
+            )
+        });
+        out.say(&format!("{said}{why}\n\n"))?;
     }
     out.table("outputs", summary.table())?;
     out.finish()?;

@@ -14,7 +14,7 @@ use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{Cell, FailureRange, SolveSummary, Table, doubts, remarks, variable_doubts};
 use crate::solve::StationOrder;
-use crate::study::{Designs, Drive, Formulation, Study, Sweep};
+use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
 use crate::sweep::{NotInLanes, SweepPlan};
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
@@ -134,14 +134,19 @@ fn motion(study: &Study, plan: &Plan) -> String {
         );
     }
     if let Some(tolerance) = &study.tolerance {
-        text += &format!(
-            " Tolerances (tolerance only): {} builds, {} scattering numbers, {} bands.",
-            tolerance.builds,
-            tolerance.sources(),
-            tolerance.bands.len()
-        );
+        text += &format!(" {}", scattered(tolerance));
     }
     text
+}
+
+/// What scatters, in a sentence.
+pub(super) fn scattered(tolerance: &Tolerance) -> String {
+    format!(
+        "Tolerances (tolerance only): {} builds, {} scattering numbers, {} bands.",
+        tolerance.builds,
+        tolerance.sources(),
+        tolerance.bands.len()
+    )
 }
 
 /// What a sweep is of, and why its designs do not go through the SIMD lanes, if they do not.

@@ -23,7 +23,9 @@ pub(super) fn run(
     count: NonZeroU64,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let tolerance = scatter(study, path, "limits --builds")?;
+    let why = "builds are looked at one wheel at a time";
+    super::axle::refuse(study, path, "limits --builds", why)?;
+    let tolerance = scatter(study, path)?;
     let problem = problem(study, tolerance, path)?;
     let drawn = Reach::of(study, &study.suspension);
     let drawn = drawn.map_err(|fault| design_fault(study, path, &fault))?;

@@ -202,7 +202,6 @@ fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Suspension>) -> Opt
         monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).ok()
     };
     Some(YieldRecord::of(
-        study,
         tolerance,
         of(&study.suspension),
         of(tuned?),

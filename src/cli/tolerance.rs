@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
-const FANS: [(&str, &str, usize); 4] = [
+pub(super) const FANS: [(&str, &str, usize); 4] = [
     ("1 %", "curves_p1.csv", 1),
     ("5 %", "curves_p5.csv", 2),
     ("95 %", "curves_p95.csv", 4),
@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let (build, arguments) = (arguments.build, &arguments.run);
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let tolerance = scatter(&study, path, "tolerance")?;
+    let tolerance = scatter(&study, path)?;
     if let Some(number) = build {
         return print_build(&problem(&study, tolerance, path)?, number);
     }
@@ -52,8 +52,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let yields = rank(&problem, &expansion, &builds, &drawn);
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
 
-    let length = study.suspension.length_unit;
-    let unit = length.symbol();
+    let unit = study.suspension.length_unit.symbol();
     let contributors: Vec<String> = tolerance.scatter.iter().map(|c| c.name.clone()).collect();
     output.main_csv("tolerance.csv", &summary.csv(unit))?;
     output.file(
@@ -63,20 +62,10 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     let mut files = vec!["tolerance.csv", "contributors.csv", "summary.json"];
     if output.directory().is_some() {
-        let fan = Fan::of(&study, &problem, &builds).map_err(fault)?;
-        let mut designs = Vec::new();
-        for ((name, file, _), curves) in FANS.iter().zip(&fan.percentiles) {
-            designs.push((*name, *file, &study.suspension, curves));
-        }
-        // What matters most is the last.
-        designs.push(("drawn", "curves.csv", &study.suspension, &fan.drawn));
-        for (_, file, _, curves) in &designs {
-            output.file(file, &curves_csv(curves, &fan.plan, length))?;
-            files.push(file);
-        }
-        let record = Record::of("tolerance", &study, &fan.plan, &designs).map_err(fault)?;
-        output.record("report.json", &record)?;
-        files.push("report.json");
+        files.extend(match &study.axle {
+            None => fans(&output, &study, &problem, &builds).map_err(fault)??,
+            Some(both) => super::axle::fans(&output, &study, both, &problem, &builds)?,
+        });
     }
     files.extend(wanted.show(output.directory())?);
 
@@ -109,13 +98,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
 }
 
 /// How the parts of a study scatter.
-pub(super) fn scatter<'s>(
-    study: &'s Study,
-    path: &Path,
-    command: &str,
-) -> Result<&'s Tolerance, Stop> {
-    let why = "builds of two wheels scatter by themselves, and only those of one are drawn";
-    super::axle::refuse(study, path, command, why)?;
+pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     study.tolerance.as_ref().ok_or_else(|| {
         Stop::wrong_input(format!(
             "{}: there is no [tolerance] section, which says how parts scatter",
@@ -147,7 +130,7 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
 /// Prints a build as a study.
 fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
     let (study, seed) = (problem.study, problem.tolerance.seed);
-    match problem.built(number) {
+    match problem.built_wheels(number) {
         Ok(built) => {
             let aligned = match problem.tolerance.aligned {
                 true => "aligned",
@@ -156,12 +139,16 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
             let text = format!(
                 "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts make at rest.\n{}",
                 study.name,
-                study.with_built(&built)
+                match &built[..] {
+                    [left, right] => study.with_built_axle([left, right]),
+                    built => study.with_built(&built[0]),
+                }
             );
             std::io::stdout().write_all(text.as_bytes())?;
             Ok(Exit::Done)
         }
-        Err(reject) => {
+        Err((side, reject)) => {
+            let reject = crate::report::rejected(side, &reject);
             terminal::eprint(&format!(
                 "build {number} of {} (seed {seed}): {reject}\n",
                 study.name
@@ -187,6 +174,35 @@ fn with_progress(
     });
     line.finish_and_clear();
     found
+}
+
+/// Writes the curves of the drawing and of percentiles, with what a page needs; the files that makes.
+fn fans(
+    output: &Output,
+    study: &Study,
+    problem: &Problem,
+    builds: &MonteCarlo,
+) -> Result<Result<Vec<&'static str>, Stop>, DesignFault> {
+    let length = study.suspension.length_unit;
+    let fan = Fan::of(study, problem, builds)?;
+    let mut designs = Vec::new();
+    for ((name, file, _), curves) in FANS.iter().zip(&fan.percentiles) {
+        designs.push((*name, *file, &study.suspension, curves));
+    }
+    // What matters most is the last.
+    designs.push(("drawn", "curves.csv", &study.suspension, &fan.drawn));
+    let record = Record::of("tolerance", study, &fan.plan, &designs)?;
+    let write = || {
+        let mut files = Vec::new();
+        for (_, file, _, curves) in &designs {
+            output.file(file, &curves_csv(curves, &fan.plan, length))?;
+            files.push(*file);
+        }
+        output.record("report.json", &record)?;
+        files.push("report.json");
+        Ok(files)
+    };
+    Ok(write())
 }
 
 /// Curves of the drawing and of percentiles, each percentile at every station by itself.

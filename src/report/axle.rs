@@ -109,6 +109,19 @@ impl Place<'_> {
         self.given_coordinates().into_iter().map(value).collect()
     }
 
+    /// The same of a position that need not be one of the motion's.
+    pub(super) fn given_anywhere(&self, placement: &Placement) -> Vec<f64> {
+        let value = |coordinate: Coordinate| match coordinate {
+            Coordinate::SteeringWheel | Coordinate::Roll => {
+                coordinate.written(placement.along(coordinate), self.axle)
+            }
+            Coordinate::Rack => placement.rack() * self.axle.left.frame.sign(Axis::Y),
+            _ => placement.along(coordinate),
+        };
+        let given = self.given_coordinates().into_iter();
+        given.map(|coordinate| value(coordinate) + 0.0).collect()
+    }
+
     fn given_coordinates(&self) -> Vec<Coordinate> {
         let mut course = self.plan.course.clone();
         let mut given = Coordinate::ALL.to_vec();

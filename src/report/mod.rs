@@ -61,7 +61,7 @@ pub use sweep::{
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{is_printable, printable, wrapped};
 pub use tolerance_summary::{
-    BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord,
+    BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected,
 };
 pub use tuning_summary::TuningSummary;
 pub use yields::YieldRecord;

@@ -1,10 +1,12 @@
 //! What scatter comes to, in tables and files.
 
+use super::axle::Place;
 use super::table::{Cell, Column, Table};
 use super::{brief, shortest};
-use crate::model::{Axis, LengthUnit};
-use crate::study::Band;
-use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
+use crate::build::Reject;
+use crate::model::{Axis, Side};
+use crate::study::{AxleStudy, Band};
+use crate::tolerance::{Expansion, HOLDS, MonteCarlo, Output, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
 
 /// The results of `hardpoint tolerance`.
@@ -26,6 +28,9 @@ pub struct ToleranceSummary {
     pub incomplete: u64,
     /// Number of the first of these.
     pub first_incomplete: Option<u64>,
+    /// Of an axle: the numbers that say where a value is, by their columns.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<String>,
     /// Every value that was looked at.
     pub values: Vec<ValueRecord>,
     /// The bands.
@@ -56,10 +61,15 @@ pub struct RejectRecord {
 pub struct ValueRecord {
     /// Name with unit.
     pub output: String,
-    /// Travel.
-    pub travel: f64,
-    /// Rack displacement, in the study's axes.
-    pub rack: f64,
+    /// Travel, of one wheel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub travel: Option<f64>,
+    /// Rack displacement, in the study's axes, of one wheel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rack: Option<f64>,
+    /// Of an axle: the numbers of [`ToleranceSummary::places`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub place: Vec<f64>,
     /// Builds that have it.
     pub builds: u64,
     /// As drawn.
@@ -126,7 +136,21 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
+/// Why a build cannot be put together, with the wheel of an axle that cannot.
+pub fn rejected(side: Option<Side>, why: &Reject) -> String {
+    match side {
+        None => why.to_string(),
+        Some(side) => format!("{} wheel: {why}", side.name()),
+    }
+}
+
 impl ValueRecord {
+    /// Where it is, as the columns of a table have it.
+    fn place(&self) -> impl Iterator<Item = String> + '_ {
+        let of_wheel = self.travel.into_iter().chain(self.rack);
+        of_wheel.chain(self.place.iter().copied()).map(shortest)
+    }
+
     /// The part of the builds' variance that a contributor is responsible for by first order.
     fn share_of_builds(&self, contributor: usize) -> Option<f64> {
         Some(self.shares[contributor]? * (1.0 - self.remainder?))
@@ -153,21 +177,22 @@ impl ToleranceSummary {
             rejects: builds
                 .rejects
                 .iter()
-                .map(|(word, (count, first, why))| RejectRecord {
+                .map(|(word, rejected)| RejectRecord {
                     reason: (*word).to_owned(),
-                    builds: *count,
-                    first: *first,
-                    what: why.to_string(),
+                    builds: rejected.builds,
+                    first: rejected.first,
+                    what: self::rejected(rejected.side, &rejected.why),
                 })
                 .collect(),
             incomplete: builds.incomplete,
             first_incomplete: builds.first_incomplete,
+            places: places(problem),
             values: values(problem, drawn, expansion, builds),
             bands: yields.map_or_else(Vec::new, |yields| {
                 let bands = tolerance.bands.iter().zip(&yields.bands);
                 bands
                     .map(|(band, of)| BandRecord {
-                        band: in_words(band, problem.study.suspension.length_unit),
+                        band: in_words(band),
                         kept: of.monte_carlo,
                         kept_linear: of.linear,
                     })
@@ -233,8 +258,11 @@ impl ToleranceSummary {
     /// Every value in the drawn position, and where it scatters most.
     pub fn values_table(&self) -> Table {
         let rack_moves = self.values.iter().any(|v| v.rack != self.values[0].rack);
-        let head = ["output", "travel"].into_iter();
+        let of_wheel = self.places.is_empty();
+        let head = ["output"].into_iter();
+        let head = head.chain(of_wheel.then_some("travel"));
         let head = head.chain(rack_moves.then_some("rack"));
+        let head = head.chain(self.places.iter().map(String::as_str));
         let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
         let header = head.chain(numbers).chain(["linear holds"]);
         let because = Column::for_programs("because");
@@ -257,6 +285,7 @@ impl ToleranceSummary {
                     Some(true) => "yes",
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
+                    None if value.drawn.is_none() => "",
                     None if value.second_order.is_none()
                         && value.shares.iter().all(Option::is_none) =>
                     {
@@ -277,17 +306,27 @@ impl ToleranceSummary {
                     value.percentiles[4],
                 ];
                 let holds = Cell::in_words(value.linear_holds, words);
-                let head = [Cell::from(output), Cell::from(value.travel)];
-                let rack = rack_moves.then(|| Cell::from(value.rack));
+                let head = [Cell::from(output)].into_iter();
+                let places = value.travel.into_iter();
+                let places = places.chain(value.rack.filter(|_| rack_moves));
+                let places = places.chain(value.place.iter().copied()).map(Cell::from);
                 let figure = |v: Option<f64>| match v {
                     Some(v) => Cell::figure(v, &value.unit),
                     None => Cell::from(""),
                 };
-                let cells = head.into_iter().chain(rack).chain(numbers.map(figure));
+                let cells = head.chain(places).chain(numbers.map(figure));
                 table.push_row(cells.chain([holds, because.into()]));
             }
         }
         table
+    }
+
+    /// The columns that say where a value is.
+    fn place_columns(&self, length: &str) -> Vec<String> {
+        match self.places.is_empty() {
+            true => vec![format!("travel_{length}"), format!("rack_{length}")],
+            false => self.places.clone(),
+        }
     }
 
     /// The bands and who keeps to them.
@@ -355,12 +394,8 @@ impl ToleranceSummary {
 
     /// `tolerance.csv`: a row for each value.
     pub fn csv(&self, length: &str) -> Vec<u8> {
-        let mut header: Vec<String> = [
-            "output".to_owned(),
-            format!("travel_{length}"),
-            format!("rack_{length}"),
-        ]
-        .to_vec();
+        let mut header = vec!["output".to_owned()];
+        header.extend(self.place_columns(length));
         header.extend(
             [
                 "builds",
@@ -383,12 +418,9 @@ impl ToleranceSummary {
         header.push("max".to_owned());
         let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
         let rows = self.values.iter().map(|v| {
-            let mut row = vec![
-                v.output.clone(),
-                shortest(v.travel),
-                shortest(v.rack),
-                v.builds.to_string(),
-            ];
+            let mut row = vec![v.output.clone()];
+            row.extend(v.place());
+            row.push(v.builds.to_string());
             row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(cell));
             row.extend([v.sigma_linear, v.second_order].map(cell));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
@@ -404,32 +436,23 @@ impl ToleranceSummary {
     /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in that of the
     /// builds, and what is left of that.
     pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
-        let header = [
-            "output",
-            &format!("travel_{length}"),
-            &format!("rack_{length}"),
-            "contributor",
-            "share",
-            "share_of_builds",
-        ];
+        let mut header = vec!["output".to_owned()];
+        header.extend(self.place_columns(length));
+        header.extend(["contributor", "share", "share_of_builds"].map(str::to_owned));
         let rows = self.values.iter().flat_map(|v| {
             let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
             let row = move |name: &str, share, of_builds| {
-                vec![
-                    v.output.clone(),
-                    shortest(v.travel),
-                    shortest(v.rack),
-                    name.to_owned(),
-                    cell(share),
-                    cell(of_builds),
-                ]
+                let mut row = vec![v.output.clone()];
+                row.extend(v.place());
+                row.extend([name.to_owned(), cell(share), cell(of_builds)]);
+                row
             };
             let names = contributors.iter().enumerate();
             names
                 .map(move |(number, name)| row(name, v.shares[number], v.share_of_builds(number)))
                 .chain([row("remainder", None, v.remainder)])
         });
-        csv_of(std::iter::once(header.map(str::to_owned).to_vec()).chain(rows))
+        csv_of(std::iter::once(header).chain(rows))
     }
 }
 
@@ -452,11 +475,10 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// A band as it was written.
-pub(super) fn in_words(band: &Band, length: LengthUnit) -> String {
-    let unit = band.characteristic.info().unit;
-    let column = band.characteristic.column(length);
+pub(super) fn in_words(band: &Band) -> String {
+    let column = &band.of.column;
     let [low, high] = band.between.map(|v| {
-        let printed = v * unit.printed_factor();
+        let printed = v * band.of.factor();
         // A limit is shown as it was written, not with what degrees lose on the way to radians.
         (printed * 1e9).round() / 1e9
     });
@@ -465,10 +487,22 @@ pub(super) fn in_words(band: &Band, length: LengthUnit) -> String {
         (true, false) => format!("at least {}", shortest(low)),
         _ => format!("at most {}", shortest(high)),
     };
-    match band.at {
-        Some(at) => format!("{column} at {}: {wanted}", shortest(at)),
-        None => format!("{column}: {wanted}"),
+    let held = band.site.as_ref().map_or("", |site| &site.words);
+    let over = band.site.as_ref().map(|site| site.over.key());
+    match (band.at, over) {
+        (Some(at), None) => format!("{column} at {}: {wanted}", shortest(at)),
+        (Some(at), Some(over)) => format!("{column} at {over} {}{held}: {wanted}", shortest(at)),
+        (None, Some(over)) => format!("{column} over {over}{held}: {wanted}"),
+        (None, None) => format!("{column}: {wanted}"),
     }
+}
+
+/// Of an axle, the columns that say where its values are.
+fn places(problem: &Problem) -> Vec<String> {
+    let both = problem.study.axle.as_ref();
+    both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
+        Place { plan, axle }.given_names()
+    })
 }
 
 fn values(
@@ -480,13 +514,15 @@ fn values(
     let stations = &problem.stations;
     let sign = problem.study.suspension.frame.sign(Axis::Y);
     let mut values = Vec::new();
-    for (output, c) in problem.characteristics.iter().enumerate() {
-        let factor = c.info().unit.printed_factor();
-        let unit = c.info().unit.suffix(problem.study.suspension.length_unit);
+    let of_axle = problem.study.axle.as_ref();
+    for (output, looked) in problem.outputs.iter().enumerate() {
+        let Output { unit, factor, .. } = looked;
         let scaled = |v: f64| finite(v * factor);
         for station in 0..stations.count() {
             let cell = problem.cell(output, station);
             let spread = &builds.spreads[cell];
+            let travel = stations.values()[stations.value_of(station)];
+            let rack = stations.racks[station / stations.values().len()];
             let deviation = expansion.variance[cell].sqrt();
             // What is aligned away is rounding, and rounding has no shares.
             let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
@@ -503,9 +539,13 @@ fn values(
             let shares = (0..problem.tolerance.scatter.len())
                 .map(|number| finite(expansion.part(problem, cell, number) / variance));
             values.push(ValueRecord {
-                output: c.column(problem.study.suspension.length_unit),
-                travel: stations.values()[stations.value_of(station)] + 0.0,
-                rack: stations.racks[station / stations.values().len()] * sign + 0.0,
+                output: looked.column.clone(),
+                travel: of_axle.is_none().then_some(travel + 0.0),
+                rack: of_axle.is_none().then_some(rack * sign + 0.0),
+                place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
+                    let place = Place { plan, axle };
+                    place.given_anywhere(&problem.placements()[station])
+                }),
                 builds: spread.count,
                 drawn: scaled(drawn[cell]),
                 mean: scaled(spread.mean),

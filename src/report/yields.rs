@@ -2,7 +2,7 @@
 
 use super::table::{Cell, Table};
 use super::tolerance_summary::{in_words, percent};
-use crate::study::{Study, Tolerance};
+use crate::study::Tolerance;
 use crate::tolerance::MonteCarlo;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,6 @@ pub struct BandShares {
 impl YieldRecord {
     /// Of the builds of the design given, and of the tuned one.
     pub fn of(
-        study: &Study,
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,
         after: Option<MonteCarlo>,
@@ -39,10 +38,9 @@ impl YieldRecord {
             let share = |found: &MonteCarlo| of(found) as f64 / found.builds as f64;
             [0, 1].map(|k: usize| both[k].as_ref().map(share))
         };
-        let length = study.suspension.length_unit;
         let bands = tolerance.bands.iter().enumerate();
         let bands = bands.map(|(number, band)| BandShares {
-            band: in_words(band, length),
+            band: in_words(band),
             shares: share(&|found| found.in_bands[number]),
         });
         YieldRecord {

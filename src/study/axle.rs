@@ -144,13 +144,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         file.solver.accuracy.as_ref().map(Spanned::span),
         "accuracy is not there for an axle, which is always solved in full precision",
     );
-    let tolerance = file.tolerance.as_ref().map(Spanned::span);
-    add(tolerance, "[tolerance] is not yet there for an axle");
-    let setup = file.setup.as_ref().and(file.axle.as_ref());
-    add(
-        setup.map(Spanned::span),
-        "[setup] is not yet there for an axle",
-    );
     if let Some(outputs) = &file.outputs {
         let acceleration = outputs
             .order

@@ -51,35 +51,95 @@ impl AxleSite {
     }
 }
 
-/// The keys of a target that only an axle has.
-fn own_keys(written: &file::Target) -> impl Iterator<Item = (&'static str, Span<usize>)> {
-    let places = Coordinate::ALL
-        .into_iter()
-        .filter(|c| *c != Coordinate::Rack)
-        .map(|c| (c.key(), held_at(written, c).map(Spanned::span)));
-    let over = ("over", written.over.as_ref().map(Text::span));
-    let side = ("side", written.side.as_ref().map(Text::span));
-    let all = places.chain([over, side]);
-    all.filter_map(|(key, span)| Some((key, span?)))
+/// What a target or a band says of where it looks.
+pub(super) struct Where<'w> {
+    over: &'w Option<Text>,
+    side: &'w Option<Text>,
+    /// The rest, in the order of [`Coordinate::ALL`].
+    held: [&'w Option<Spanned<Numbers>>; 6],
 }
 
-/// Refuses what is of an axle in a target of one wheel.
-pub(super) fn refuse(written: &file::Target, problems: &mut Problems) {
-    for (key, span) in own_keys(written) {
-        let message = format!("{key} is of an axle, and this study is of one wheel");
-        problems.add(span, message);
+impl<'w> From<&'w file::Target> for Where<'w> {
+    fn from(target: &'w file::Target) -> Self {
+        Where {
+            over: &target.over,
+            side: &target.side,
+            held: [
+                &target.roll,
+                &target.heave,
+                &target.travel_left,
+                &target.travel_right,
+                &target.rack,
+                &target.steering_wheel_angle,
+            ],
+        }
     }
 }
 
-fn held_at(written: &file::Target, coordinate: Coordinate) -> Option<&Spanned<Numbers>> {
-    match coordinate {
-        Coordinate::Roll => written.roll.as_ref(),
-        Coordinate::Heave => written.heave.as_ref(),
-        Coordinate::TravelLeft => written.travel_left.as_ref(),
-        Coordinate::TravelRight => written.travel_right.as_ref(),
-        Coordinate::Rack => written.rack.as_ref(),
-        Coordinate::SteeringWheel => written.steering_wheel_angle.as_ref(),
+impl<'w> From<&'w file::Band> for Where<'w> {
+    fn from(band: &'w file::Band) -> Self {
+        Where {
+            over: &band.over,
+            side: &band.side,
+            held: [
+                &band.roll,
+                &band.heave,
+                &band.travel_left,
+                &band.travel_right,
+                &band.rack,
+                &band.steering_wheel_angle,
+            ],
+        }
     }
+}
+
+impl<'w> Where<'w> {
+    fn held(&self) -> impl Iterator<Item = (Coordinate, Option<&'w Spanned<Numbers>>)> {
+        let held = Coordinate::ALL.into_iter().zip(self.held);
+        held.map(|(coordinate, given)| (coordinate, given.as_ref()))
+    }
+
+    fn held_at(&self, coordinate: Coordinate) -> Option<&'w Spanned<Numbers>> {
+        self.held().find(|(c, _)| *c == coordinate)?.1
+    }
+
+    /// Whether it says anything of the place.
+    fn is_given(&self) -> bool {
+        self.over.is_some() || self.held.iter().any(|given| given.is_some())
+    }
+
+    /// Refuses what is of an axle in something of one wheel; a target's rack is not.
+    pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
+        let places = self
+            .held()
+            .filter(|(c, _)| rack_too || *c != Coordinate::Rack)
+            .map(|(c, given)| (c.key(), given.map(Spanned::span)));
+        let over = ("over", self.over.as_ref().map(Text::span));
+        let side = ("side", self.side.as_ref().map(Text::span));
+        for (key, span) in places.chain([over, side]) {
+            if let Some(span) = span {
+                let message = format!("{key} is of an axle, and this study is of one wheel");
+                problems.add(span, message);
+            }
+        }
+    }
+}
+
+/// What a band of an axle is about, and where it is looked at; everywhere in the motion without a place.
+pub(super) fn band(
+    spanned: &Spanned<file::Band>,
+    study: &AxleStudy,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<(Subject, Option<AxleSite>)> {
+    let written = spanned.get_ref();
+    let wanted = Where::from(written);
+    let of = subject(&written.characteristic, wanted.side, study, problems);
+    let site = match written.at.is_some() || wanted.is_given() {
+        true => Some(site(&wanted, spanned.span(), study, context, problems)?),
+        false => None,
+    };
+    Some((of?, site))
 }
 
 /// The values that the study's motion has of a number, as written.
@@ -135,7 +195,13 @@ pub(super) fn target(
         return None;
     };
     let of = subject(name, &written.side, study, problems);
-    let site = site(written, spanned.span(), study, context, problems);
+    let site = site(
+        &Where::from(written),
+        spanned.span(),
+        study,
+        context,
+        problems,
+    );
     let (of, site) = (of?, site?);
     let motion = Motion {
         values: site.values.clone(),
@@ -206,7 +272,7 @@ fn subject(
 }
 
 fn site(
-    written: &file::Target,
+    written: &Where,
     place: Span<usize>,
     study: &AxleStudy,
     context: &Context,
@@ -229,7 +295,7 @@ fn site(
         .copied()
         .filter(|c| moved(motion, *c, problems).len() > 1)
         .collect();
-    let over = match (&written.over, moving.as_slice()) {
+    let over = match (written.over, moving.as_slice()) {
         (Some(text), _) => {
             let options: Vec<_> = available.iter().map(|c| (c.key(), *c)).collect();
             choose(text, "over", &options, problems)?
@@ -238,7 +304,7 @@ fn site(
         (None, []) => available[0],
         (None, several) => {
             let message = format!(
-                "the motion has several numbers; expected over, which of {} the target is a curve over",
+                "the motion has several numbers; expected over, which of {} it is looked at over",
                 keys(several)
             );
             problems.add(place, message);
@@ -247,7 +313,7 @@ fn site(
     };
     let mut words = String::new();
     for coordinate in Coordinate::ALL {
-        let given = held_at(written, coordinate);
+        let given = written.held_at(coordinate);
         if !available.contains(&coordinate) {
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
@@ -260,7 +326,7 @@ fn site(
         if coordinate == over {
             if let Some(given) = given {
                 let message = format!(
-                    "the target is over {0}: what is held is the rest, not {0}",
+                    "it is over {0}: what is held is the rest, not {0}",
                     over.key()
                 );
                 problems.add(given.span(), message);

@@ -5,7 +5,7 @@ use super::{Designs, Study};
 use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
-use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
     /// The study's text with the points of another design (kernel frame, by
@@ -36,6 +36,36 @@ impl Study {
         if let Some(wheel) = document.get_mut("wheel").and_then(Item::as_table_like_mut) {
             wheel.remove("static_camber");
             wheel.remove("static_toe");
+        }
+        document.to_string()
+    }
+
+    /// The text of a built axle as a study of its own, every hardpoint of the right wheel written out.
+    pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
+        let text = self.with_built(left);
+        let Ok(mut document) = text.parse::<DocumentMut>() else {
+            return text;
+        };
+        let frame = left.frame.of_other_side();
+        let mut hardpoints = Table::new();
+        for (point, place) in right.mechanism.points.iter().zip(&right.design) {
+            let place = Axis::ALL.map(|axis| frame.sign(axis) * place[axis]);
+            hardpoints.insert(&point.name, Item::Value(Array::from_iter(place).into()));
+        }
+        let axle = document.get_mut("axle").and_then(Item::as_table_like_mut);
+        if let Some(axle) = axle {
+            let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
+            match own {
+                Some(right) => {
+                    right.insert("hardpoints", Item::Table(hardpoints));
+                }
+                None => {
+                    let mut right = Table::new();
+                    right.set_implicit(true);
+                    right.insert("hardpoints", Item::Table(hardpoints));
+                    axle.insert("right", Item::Table(right));
+                }
+            }
         }
         document.to_string()
     }

@@ -489,6 +489,8 @@ pub(super) struct Scatter {
     pub length: Option<Spanned<MemberName>>,
     /// or hardpoints that are moved together.
     pub jig: Option<Spanned<Vec<Text>>>,
+    /// Of an axle: the only wheel whose parts scatter.
+    pub side: Option<Text>,
     /// The only coordinate that scatters.
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
@@ -509,6 +511,22 @@ pub(super) struct Band {
     pub characteristic: Text,
     /// Where it is looked at; everywhere in the motion without it.
     pub at: Option<Number>,
+    /// Of an axle: the number of the motion that `at` is a value of,
+    pub over: Option<Text>,
+    /// which wheel,
+    pub side: Option<Text>,
+    /// and where the rest is: roll angle, or several,
+    pub roll: Option<Spanned<Numbers>>,
+    /// heave,
+    pub heave: Option<Spanned<Numbers>>,
+    /// travel of the left wheel,
+    pub travel_left: Option<Spanned<Numbers>>,
+    /// travel of the right wheel,
+    pub travel_right: Option<Spanned<Numbers>>,
+    /// angle of the steering wheel,
+    pub steering_wheel_angle: Option<Spanned<Numbers>>,
+    /// displacement of the rack.
+    pub rack: Option<Spanned<Numbers>>,
     /// Lowest and highest value,
     pub between: Option<Spanned<Vec<Number>>>,
     /// or the lowest alone,

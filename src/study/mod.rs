@@ -54,7 +54,7 @@ pub use sweep::MOST_DESIGNS;
 
 use crate::build::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
-use crate::model::{Axis, Frame, LengthUnit, PointId, Suspension};
+use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
 
 /// A study, resolved and validated.
@@ -733,6 +733,8 @@ pub struct Source {
     pub changes: Vec<(BuildParameter, f64)>,
     /// How it scatters.
     pub law: Law,
+    /// Of an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
+    pub side: Option<Side>,
 }
 
 /// How a number scatters.
@@ -752,13 +754,15 @@ pub enum Law {
     },
 }
 
-/// What a characteristic is to keep to, in radians or length units.
+/// What something is to keep to, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// Which one.
-    pub characteristic: Characteristic,
-    /// At which drive value; everywhere in the motion without it.
+    /// What of: a characteristic, or a quantity of an axle (both wheels' where no side is named).
+    pub of: Subject,
+    /// At which drive value, or value of what [`Band::site`] is over; everywhere in the motion, or over it, without it.
     pub at: Option<f64>,
+    /// Of an axle: over what, and where the rest is; everywhere in the motion without it.
+    pub site: Option<AxleSite>,
     /// Lowest and highest value; infinite where there is none.
     pub between: [f64; 2],
 }

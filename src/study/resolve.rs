@@ -154,12 +154,12 @@ fn resolve(
     }
     let setup = match &file.setup {
         None => Some(None),
-        Some(_) if of_axle => None,
+        Some(_) if of_axle && axle.is_none() => None,
         Some(section) => setup::setup(section, &context, &mut problems).map(Some),
     };
     let tolerance = match &file.tolerance {
         None => Some(None),
-        Some(_) if of_axle => None,
+        Some(_) if of_axle && axle.is_none() => None,
         Some(section) => {
             let adjusted = setup.as_ref().and_then(Option::as_ref);
             tolerance::tolerance(section, adjusted, &context, &mut problems).map(Some)

@@ -55,7 +55,7 @@ fn target(
             None => (None, None, None),
         },
         None => {
-            axle_targets::refuse(written, problems);
+            axle_targets::Where::from(written).refuse(false, problems);
             let about = About {
                 place: place.clone(),
                 characteristic: &written.characteristic,

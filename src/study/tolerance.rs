@@ -1,15 +1,17 @@
 //! `[tolerance]`: how parts scatter, and the bands that builds are to keep to.
 
+use super::axle_targets;
 use super::error::Problems;
 use super::file;
 use super::members::{axis, member};
+use super::names::choose;
 use super::outputs::{characteristic, hardpoint};
 use super::resolve::Context;
 use super::suspension::above_zero;
 use super::value::{Number, Text};
-use super::{Band, Contributor, Drive, Law, Setup, Source, Tolerance};
+use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, Subject, Tolerance};
 use crate::build::BuildParameter;
-use crate::model::{Axis, PointId};
+use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -48,7 +50,16 @@ pub(super) fn tolerance(
     }
     let scatter: Vec<_> = written
         .iter()
-        .map(|s| contributors(s, context, problems))
+        .map(|s| match context.axle {
+            None => {
+                if let Some(side) = &s.get_ref().side {
+                    let message = "side is of an axle, and this study is of one wheel";
+                    problems.add(side.span(), message);
+                }
+                contributors(s, context, problems)
+            }
+            Some(axle) => contributors_of_axle(s, axle, context, problems),
+        })
         .collect();
     let bands = section.bands.iter().flatten();
     let bands: Vec<_> = bands.map(|b| band(b, context, problems)).collect();
@@ -79,6 +90,57 @@ fn whole(
     let message = format!("expected a whole number from {low} to {high}, found {value}");
     problems.add(written.span(), message);
     None
+}
+
+/// What scatters of both wheels by an entry of `scatter`: the parts of each by themselves, those of the right one as the mirror
+/// images of the left one's; what is made to one tolerance is one contributor.
+fn contributors_of_axle(
+    written: &Spanned<file::Scatter>,
+    study: &AxleStudy,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Vec<Contributor>> {
+    let only = match &written.get_ref().side {
+        None => None,
+        Some(text) => {
+            let sides = Side::ALL.map(|side| (side.name(), side));
+            Some(choose(text, "side", &sides, problems)?)
+        }
+    };
+    let mut found: Vec<Contributor> = Vec::new();
+    for side in Side::ALL {
+        if only.is_some_and(|only| only != side) {
+            continue;
+        }
+        // In the left wheel's axes: a mirror image scatters as its original does.
+        let suspension = Suspension {
+            frame: context.suspension.frame,
+            ..study.axle.suspension(side).clone()
+        };
+        let context = Context {
+            suspension: &suspension,
+            ..*context
+        };
+        let mut own = contributors(written, &context, problems)?;
+        for contributor in &mut own {
+            for source in &mut contributor.sources {
+                source.name = format!("{} {}", side.name(), source.name);
+                source.side = Some(side);
+            }
+            if only.is_some() {
+                contributor.name = format!("{} {}", side.name(), contributor.name);
+            }
+        }
+        match found.is_empty() {
+            true => found = own,
+            false => {
+                for (both, right) in found.iter_mut().zip(own) {
+                    both.sources.extend(right.sources);
+                }
+            }
+        }
+    }
+    Some(found)
 }
 
 /// What scatters by an entry of `scatter`: each hardpoint named is a contributor of its own, a jig is one.
@@ -125,6 +187,7 @@ fn contributors(
                 name: name.clone(),
                 changes: vec![change],
                 law: law?,
+                side: None,
             }],
             name,
         }]);
@@ -158,6 +221,7 @@ fn contributors(
                     suspension.frame.sign(*axis),
                 )],
                 law,
+                side: None,
             };
             Some(Contributor {
                 name: match along.as_slice() {
@@ -273,6 +337,7 @@ fn jig(
                 name: format!("{name} shift {}", axis.name()),
                 changes: changes(&|_| unit * suspension.frame.sign(axis)),
                 law: Law::Normal { sigma: shift },
+                side: None,
             });
         }
         if turn > 0.0 {
@@ -282,25 +347,35 @@ fn jig(
                 law: Law::Normal {
                     sigma: turn.to_radians(),
                 },
+                side: None,
             });
         }
     }
     Some(Contributor { name, sources })
 }
 
-fn band(written: &Spanned<file::Band>, context: &Context, problems: &mut Problems) -> Option<Band> {
-    let place = written.span();
-    let written = written.get_ref();
-    let found = characteristic(&written.characteristic, context.suspension, problems);
-    let at = match (&written.at, context.motion) {
+fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problems) -> Option<Band> {
+    let place = spanned.span();
+    let written = spanned.get_ref();
+    let length = context.suspension.length_unit;
+    let of = match context.axle {
+        Some(axle) => axle_targets::band(spanned, axle, context, problems),
+        None => {
+            axle_targets::Where::from(written).refuse(true, problems);
+            let found = characteristic(&written.characteristic, context.suspension, problems);
+            found.map(|found| (Subject::characteristic(found, length), None))
+        }
+    };
+    let site = of.as_ref().and_then(|(_, site)| site.as_ref());
+    let values = match (site, context.motion) {
+        (Some(site), _) => Some(&site.values),
+        (None, motion) => motion.map(|motion| &motion.values),
+    };
+    let at = match (&written.at, values) {
         (None, _) => Some(None),
-        (Some(at), Some(motion)) => {
-            let lowest = motion.values.iter().copied().fold(f64::INFINITY, f64::min);
-            let highest = motion
-                .values
-                .iter()
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max);
+        (Some(at), Some(values)) => {
+            let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             if at.value < lowest || at.value > highest {
                 let message = format!(
                     "{} is outside of the motion, which runs from {lowest} to {highest}",
@@ -331,11 +406,11 @@ fn band(written: &Spanned<file::Band>, context: &Context, problems: &mut Problem
             None
         }
     };
-    let found = found?;
-    let unit = found.info().unit;
+    let (of, site) = of?;
     Some(Band {
-        characteristic: found,
         at: at?,
-        between: ends?.map(|end| unit.from_printed(end)),
+        between: ends?.map(|end| of.from_printed(end)),
+        of,
+        site,
     })
 }

@@ -15,19 +15,19 @@ use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure, LimitCause};
 use crate::model::{Drive, Side};
 use crate::number::{Vector3, Width};
-use crate::study::AxleSample;
+use std::borrow::Cow;
 
 /// Where and what of an axle a sweep evaluates.
 #[derive(Clone, Debug)]
-pub(super) struct AxleStations<'s> {
-    pub axle: &'s Axle,
+pub(crate) struct AxleStations<'s> {
+    pub axle: Cow<'s, Axle>,
     pub quantities: Vec<Quantity>,
     /// The derivatives in the design position that are asked for, quantity by quantity.
     pub gains: Vec<AxleColumn>,
     /// Whether some are by the rack.
     pub steers: bool,
     /// Those of the motion, then the design position and those of targets where they are not among them.
-    pub(super) placements: Vec<Placement>,
+    pub placements: Vec<Placement>,
     of_motion: usize,
     design: usize,
     /// The printed value of `over` at each.
@@ -35,8 +35,12 @@ pub(super) struct AxleStations<'s> {
 }
 
 impl<'s> AxleStations<'s> {
-    /// The stations of a plan, and those at which these targets look.
-    pub(super) fn of(axle: &'s Axle, plan: &AxlePlan, targets: &[Vec<AxleSample>]) -> Self {
+    /// The stations of a plan, and further ones.
+    pub(crate) fn of(
+        axle: Cow<'s, Axle>,
+        plan: &AxlePlan,
+        further: impl IntoIterator<Item = Placement>,
+    ) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
         // On the ground that the motion is on.
@@ -50,31 +54,31 @@ impl<'s> AxleStations<'s> {
         };
         let of_motion = placements.len();
         let design = place_of(&mut placements, designed);
-        for sample in targets.iter().flatten() {
-            place_of(&mut placements, sample.placement);
+        for placement in further {
+            place_of(&mut placements, placement);
         }
-        let value = |placement: &Placement| over.written(placement.along(over), axle);
+        let value = |placement: &Placement| over.written(placement.along(over), &axle);
         AxleStations {
-            axle,
             gains: plan
-                .columns(axle)
+                .columns(&axle)
                 .into_iter()
                 .filter(|c| c.by.is_some() && c.quantity().is_some())
                 .collect(),
             steers: plan.derivatives && plan.course.shows_rack,
             quantities: plan.quantities.clone(),
             values: placements.iter().map(value).collect(),
+            axle,
             placements,
             of_motion,
             design,
         }
     }
 
-    /// The quantity and the station, by number, of what a target wants.
-    pub(super) fn place(&self, sample: &AxleSample) -> [usize; 2] {
-        let quantity = self.quantities.iter().position(|q| *q == sample.quantity);
-        let station = self.placements.iter().position(|p| *p == sample.placement);
-        [quantity, station].map(|place| place.expect("the plan has what targets look at"))
+    /// The numbers of a quantity and of a position that are among those looked at.
+    pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
+        let quantity = self.quantities.iter().position(|q| *q == quantity);
+        let station = self.placements.iter().position(|p| *p == placement);
+        [quantity, station].map(|place| place.expect("the plan has what is looked at"))
     }
 
     /// The design position.
@@ -83,12 +87,12 @@ impl<'s> AxleStations<'s> {
     }
 
     /// As the stations of a sweep.
-    pub(super) fn stations(&self) -> Stations {
+    pub(crate) fn stations(&self) -> Stations {
         Stations::listed(&self.values, self.of_motion, self.design)
     }
 
     /// The columns of values.
-    pub(super) fn columns(&self) -> Vec<Column> {
+    pub(crate) fn columns(&self) -> Vec<Column> {
         let length = self.axle.left.length_unit;
         let column = |q: &Quantity| {
             let unit = q.unit();
@@ -99,10 +103,11 @@ impl<'s> AxleStations<'s> {
     }
 
     /// An evaluator of designs, in lanes of a width, or one by one alone.
-    pub(super) fn evaluator(&self, width: Option<Width>) -> Result<AxleEvaluator<'_>, DesignFault> {
+    pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<AxleEvaluator<'_>, DesignFault> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         Ok(AxleEvaluator {
-            points: self.axle.left.design.len(),
+            stations: self,
+            rights: Vec::new(),
             gains: axle_gains(self)?,
             lanes: match width {
                 Some(width) => AxleLanes::new(self, width),
@@ -118,21 +123,11 @@ impl<'s> AxleStations<'s> {
     }
 
     fn one_by_one<const N: usize>(&self) -> Result<Box<dyn Solves + '_>, DesignFault> {
-        let solver = AxleSolver::<N>::new(self.axle, &self.quantities, false);
+        let solver = AxleSolver::<N>::new(&self.axle, &self.quantities, false);
         Ok(Box::new(OneByOne {
             stations: self,
             solver: solver.map_err(|(_, fault)| fault)?,
-            right: Vec::new(),
         }))
-    }
-
-    /// The right wheel's design where it has one of its own, moved as the left one is.
-    pub(super) fn right_design(&self, left: &[Vector3<f64>], into: &mut Vec<Vector3<f64>>) -> bool {
-        into.clear();
-        let design = self.axle.right_design(left);
-        let is_own = design.is_some();
-        into.extend(design.into_iter().flatten());
-        is_own
     }
 }
 
@@ -147,8 +142,10 @@ fn place_of(placements: &mut Vec<Placement>, placement: Placement) -> usize {
 
 /// Evaluates designs of an axle: in lanes where what is asked for can be read there, those that are not plain sailing
 /// and everything else one by one. Which of the two depends on the design alone.
-pub(super) struct AxleEvaluator<'a> {
-    points: usize,
+pub(crate) struct AxleEvaluator<'a> {
+    stations: &'a AxleStations<'a>,
+    /// The right wheels of designs, where they have hardpoints of their own.
+    rights: Vec<Vector3<f64>>,
     lanes: Result<AxleLanes<'a>, NotInLanes>,
     one_by_one: Box<dyn Solves + 'a>,
     gains: Option<Box<dyn AxleGains + 'a>>,
@@ -158,7 +155,7 @@ pub(super) struct AxleEvaluator<'a> {
 
 impl AxleEvaluator<'_> {
     /// Why no design is solved in lanes; `None` where most are.
-    pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
+    pub(crate) fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.lanes.as_ref().err().copied()
     }
 
@@ -169,7 +166,20 @@ impl AxleEvaluator<'_> {
 
     /// Evaluates designs given as the left wheel's points of one after the other.
     pub(super) fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
-        let count = designs.len() / self.points;
+        let mut rights = std::mem::take(&mut self.rights);
+        rights.clear();
+        let axle = &self.stations.axle;
+        for left in designs.chunks_exact(axle.left.design.len()) {
+            rights.extend(axle.right_design(left).into_iter().flatten());
+        }
+        self.evaluate_pairs([designs, &rights], block);
+        self.rights = rights;
+    }
+
+    /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right
+    /// ones they are the mirror images.
+    pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
+        let count = designs[0].len() / self.stations.axle.left.design.len();
         block.clear(count);
         self.left.clear();
         match &mut self.lanes {
@@ -183,25 +193,33 @@ impl AxleEvaluator<'_> {
     }
 }
 
+/// The points of left and of right wheels, a design's after another's; none of right ones that are mirror images.
+pub(super) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
+
+/// Both wheels of the design of this number, of so many points each.
+pub(super) fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
+    let right = if right.is_empty() { left } else { right };
+    [left, right].map(|designs| &designs[number * points..(number + 1) * points])
+}
+
 /// Solves designs one at a time.
 trait Solves: Send {
     /// Evaluates the designs of these numbers.
-    fn evaluate(&mut self, designs: &[Vector3<f64>], numbers: &[usize], block: &mut Block);
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
 }
 
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
-    right: Vec<Vector3<f64>>,
 }
 
 impl<const N: usize> Solves for OneByOne<'_, N> {
-    fn evaluate(&mut self, designs: &[Vector3<f64>], numbers: &[usize], block: &mut Block) {
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
         let points = self.stations.axle.left.design.len();
         for &number in numbers {
-            let left = &designs[number * points..(number + 1) * points];
+            let wheels = pair(designs, number, points);
             block.forget(number);
-            if let Err((_, fault)) = self.evaluate_design(number, left, block) {
+            if let Err((_, fault)) = self.evaluate_design(number, wheels, block) {
                 block.faults.push((number, fault));
             }
         }
@@ -212,16 +230,11 @@ impl<const N: usize> OneByOne<'_, N> {
     fn evaluate_design(
         &mut self,
         number: usize,
-        left: &[Vector3<f64>],
+        wheels: Pairs<'_>,
         block: &mut Block,
     ) -> Result<(), (Side, DesignFault)> {
-        let OneByOne {
-            stations,
-            solver,
-            right,
-        } = self;
-        let is_own = stations.right_design(left, right);
-        solver.prepare([left, if is_own { right } else { left }])?;
+        let OneByOne { stations, solver } = self;
+        solver.prepare(wheels)?;
         let placed = solver.place_all(&stations.placements);
         for (station, placed) in placed.into_iter().enumerate() {
             let read = placed.and_then(|placed| solver.read(&placed));

@@ -3,15 +3,14 @@
 //! They take one derivative more than the values do, which lanes do not carry.
 
 use super::Block;
-use super::axle::AxleStations;
+use super::axle::{AxleStations, Pairs, pair};
 use crate::axle::{AxleSolver, Read};
 use crate::mechanism::DesignFault;
-use crate::number::Vector3;
 
 /// Finds the gains of the designs of a block.
 pub(super) trait AxleGains: Send {
-    /// Of designs given as the left wheel's points of one after the other; what is not found is left empty.
-    fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block);
+    /// What is not found is left empty.
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
 }
 
 /// Those that are asked for; `None` where none are.
@@ -33,33 +32,29 @@ pub(super) fn axle_gains<'a>(
 struct Gains<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
-    right: Vec<Vector3<f64>>,
 }
 
 impl<'a, const N: usize> Gains<'a, N> {
     fn boxed(stations: &'a AxleStations<'a>) -> Result<Box<dyn AxleGains + 'a>, DesignFault> {
-        let solver = AxleSolver::new(stations.axle, &stations.quantities, stations.steers);
+        let solver = AxleSolver::new(&stations.axle, &stations.quantities, stations.steers);
         Ok(Box::new(Gains::<N> {
             stations,
             solver: solver.map_err(|(_, fault)| fault)?,
-            right: Vec::new(),
         }))
     }
 
-    fn read(&mut self, left: &[Vector3<f64>]) -> Option<Read<'a>> {
-        let is_own = self.stations.right_design(left, &mut self.right);
-        let right = if is_own { &self.right } else { left };
-        self.solver.prepare([left, right]).ok()?;
+    fn read(&mut self, wheels: Pairs<'_>) -> Option<Read<'a>> {
+        self.solver.prepare(wheels).ok()?;
         let placed = self.solver.place(&self.stations.design_placement()).ok()?;
         self.solver.read(&placed).ok()
     }
 }
 
 impl<const N: usize> AxleGains for Gains<'_, N> {
-    fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let points = self.stations.axle.left.design.len();
-        for (number, left) in designs.chunks_exact(points).enumerate() {
-            let read = self.read(left);
+        for number in 0..designs[0].len() / points {
+            let read = self.read(pair(designs, number, points));
             for (k, column) in self.stations.gains.iter().enumerate() {
                 let gain = read.as_ref().and_then(|read| column.evaluate(read)?.ok());
                 block.put_slope(number, k, gain.unwrap_or(f64::NAN));

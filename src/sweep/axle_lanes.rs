@@ -1,9 +1,9 @@
 //! Axles in SIMD lanes.
 
-use super::axle::AxleStations;
+use super::axle::{AxleStations, Pairs};
 use super::evaluate::{Block, SIDE_BY_SIDE};
 use super::lanes::{NotInLanes, gather};
-use crate::axle::{Hold, LaneWheel, Placement, Quantity, Setup, State};
+use crate::axle::{Axle, Hold, LaneWheel, Placement, Quantity, Setup, State};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
@@ -22,9 +22,6 @@ pub(super) struct AxleLanes<'a> {
     quantities: &'a [Quantity],
     setup: &'a Setup,
     stations: &'a AxleStations<'a>,
-    /// The right wheels of a block's designs, where they have hardpoints of their own.
-    rights: Vec<Vector3<f64>>,
-    right: Vec<Vector3<f64>>,
 }
 
 /// Stations that are visited in one go.
@@ -50,7 +47,7 @@ fn parts(placement: &Placement) -> Option<[f64; 3]> {
 impl<'a> AxleLanes<'a> {
     /// A solver of these stations, or why they cannot be had in lanes.
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
-        let axle = stations.axle;
+        let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];
         if !quantities.iter().all(|q| q.is_for_lanes()) {
             return Err(NotInLanes::Reading);
@@ -117,26 +114,17 @@ impl<'a> AxleLanes<'a> {
             quantities,
             setup: &axle.setup,
             stations,
-            rights: Vec::new(),
-            right: Vec::new(),
         })
     }
 
-    /// Evaluates designs given as the left wheel's points; the numbers of those left to be solved one by one are
+    /// Evaluates designs; the numbers of those left to be solved one by one are
     /// added to `left`.
     pub(super) fn evaluate(
         &mut self,
-        designs: &[Vector3<f64>],
+        designs: Pairs<'_>,
         block: &mut Block,
         left: &mut Vec<usize>,
     ) {
-        self.rights.clear();
-        let points = self.stations.axle.left.design.len();
-        for design in designs.chunks_exact(points) {
-            if self.stations.right_design(design, &mut self.right) {
-                self.rights.extend_from_slice(&self.right);
-            }
-        }
         self.width.run(Evaluation {
             solver: self,
             designs,
@@ -148,7 +136,7 @@ impl<'a> AxleLanes<'a> {
 
 struct Evaluation<'s, 'a> {
     solver: &'s AxleLanes<'a>,
-    designs: &'s [Vector3<f64>],
+    designs: Pairs<'s>,
     block: &'s mut Block,
     left: &'s mut Vec<usize>,
 }
@@ -160,16 +148,13 @@ impl SimdTask for Evaluation<'_, '_> {
     fn run<B: SimdReal>(self, like: B) {
         let Evaluation {
             solver,
-            designs,
+            designs: [designs, rights],
             block,
             left,
         } = self;
         let AxleLanes { batch, readers, .. } = solver;
         let points = solver.stations.axle.left.design.len();
-        let rights = match solver.rights.is_empty() {
-            true => designs,
-            false => &solver.rights[..],
-        };
+        let rights = if rights.is_empty() { designs } else { rights };
         let mut history = batch.history(like);
         let mut group_left = vec![Vector3::new(like, like, like); points];
         let mut group_right = group_left.clone();

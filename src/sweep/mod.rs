@@ -27,6 +27,7 @@ mod sequence;
 mod stations;
 mod tally;
 
+pub(crate) use axle::{AxleEvaluator, AxleStations};
 pub use effects::{Effect, Effects};
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};

@@ -17,6 +17,7 @@ use crate::study::{
     AxleSample, DesignTable, Designs, FileFormat, Sample, Sampled, Sampling, Study, StudyErrors,
     Sweep, Target,
 };
+use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
 /// What a sweep computes of each design.
@@ -131,7 +132,9 @@ impl<'s> SweepPlan<'s> {
                 .optimise
                 .as_ref()
                 .map_or(&[][..], |o| o.swept_targets());
-            let of_axle = AxleStations::of(&both.axle, &both.plan_with(targets), &samples);
+            let further = samples.iter().flatten().map(|sample| sample.placement);
+            let plan = both.plan_with(targets);
+            let of_axle = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
             stations = of_axle.stations();
             values = of_axle.columns();
             gains = vec![Vec::new(); values.len()];
@@ -146,7 +149,7 @@ impl<'s> SweepPlan<'s> {
                 });
             }
             let wish = |sample: &AxleSample| {
-                let [quantity, station] = of_axle.place(sample);
+                let [quantity, station] = of_axle.place(sample.quantity, sample.placement);
                 SweptWish {
                     quantity,
                     station,
@@ -273,10 +276,9 @@ impl<'s> SweepPlan<'s> {
     /// The points of the right wheel of a design, in the kernel's frame of its side, where it has hardpoints of its
     /// own.
     pub fn right_design(&self, number: u64) -> Option<Vec<Vector3<f64>>> {
-        let mut right = Vec::new();
-        let axle = self.axle.as_ref()?;
-        axle.right_design(&self.design(number), &mut right)
-            .then_some(right)
+        let axle = &self.axle.as_ref()?.axle;
+        let left = self.design(number);
+        Some(axle.right_design(&left)?.collect())
     }
 
     /// The columns of results, in the order [`Worker`] fills them in.

@@ -1,55 +1,44 @@
 //! Builds by number: drawn, put together, solved.
 
-use super::Problem;
 use super::lanes::LaneBuilder;
+use super::workshop::Workshop;
+use super::{Looked, Problem};
 use crate::build::{Parts, Reject};
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};
-use crate::sweep::{BLOCK, Block, Evaluator};
+use crate::sweep::{AxleEvaluator, BLOCK, Block, Evaluator, NotInLanes};
 
 impl Problem<'_> {
-    /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for.
+    /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for. Of an axle
+    /// the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
-        let mut built = self.assembler.suspension().clone();
+        let built = self.built_wheels(number).map_err(|(_, reject)| reject);
+        built.map(|mut wheels| wheels.swap_remove(0))
+    }
+
+    /// The same of every wheel: of an axle left and right, each in the frame of a left one. A reject says which it is of.
+    pub fn built_wheels(&self, number: u64) -> Result<Vec<Suspension>, (Option<Side>, Reject)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
-        let mut parts = self.assembler.drawn().clone();
         self.tolerance.draw(number, &mut draws);
-        self.change_parts(&draws, &mut parts);
-        self.put_together(&mut parts, &mut built.design)?;
-        Ok(built)
-    }
-
-    /// Makes these the parts of a build, of what was drawn for it.
-    fn change_parts(&self, draws: &[f64], parts: &mut Parts<f64>) {
-        let assembler = &self.assembler;
-        parts.points.copy_from_slice(&assembler.drawn().points);
-        parts.lengths.copy_from_slice(&assembler.drawn().lengths);
-        let sources = self.tolerance.scatter.iter().flat_map(|c| &c.sources);
-        for (source, z) in sources.zip(draws) {
-            for (parameter, share) in &source.changes {
-                parts.change(&assembler.suspension().mechanism, *parameter, share * z);
-            }
-        }
-    }
-
-    /// Puts parts together and writes their built design.
-    fn put_together(
-        &self,
-        parts: &mut Parts<f64>,
-        into: &mut [Vector3<f64>],
-    ) -> Result<(), Reject> {
-        match &self.alignment {
-            None => self.assembler.assemble(parts, 0.0, into),
-            Some(alignment) => alignment.assemble(&self.assembler, parts, into),
-        }
+        let wheels = self.workshops.iter().map(|workshop| {
+            let mut built = workshop.assembler.suspension().clone();
+            let mut parts = workshop.assembler.drawn().clone();
+            workshop.change_parts(self.tolerance, &draws, &mut parts);
+            let together = workshop.put_together(&mut parts, &mut built.design);
+            together.map_err(|reject| (workshop.side, reject))?;
+            Ok(built)
+        });
+        wheels.collect()
     }
 }
 
+/// A build that could not be put together: its place in the block, the wheel of an axle, and why not.
+pub(super) type Unbuilt = (usize, Option<Side>, Reject);
+
 /// What came of the builds of a block.
 pub(super) struct Outcome {
-    /// Builds that could not be put together, by place in the block.
-    pub(super) rejects: Vec<(usize, Reject)>,
+    pub(super) rejects: Vec<Unbuilt>,
     /// How many builds have no pose somewhere in the motion, and the place of the first.
     pub(super) incomplete: (u64, Option<usize>),
 }
@@ -60,86 +49,150 @@ pub(super) struct Outcome {
 /// Which of the two depends on the build alone.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
-    lanes: Option<LaneBuilder<'a>>,
-    evaluator: Evaluator<'a>,
+    /// One, or left and right.
+    wheels: Vec<WheelBuilder<'a>>,
+    evaluator: Evaluates<'a>,
     /// The values of the builds that go together, in the order of their numbers.
     pub(super) block: Block,
-    parts: Parts<f64>,
     draws: Vec<f64>,
-    designs: Vec<Vector3<f64>>,
-    /// Where in the block each of these designs stands.
+    /// `[source][build]`
+    draws_of_block: Vec<f64>,
+    /// Where in the block each of the designs stands.
     places: Vec<usize>,
+}
+
+/// Builds the wheels of one side.
+struct WheelBuilder<'a> {
+    workshop: &'a Workshop,
+    lanes: Option<LaneBuilder<'a>>,
+    parts: Parts<f64>,
+    designs: Vec<Vector3<f64>>,
+}
+
+/// What solves builds.
+enum Evaluates<'a> {
+    Wheels(Box<Evaluator<'a>>),
+    Axles(Box<AxleEvaluator<'a>>),
 }
 
 impl<'a> Builder<'a> {
     /// In lanes of a width, or one by one alone.
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
-        let suspension = problem.assembler.suspension();
-        let (stations, quantities) = (&problem.stations, &problem.quantities);
+        let stations = &problem.stations;
+        let evaluator = match &problem.looked {
+            Looked::Wheel { quantities, .. } => {
+                let suspension = problem.workshops[0].assembler.suspension();
+                let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
+                Evaluates::Wheels(Box::new(evaluator))
+            }
+            Looked::Axle(axles) => Evaluates::Axles(Box::new(axles.evaluator(width)?)),
+        };
+        let wheel = |workshop: &'a Workshop| WheelBuilder {
+            workshop,
+            lanes: width.map(|width| LaneBuilder::new(problem.tolerance, workshop, width)),
+            parts: workshop.assembler.drawn().clone(),
+            designs: Vec::with_capacity(BLOCK * workshop.assembler.suspension().design.len()),
+        };
         Ok(Builder {
             problem,
-            lanes: width.map(|width| LaneBuilder::new(problem, width)),
-            evaluator: Evaluator::with_width(suspension, stations, quantities, width)?,
-            block: Block::new(quantities.len(), stations.count()),
-            parts: problem.assembler.drawn().clone(),
+            wheels: problem.workshops.iter().map(wheel).collect(),
+            evaluator,
+            block: Block::new(problem.outputs.len(), stations.count()),
             draws: vec![0.0; problem.tolerance.sources()],
-            designs: Vec::with_capacity(BLOCK * suspension.design.len()),
+            draws_of_block: vec![0.0; problem.tolerance.sources() * BLOCK],
             places: Vec::with_capacity(BLOCK),
         })
+    }
+
+    /// Why no build is solved in SIMD lanes; `None` where most are.
+    pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
+        match &self.evaluator {
+            Evaluates::Wheels(wheels) => wheels.not_in_lanes(),
+            Evaluates::Axles(axles) => axles.not_in_lanes(),
+        }
     }
 
     /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Outcome {
         let tolerance = self.problem.tolerance;
-        let points = self.parts.points.len();
-        if let Some(lanes) = &mut self.lanes {
-            tolerance.draw_block(first, count, &mut lanes.draws);
-            lanes.assemble(count);
+        if self.wheels[0].lanes.is_some() {
+            tolerance.draw_block(first, count, &mut self.draws_of_block);
+        }
+        for lanes in self
+            .wheels
+            .iter_mut()
+            .filter_map(|wheel| wheel.lanes.as_mut())
+        {
+            lanes.assemble(&self.draws_of_block, count);
         }
         let mut rejects = Vec::new();
         self.begin();
         for place in 0..count {
-            if let Some(lanes) = &self.lanes
-                && lanes.right[place]
-            {
-                let design = &lanes.designs[place * points..(place + 1) * points];
-                self.designs.extend_from_slice(design);
-                self.places.push(place);
-                continue;
+            let in_lanes =
+                |wheel: &WheelBuilder| wheel.lanes.as_ref().is_some_and(|lanes| lanes.right[place]);
+            if !self.wheels.iter().all(in_lanes) {
+                tolerance.draw(first + place as u64, &mut self.draws);
             }
-            tolerance.draw(first + place as u64, &mut self.draws);
-            self.problem.change_parts(&self.draws, &mut self.parts);
-            if let Err(reject) = self.put_together(place) {
-                rejects.push((place, reject));
+            if let Err((side, reject)) = self.build(place) {
+                rejects.push((place, side, reject));
             }
         }
         self.finish(rejects)
     }
 
     fn begin(&mut self) {
-        self.designs.clear();
+        for wheel in &mut self.wheels {
+            wheel.designs.clear();
+        }
         self.places.clear();
     }
 
-    /// Puts the parts together, as a build of this place in the block.
-    fn put_together(&mut self, place: usize) -> Result<(), Reject> {
-        let start = self.designs.len();
-        let zero = Vector3::default();
-        self.designs.resize(start + self.parts.points.len(), zero);
-        let into = &mut self.designs[start..];
-        let assembled = self.problem.put_together(&mut self.parts, into);
-        match assembled {
+    /// Puts every wheel of a build together, those that the lanes have not, as was drawn for it; all or none.
+    fn build(&mut self, place: usize) -> Result<(), (Option<Side>, Reject)> {
+        let (tolerance, draws) = (self.problem.tolerance, &self.draws);
+        let built = self.wheels.iter_mut().try_for_each(|wheel| {
+            let WheelBuilder {
+                workshop,
+                lanes,
+                parts,
+                designs,
+            } = wheel;
+            let points = parts.points.len();
+            if let Some(lanes) = lanes.as_ref().filter(|lanes| lanes.right[place]) {
+                designs.extend_from_slice(&lanes.designs[place * points..(place + 1) * points]);
+                return Ok(());
+            }
+            workshop.change_parts(tolerance, draws, parts);
+            let start = designs.len();
+            designs.resize(start + points, Vector3::default());
+            let together = workshop.put_together(parts, &mut designs[start..]);
+            together.map_err(|reject| (workshop.side, reject))
+        });
+        match built {
             Ok(()) => self.places.push(place),
-            Err(_) => self.designs.truncate(start),
+            Err(_) => {
+                let builds = self.places.len();
+                for wheel in &mut self.wheels {
+                    wheel.designs.truncate(builds * wheel.parts.points.len());
+                }
+            }
         }
-        assembled
+        built
     }
 
     /// Solves what was put together.
-    fn finish(&mut self, mut rejects: Vec<(usize, Reject)>) -> Outcome {
-        self.evaluator.evaluate(&self.designs, &mut self.block);
+    fn finish(&mut self, mut rejects: Vec<Unbuilt>) -> Outcome {
+        match &mut self.evaluator {
+            Evaluates::Wheels(wheels) => {
+                wheels.evaluate(&self.wheels[0].designs, &mut self.block);
+            }
+            Evaluates::Axles(axles) => {
+                let designs = [0, 1].map(|side| &self.wheels[side].designs[..]);
+                axles.evaluate_pairs(designs, &mut self.block);
+            }
+        }
         for (number, fault) in self.block.faults() {
-            rejects.push((self.places[*number], Reject::Immovable(fault.clone())));
+            rejects.push((self.places[*number], None, Reject::Immovable(fault.clone())));
         }
         let failures = self.block.failures().iter();
         let mut incomplete: Vec<usize> = failures.map(|failure| failure.design).collect();
@@ -157,12 +210,12 @@ impl<'a> Builder<'a> {
 /// The values of the suspension as drawn, by cell.
 pub(super) fn drawn_values(problem: &Problem) -> Result<Vec<f64>, DesignFault> {
     let mut builder = Builder::new(problem, None)?;
-    // A drawing that cannot be put together is left without values.
-    if builder.put_together(0).is_err() {
+    // Nothing drawn: the numbers are 0. A drawing that cannot be put together is left without values.
+    if builder.build(0).is_err() {
         return Ok(vec![f64::NAN; problem.cells()]);
     }
     builder.finish(Vec::new());
-    let outputs = 0..problem.quantities.len();
+    let outputs = 0..problem.outputs.len();
     let values = outputs.flat_map(|output| builder.block.values(0, output));
     Ok(values.collect())
 }

@@ -1,6 +1,7 @@
-//! Random numbers of builds: functions of seed, number of the build and number of the source alone.
+//! Random numbers of builds: functions of seed, number of the build, wheel and number of the source alone.
 
-use crate::study::{Law, Tolerance};
+use crate::model::Side;
+use crate::study::{Law, Source, Tolerance};
 use crate::sweep::{BLOCK, uniform};
 
 impl Law {
@@ -64,23 +65,33 @@ impl Tolerance {
         self.scatter.iter().map(|c| c.sources.len()).sum()
     }
 
+    /// The sources, each with the number of the stream that its numbers are of and its place among the sources of that. A
+    /// wheel of an axle has a stream of its own: what scatters at the other does not change its numbers.
+    fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
+        let mut counts = [0; 3];
+        let sources = self.scatter.iter().flat_map(|c| &c.sources);
+        sources.map(move |source| {
+            let count = &mut counts[source.side.map_or(2, |side| side as usize)];
+            *count += 1;
+            (source, source.side, *count - 1)
+        })
+    }
+
     /// The numbers of a build, source by source.
     pub fn draw(&self, build: u64, into: &mut [f64]) {
-        let sources = self.scatter.iter().flat_map(|c| &c.sources);
-        for (k, (number, source)) in into.iter_mut().zip(sources).enumerate() {
-            *number = source.law.quantile(self.fraction(build, k));
+        for (number, (source, side, k)) in into.iter_mut().zip(self.streams()) {
+            *number = source.law.quantile(self.fraction(build, side, k));
         }
     }
 
     /// The numbers of the builds from one on, up to a block: `[source][build]`. The same as those of [`Tolerance::draw`];
     /// 0 for builds beyond the `count`-th.
     pub(super) fn draw_block(&self, first: u64, count: usize, into: &mut [f64]) {
-        let sources = self.scatter.iter().flat_map(|c| &c.sources);
         let rows = into.chunks_exact_mut(BLOCK);
-        for (k, (row, source)) in rows.zip(sources).enumerate() {
+        for (row, (source, side, k)) in rows.zip(self.streams()) {
             let (row, rest) = row.split_at_mut(count);
             for (place, number) in row.iter_mut().enumerate() {
-                *number = self.fraction(first + place as u64, k);
+                *number = self.fraction(first + place as u64, side, k);
             }
             source.law.quantiles(row);
             rest.fill(0.0);
@@ -89,8 +100,9 @@ impl Tolerance {
 
     /// The middle of one of 2^53 intervals, so that neither end is met.
     #[inline]
-    fn fraction(&self, build: u64, source: usize) -> f64 {
-        uniform(build, source, self.seed) + 0.5_f64.powi(54)
+    fn fraction(&self, build: u64, side: Option<Side>, source: usize) -> f64 {
+        let wheel = side.map_or(build, |side| 2 * build + side as u64);
+        uniform(wheel, source, self.seed) + 0.5_f64.powi(54)
     }
 }
 

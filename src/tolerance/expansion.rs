@@ -5,7 +5,7 @@
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::{Problem, Spread};
+use super::{Looked, Problem, Spread, axle_expansion};
 use crate::build::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -15,7 +15,7 @@ use crate::model::SteeringAxis;
 use crate::number::{Jet, Vector3};
 use crate::plan::Plan;
 use crate::solve::{Solver, StationOrder};
-use crate::study::{Drive, Formulation, Order};
+use crate::study::{Drive, Formulation, Order, Source};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -42,36 +42,20 @@ pub struct Expansion {
 impl Expansion {
     /// Of a study's tolerances.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
-        let assembler = &problem.assembler;
-        let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let sources: Vec<_> = problem
             .tolerance
             .scatter
             .iter()
             .flat_map(|c| &c.sources)
             .collect();
-        let directions: Vec<Vec<(BuildParameter, f64)>> = sources
-            .iter()
-            .map(|source| match &problem.alignment {
-                None => source.changes.clone(),
-                Some(alignment) => alignment.aligned_direction(assembler, &built, &source.changes),
-            })
-            .collect();
-        let plan = plan(problem);
-        let borrowed: Vec<&[_]> = directions.iter().map(|d| &d[..]).collect();
-        let found = built_curves(assembler, &built, &plan, &borrowed)?;
         let (count, cells) = (sources.len(), problem.cells());
-        let mut gradient = vec![f64::NAN; cells * count];
-        for output in 0..problem.characteristics.len() {
-            let factor = found.curves.columns[output].factor();
-            for station in 0..problem.stations.count() {
-                let cell = problem.cell(output, station);
-                for source in 0..count {
-                    gradient[cell * count + source] =
-                        found.derivative(source, station, output) / factor;
-                }
+        let (gradient, second) = match &problem.looked {
+            Looked::Wheel { .. } => of_wheel(problem, &sources)?,
+            Looked::Axle(stations) => {
+                let gradient = axle_expansion::gradients(problem, stations)?;
+                (gradient, vec![[f64::NAN; 2]; cells])
             }
-        }
+        };
         let sum = |cell: usize, of: &dyn Fn(f64, &crate::study::Law) -> f64| -> f64 {
             let row = &gradient[cell * count..(cell + 1) * count];
             row.iter()
@@ -83,7 +67,7 @@ impl Expansion {
         let shift = (0..cells).map(|cell| sum(cell, &|g, law| g * law.mean()));
         let (variance, shift) = (variance.collect(), shift.collect());
         Ok(Expansion {
-            second: second(problem, &built),
+            second,
             gradient,
             variance,
             shift,
@@ -146,12 +130,39 @@ pub struct Remainder {
     pub second: f64,
 }
 
+/// Of one wheel: how fast every value changes with each source, and what second order adds.
+fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
+    let workshop = &problem.workshops[0];
+    let assembler = &workshop.assembler;
+    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let directions: Vec<Vec<(BuildParameter, f64)>> = sources
+        .iter()
+        .map(|source| workshop.direction(&built, source))
+        .collect();
+    let plan = plan(problem);
+    let borrowed: Vec<&[_]> = directions.iter().map(|d| &d[..]).collect();
+    let found = built_curves(assembler, &built, &plan, &borrowed)?;
+    let count = sources.len();
+    let mut gradient = vec![f64::NAN; problem.cells() * count];
+    for output in 0..problem.outputs.len() {
+        let factor = found.curves.columns[output].factor();
+        for station in 0..problem.stations.count() {
+            let cell = problem.cell(output, station);
+            for source in 0..count {
+                gradient[cell * count + source] =
+                    found.derivative(source, station, output) / factor;
+            }
+        }
+    }
+    Ok((gradient, second(problem, &built)))
+}
+
 /// The plan of everything that is looked at, where it is looked at.
 fn plan(problem: &Problem) -> Plan {
     let mut study = problem.study.clone();
-    study.suspension = problem.assembler.suspension().clone();
+    study.suspension = problem.workshops[0].assembler.suspension().clone();
     study.formulation = Formulation::KnucklePose;
-    study.outputs.characteristics = problem.characteristics.clone();
+    study.outputs.characteristics = problem.characteristics().to_vec();
     study.outputs.points.clear();
     study.outputs.knuckle = false;
     study.outputs.order = Order::Position;
@@ -175,9 +186,9 @@ fn plan(problem: &Problem) -> Plan {
 fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
     let unknown = vec![[f64::NAN; 2]; problem.cells()];
     let count = problem.tolerance.sources();
-    let mechanism = &problem.assembler.suspension().mechanism;
+    let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
-        .characteristics
+        .characteristics()
         .iter()
         .map(|c| {
             let by_screw = mechanism.steering_axis == Some(SteeringAxis::Instantaneous)
@@ -241,7 +252,7 @@ type SolvedStation = (crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>);
 
 impl<'p> Poses<'p> {
     fn of(problem: &Problem, readable: &'p [bool]) -> Option<Self> {
-        let suspension = problem.assembler.suspension();
+        let suspension = problem.workshops[0].assembler.suspension();
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design).ok()?;
         let stations = &problem.stations;
         let mut poses = vec![None; stations.count()];
@@ -265,7 +276,7 @@ impl<'p> Poses<'p> {
             );
             walked.ok()?;
         }
-        let characteristics = problem.characteristics.iter().zip(readable);
+        let characteristics = problem.characteristics().iter().zip(readable);
         let readable_ones = characteristics.filter(|(_, readable)| **readable);
         let slots = Slots::of(readable_ones.map(|(c, _)| c.info().reads));
         Some(Poses {
@@ -285,7 +296,8 @@ impl<'p> Poses<'p> {
         pair: &[usize; 2],
         laws: &[crate::study::Law],
     ) -> Vec<f64> {
-        let assembler = &problem.assembler;
+        let workshop = &problem.workshops[0];
+        let assembler = &workshop.assembler;
         let mechanism = &assembler.suspension().mechanism;
         let sources: Vec<_> = problem
             .tolerance
@@ -304,7 +316,7 @@ impl<'p> Poses<'p> {
                 parts.change(mechanism, *parameter, Jet([0.0, share * sigma, 0.0]));
             }
         }
-        let design: Vec<Vector3<Jet<f64, 3>>> = match &problem.alignment {
+        let design: Vec<Vector3<Jet<f64, 3>>> = match &workshop.alignment {
             None => assembler.design_of(built, &parts, 2),
             Some(alignment) => alignment.design(assembler, built, &mut parts, 2),
         };
@@ -327,7 +339,7 @@ impl<'p> Poses<'p> {
                 steering: None,
             };
             let reading = WheelReading::reading(&at, self.constants, self.slots);
-            for (output, c) in problem.characteristics.iter().enumerate() {
+            for (output, c) in problem.characteristics().iter().enumerate() {
                 if self.readable[output] {
                     bends[problem.cell(output, station)] = reading.characteristic(*c).derivative(2);
                 }

@@ -1,15 +1,15 @@
 //! Builds in SIMD lanes: from their numbers to their built designs.
 
-use super::Problem;
+use super::workshop::Workshop;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
+use crate::study::Tolerance;
 use crate::sweep::{BLOCK, scatter};
 
 /// Puts together as many builds at a time as the processor has lanes.
 pub(super) struct LaneBuilder<'a> {
-    problem: &'a Problem<'a>,
+    tolerance: &'a Tolerance,
+    workshop: &'a Workshop,
     width: Width,
-    /// `[source][build]`
-    pub(super) draws: Vec<f64>,
     /// The built designs of the block, a build's points after another's.
     pub(super) designs: Vec<Vector3<f64>>,
     /// Which of them are right; the others are left to be put together one by one.
@@ -17,21 +17,22 @@ pub(super) struct LaneBuilder<'a> {
 }
 
 impl<'a> LaneBuilder<'a> {
-    pub(super) fn new(problem: &'a Problem<'a>, width: Width) -> Self {
-        let points = problem.assembler.suspension().design.len();
+    pub(super) fn new(tolerance: &'a Tolerance, workshop: &'a Workshop, width: Width) -> Self {
+        let points = workshop.assembler.suspension().design.len();
         LaneBuilder {
-            problem,
+            tolerance,
+            workshop,
             width,
-            draws: vec![0.0; problem.tolerance.sources() * BLOCK],
             designs: vec![Vector3::default(); BLOCK * points],
             right: [false; BLOCK],
         }
     }
 
-    /// Puts together the first `count` builds of those that have been drawn.
-    pub(super) fn assemble(&mut self, count: usize) {
+    /// Puts together the first `count` builds of those that have been drawn, `[source][build]`.
+    pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
         self.width.run(Assembling {
             builder: self,
+            draws,
             count,
         });
     }
@@ -39,6 +40,7 @@ impl<'a> LaneBuilder<'a> {
 
 struct Assembling<'s, 'a> {
     builder: &'s mut LaneBuilder<'a>,
+    draws: &'s [f64],
     count: usize,
 }
 
@@ -48,13 +50,13 @@ impl SimdTask for Assembling<'_, '_> {
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
         let LaneBuilder {
-            problem,
-            draws,
+            tolerance,
+            workshop,
             designs,
             right,
             ..
         } = self.builder;
-        let assembler = &problem.assembler;
+        let assembler = &workshop.assembler;
         let mechanism = &assembler.suspension().mechanism;
         let shape = Vector3::new(like, like, like);
         let drawn = assembler.drawn().in_lanes(like);
@@ -64,10 +66,10 @@ impl SimdTask for Assembling<'_, '_> {
         let mut carrier = Vec::with_capacity(points);
         let mut first = 0;
         while first < self.count {
-            let sources = problem.tolerance.scatter.iter().flat_map(|c| &c.sources);
-            let changes = sources.map(|source| &source.changes[..]);
-            parts.scatter(mechanism, &drawn, changes, (draws, first, BLOCK));
-            let alignment = problem.alignment.as_ref();
+            let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
+            let changes = sources.map(|source| workshop.changes(source));
+            parts.scatter(mechanism, &drawn, changes, (self.draws, first, BLOCK));
+            let alignment = workshop.alignment.as_ref();
             let built =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut group);
             let lanes = (self.count - first).min(B::LANES);

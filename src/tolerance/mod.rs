@@ -14,77 +14,222 @@
 //! and solves them over the motion. The linear answer is said to hold where mean shift squared and growth of the variance are
 //! below 2 % of sigma^2.
 
+mod axle_expansion;
 mod builds;
 mod draw;
 mod expansion;
 mod lanes;
 mod monte_carlo;
 mod order;
+mod workshop;
 mod yields;
 
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS, Remainder};
-pub use monte_carlo::{MonteCarlo, Spread, monte_carlo, monte_carlo_in};
+pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 
-use crate::build::{Alignment, Assembler, NoSetUp};
+use crate::axle::{Axle, AxlePlan, Placement};
+use crate::build::NoSetUp;
 use crate::characteristics::{Characteristic, Quantity};
 use crate::mechanism::DesignFault;
-use crate::study::{Study, Tolerance};
-use crate::sweep::Stations;
+use crate::model::Side;
+use crate::number::Width;
+use crate::study::{About, AxleStudy, Band, Study, Tolerance};
+use crate::sweep::{AxleStations, NotInLanes, Stations};
+use std::borrow::Cow;
+use workshop::Workshop;
 
 /// The percentiles that are reported.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
 
-/// A study's tolerances, made ready.
+/// A study's tolerances, made ready: of one wheel, or of both of an axle.
 pub struct Problem<'a> {
     /// The study.
     pub study: &'a Study,
     /// Its tolerances.
     pub tolerance: &'a Tolerance,
-    /// Puts builds together.
-    pub assembler: Assembler,
     /// What is looked at: the study's outputs, then those of bands.
-    pub characteristics: Vec<Characteristic>,
+    pub outputs: Vec<Output>,
     /// Where: the stations of the motion, the drawn position, the places of bands.
     pub stations: Stations,
-    quantities: Vec<Quantity>,
-    alignment: Option<Alignment>,
+    /// By band: the output and the station of each value, and between what they are to be.
+    bands: Vec<Banded>,
+    /// What builds each wheel: left, then right.
+    workshops: Vec<Workshop>,
+    looked: Looked,
+}
+
+/// Something that is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Name of its column, with the unit.
+    pub column: String,
+    /// The unit; empty for a plain number.
+    pub unit: String,
+    /// What a value in radians, length units and newtons is multiplied by to be printed.
+    pub factor: f64,
+}
+
+/// The values of a band: output and station of each, and between what they are to be.
+type Banded = (Vec<[usize; 2]>, [f64; 2]);
+
+/// What is looked at.
+enum Looked {
+    /// Characteristics of one wheel.
+    Wheel {
+        characteristics: Vec<Characteristic>,
+        quantities: Vec<Quantity>,
+    },
+    /// Quantities of the axle as drawn, where each wheel has hardpoints of its own.
+    Axle(Box<AxleStations<'static>>),
 }
 
 impl<'a> Problem<'a> {
     /// Of a study. An error says why its own design cannot be solved, or not be aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
-        let assembler = Assembler::new(&study.suspension)?;
+        match &study.axle {
+            None => Problem::of_wheel(study, tolerance),
+            Some(both) => Problem::of_axle(study, both, tolerance),
+        }
+    }
+
+    fn of_wheel(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
+        let suspension = &study.suspension;
         let mut characteristics = study.outputs.characteristics.clone();
-        for band in &tolerance.bands {
-            if !characteristics.contains(&band.characteristic) {
-                characteristics.push(band.characteristic);
+        for characteristic in tolerance
+            .bands
+            .iter()
+            .filter_map(|b| b.of.as_characteristic())
+        {
+            if !characteristics.contains(&characteristic) {
+                characteristics.push(characteristic);
             }
         }
         let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
-        let stations = Stations::of(&study.motion, &study.suspension.frame, &further);
-        let alignment = match (tolerance.aligned, &study.setup) {
-            (true, Some(setup)) => Some(Alignment::of(&setup.adjust, &assembler)?),
-            _ => None,
+        let stations = Stations::of(&study.motion, &suspension.frame, &further);
+        let banded = |band: &Band| {
+            let same = |c: &Characteristic| Some(*c) == band.of.as_characteristic();
+            let output = characteristics.iter().position(same);
+            let output = output.expect("every band's characteristic is looked at");
+            let places: Vec<usize> = match band.at {
+                Some(at) => stations.at(at).into_iter().collect(),
+                None => stations
+                    .of_motion()
+                    .map(|(rack, value)| stations.number(rack, value))
+                    .collect(),
+            };
+            let cells = places.into_iter().map(|station| [output, station]);
+            (cells.collect(), band.between)
+        };
+        let length = suspension.length_unit;
+        let output = |c: &Characteristic| Output {
+            column: c.column(length),
+            unit: c.info().unit.suffix(length),
+            factor: c.info().unit.printed_factor(),
         };
         Ok(Problem {
             study,
             tolerance,
-            quantities: characteristics
-                .iter()
-                .map(|c| Quantity::Characteristic(*c))
-                .collect(),
-            assembler,
-            characteristics,
+            outputs: characteristics.iter().map(output).collect(),
+            bands: tolerance.bands.iter().map(banded).collect(),
+            workshops: vec![Workshop::of(study, tolerance, suspension, None)?],
             stations,
-            alignment,
+            looked: Looked::Wheel {
+                quantities: characteristics
+                    .iter()
+                    .map(|c| Quantity::Characteristic(*c))
+                    .collect(),
+                characteristics,
+            },
         })
+    }
+
+    fn of_axle(
+        study: &'a Study,
+        both: &AxleStudy,
+        tolerance: &'a Tolerance,
+    ) -> Result<Self, NoSetUp> {
+        let mut workshops = Vec::new();
+        for side in Side::ALL {
+            let suspension = both.axle.suspension(side);
+            workshops.push(Workshop::of(study, tolerance, suspension, Some(side))?);
+        }
+        let drawn = |side: Side| workshops[side as usize].assembler.suspension().clone();
+        let axle = Axle {
+            left: drawn(Side::Left),
+            right: Some(drawn(Side::Right)),
+            setup: both.axle.setup.clone(),
+        };
+        let mut plan = AxlePlan {
+            derivatives: false,
+            certify: false,
+            sensitivities: Vec::new(),
+            ..both.plan.clone()
+        };
+        let of_motion = plan.course.placements();
+        let mut wanted = Vec::new();
+        for band in &tolerance.bands {
+            let (About::Axle(quantities), between) = (&band.of.about, band.between) else {
+                unreachable!("a band of an axle");
+            };
+            for quantity in quantities {
+                if !plan.quantities.contains(quantity) {
+                    plan.quantities.push(*quantity);
+                }
+            }
+            let placements = match &band.site {
+                None => of_motion.clone(),
+                Some(site) => {
+                    let values = band
+                        .at
+                        .as_ref()
+                        .map_or(&site.values[..], std::slice::from_ref);
+                    let values = values.iter();
+                    values.flat_map(|at| site.placements(*at, &axle)).collect()
+                }
+            };
+            wanted.push((quantities, placements, between));
+        }
+        let further = wanted.iter().flat_map(|(_, placements, _)| placements);
+        let stations = AxleStations::of(Cow::Owned(axle), &plan, further.copied());
+        let banded = |(quantities, placements, between): &(&Vec<_>, Vec<_>, [f64; 2])| {
+            let places = placements.iter().flat_map(|placement| {
+                let own = quantities.iter();
+                own.map(|quantity| stations.place(*quantity, *placement))
+            });
+            (places.collect(), *between)
+        };
+        let columns = stations.columns();
+        let output = |column: &crate::curves::Column| Output {
+            column: column.name.clone(),
+            unit: column.unit.clone(),
+            factor: column.factor(),
+        };
+        Ok(Problem {
+            study,
+            tolerance,
+            outputs: columns.iter().map(output).collect(),
+            bands: wanted.iter().map(banded).collect(),
+            workshops,
+            stations: stations.stations(),
+            looked: Looked::Axle(Box::new(stations)),
+        })
+    }
+
+    /// Of one wheel, what is looked at.
+    fn characteristics(&self) -> &[Characteristic] {
+        match &self.looked {
+            Looked::Wheel {
+                characteristics, ..
+            } => characteristics,
+            Looked::Axle(_) => &[],
+        }
     }
 
     /// Number of values of a build: outputs times stations.
     pub fn cells(&self) -> usize {
-        self.characteristics.len() * self.stations.count()
+        self.outputs.len() * self.stations.count()
     }
 
     /// The value's number of an output at a station.
@@ -92,25 +237,25 @@ impl<'a> Problem<'a> {
         output * self.stations.count() + station
     }
 
-    /// The stations at which a band is looked at.
-    pub fn stations_of(&self, band: &crate::study::Band) -> Vec<usize> {
-        match band.at {
-            Some(at) => self.stations.at(at).into_iter().collect(),
-            None => self
-                .stations
-                .of_motion()
-                .map(|(rack, value)| self.stations.number(rack, value))
-                .collect(),
+    /// By band, the values that are to keep to it, by number.
+    pub fn cells_of_bands(&self) -> impl Iterator<Item = Vec<usize>> + '_ {
+        let cell = |[output, station]: &[usize; 2]| self.cell(*output, *station);
+        let bands = self.bands.iter();
+        bands.map(move |(places, _)| places.iter().map(cell).collect())
+    }
+
+    /// Of an axle, the position of every station; empty of one wheel.
+    pub fn placements(&self) -> &[Placement] {
+        match &self.looked {
+            Looked::Wheel { .. } => &[],
+            Looked::Axle(stations) => &stations.placements,
         }
     }
 
-    /// The place of a characteristic among those looked at.
-    pub fn output(&self, characteristic: Characteristic) -> usize {
-        let place = self
-            .characteristics
-            .iter()
-            .position(|c| *c == characteristic);
-        place.expect("every band's characteristic is looked at")
+    /// Why no build is solved in SIMD lanes; `None` where most are.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        let builder = builds::Builder::new(self, Some(Width::widest())).ok()?;
+        builder.not_in_lanes()
     }
 
     /// The values of the suspension as drawn, by cell.

@@ -2,9 +2,10 @@
 
 use super::builds::{Builder, Outcome};
 use super::order::{Order, Sifted};
-use super::{PERCENTILES, Problem};
+use super::{Banded, PERCENTILES, Problem};
 use crate::build::Reject;
 use crate::mechanism::DesignFault;
+use crate::model::Side;
 use crate::number::Width;
 use crate::sweep::{BLOCK, Block, in_order};
 use std::collections::BTreeMap;
@@ -20,8 +21,8 @@ pub struct MonteCarlo {
     pub builds: u64,
     /// By cell.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be put together, by word: how many, and the first with why.
-    pub rejects: BTreeMap<&'static str, (u64, u64, Reject)>,
+    /// Builds that cannot be put together, by word.
+    pub rejects: BTreeMap<&'static str, Rejected>,
     /// Builds put together that have no pose somewhere in the motion.
     pub incomplete: u64,
     /// Number of the first of these.
@@ -30,6 +31,19 @@ pub struct MonteCarlo {
     pub in_all_bands: u64,
     /// Builds that keep to each band.
     pub in_bands: Vec<u64>,
+}
+
+/// Builds that cannot be put together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rejected {
+    /// How many.
+    pub builds: u64,
+    /// Number of the first,
+    pub first: u64,
+    /// which of its wheels, of an axle,
+    pub side: Option<Side>,
+    /// and why.
+    pub why: Reject,
 }
 
 /// How a value scatters over builds. In radians and length units.
@@ -52,7 +66,7 @@ pub struct Spread {
 impl MonteCarlo {
     /// Number of builds that could not be put together.
     pub fn rejected(&self) -> u64 {
-        self.rejects.values().map(|(count, ..)| count).sum()
+        self.rejects.values().map(|rejected| rejected.builds).sum()
     }
 
     /// The share of builds that keep to every band. Those that cannot be put together do not.
@@ -61,16 +75,13 @@ impl MonteCarlo {
     }
 }
 
-/// The values of a band: output and station of each, and between what they are to be.
-type Banded = (Vec<[usize; 2]>, [f64; 2]);
-
 /// Sums of a block, about the drawn values.
 struct Sums {
     /// By cell: count, powers one to four.
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,
-    rejects: Vec<(u64, Reject)>,
+    rejects: Vec<(u64, Option<Side>, Reject)>,
     incomplete: u64,
     first_incomplete: Option<u64>,
     in_all_bands: u64,
@@ -97,7 +108,7 @@ impl Sums {
             in_bands: Vec::with_capacity(bands.len()),
         };
         let mut has_values = [false; BLOCK];
-        for output in 0..problem.characteristics.len() {
+        for output in 0..problem.outputs.len() {
             for station in 0..problem.stations.count() {
                 let about = drawn[problem.cell(output, station)];
                 let (powers, range) = powers(block.across(output, station), about);
@@ -182,16 +193,7 @@ pub fn monte_carlo_in(
 ) -> Result<MonteCarlo, DesignFault> {
     let tolerance = problem.tolerance;
     let cells = problem.cells();
-    let bands: Vec<Banded> = tolerance
-        .bands
-        .iter()
-        .map(|band| {
-            let output = problem.output(band.characteristic);
-            let stations = problem.stations_of(band).into_iter();
-            let cells = stations.map(|station| [output, station]);
-            (cells.collect(), band.between)
-        })
-        .collect();
+    let bands = &problem.bands;
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
     // One worker is made here, so that a design that cannot be solved is known.
@@ -205,10 +207,10 @@ pub fn monte_carlo_in(
             rejects,
             incomplete,
         } = builder.solve(first, count as usize);
-        let mut sums = Sums::of(problem, drawn, &bands, &builder.block, &order);
+        let mut sums = Sums::of(problem, drawn, bands, &builder.block, &order);
         let rejects = rejects.into_iter();
         sums.rejects = rejects
-            .map(|(place, why)| (first + place as u64, why))
+            .map(|(place, side, why)| (first + place as u64, side, why))
             .collect();
         sums.incomplete = incomplete.0;
         sums.first_incomplete = incomplete.1.map(|place| first + place as u64);
@@ -242,11 +244,15 @@ pub fn monte_carlo_in(
         for (kept, of_block) in total.in_bands.iter_mut().zip(&sums.in_bands) {
             *kept += of_block;
         }
-        for (build, why) in sums.rejects {
+        for (first, side, why) in sums.rejects {
             let entry = total.rejects.entry(why.word());
-            entry
-                .and_modify(|(count, ..)| *count += 1)
-                .or_insert((1, build, why));
+            let entry = entry.or_insert(Rejected {
+                builds: 0,
+                first,
+                side,
+                why,
+            });
+            entry.builds += 1;
         }
         match note(total.builds) {
             ControlFlow::Continue(()) => Ok(()),
@@ -271,6 +277,9 @@ pub fn monte_carlo_in(
 
 /// Mean, standard deviation and its standard error from sums of powers: var(s) = (m4 - m2^2)/(4 n m2).
 fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
+    if n == 0.0 {
+        return [f64::NAN; 3];
+    }
     let mean = s1 / n;
     let m2 = (s2 / n - mean * mean).max(0.0);
     let m4 = s4 / n - mean * (4.0 * s3 / n - mean * (6.0 * s2 / n - 3.0 * mean * mean));

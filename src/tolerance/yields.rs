@@ -65,12 +65,14 @@ impl Sample {
         let tolerance = problem.tolerance;
         let mut rows = Vec::new();
         let mut cells = Vec::new();
-        for (number, band) in tolerance.bands.iter().enumerate() {
-            let output = problem.output(band.characteristic);
-            for station in problem.stations_of(band) {
-                cells.push(problem.cell(output, station));
-                rows.push((number, band.between));
-            }
+        for (number, (band, own)) in tolerance
+            .bands
+            .iter()
+            .zip(problem.cells_of_bands())
+            .enumerate()
+        {
+            rows.extend(own.iter().map(|_| (number, band.between)));
+            cells.extend(own);
         }
         let contributors = tolerance.scatter.len();
         let draws = tolerance.builds.min(SAMPLE);
@@ -145,11 +147,7 @@ pub fn rank(
     };
     let mut ranking: Vec<Ranking> = (0..problem.tolerance.scatter.len())
         .map(|contributor| {
-            let cells = problem.tolerance.bands.iter().flat_map(|band| {
-                let output = problem.output(band.characteristic);
-                let stations = problem.stations_of(band).into_iter();
-                stations.map(move |station| problem.cell(output, station))
-            });
+            let cells = problem.cells_of_bands().flatten();
             let share =
                 |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
             let doubled = predicted(contributor, 2.0);

@@ -1,5 +1,6 @@
 //! Mechanisms as they are built: what holds of them, and what is read off them.
 
+mod axle;
 mod independent;
 mod one_build;
 mod other_equations;

@@ -249,8 +249,8 @@ fn results_are_the_same_on_any_number_of_threads() {
     assert!(one.rejected() > 0, "{:?}", one.rejects);
     assert_eq!(one.rejected(), three.rejected());
     assert_eq!(one.spreads[0].count + one.rejected(), 1500);
-    let (_, first, reject) = &one.rejects["out_of_reach"];
-    assert!(*first < 1500 && reject.to_string().contains("cannot reach"));
+    let rejected = &one.rejects["out_of_reach"];
+    assert!(rejected.first < 1500 && rejected.why.to_string().contains("cannot reach"));
 }
 
 /// All builds are wanted.

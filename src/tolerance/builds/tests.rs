@@ -77,10 +77,14 @@ fn builds_in_lanes_are_those_one_by_one() {
                 let mut lanes = Builder::new(&problem, Some(width)).unwrap();
                 let found = lanes.solve(0, BUILDS);
                 assert_eq!(found.rejects, rejects);
-                let right = lanes.lanes.as_ref().unwrap().right;
+                let right = lanes.wheels[0].lanes.as_ref().unwrap().right;
                 let in_lanes = right.iter().filter(|r| **r).count();
                 assert!(in_lanes * 10 >= BUILDS * 9, "{name} {aligned}: {in_lanes}");
-                for (a, b) in lanes.designs.iter().zip(&single.designs) {
+                for (a, b) in lanes.wheels[0]
+                    .designs
+                    .iter()
+                    .zip(&single.wheels[0].designs)
+                {
                     let off = (*a - *b).norm();
                     assert!(off < 1e-13 * size, "{name} {aligned}: {off}");
                 }
@@ -92,11 +96,15 @@ fn builds_in_lanes_are_those_one_by_one() {
                         }
                     }
                 }
-                let before = first.get_or_insert(lanes.designs.clone());
-                assert_eq!(before, &lanes.designs);
+                let before = first.get_or_insert(lanes.wheels[0].designs.clone());
+                assert_eq!(before, &lanes.wheels[0].designs);
                 lanes.solve(3, BUILDS - 3);
-                let points = study.suspension.design.len().max(lanes.parts.points.len());
-                assert_eq!(before[3 * points..], lanes.designs);
+                let points = study
+                    .suspension
+                    .design
+                    .len()
+                    .max(lanes.wheels[0].parts.points.len());
+                assert_eq!(before[3 * points..], lanes.wheels[0].designs);
             }
         }
     }
@@ -124,12 +132,16 @@ fn builds_that_lanes_refuse_go_one_by_one() {
         let found = lanes.solve(0, BUILDS);
         assert_eq!(found.rejects.len(), expected.rejects.len());
         assert!(!found.rejects.is_empty());
-        let right = lanes.lanes.as_ref().unwrap().right;
+        let right = lanes.wheels[0].lanes.as_ref().unwrap().right;
         let in_lanes = right.iter().filter(|r| **r).count();
         assert!(in_lanes > 8 && in_lanes < BUILDS - found.rejects.len());
         assert_eq!(lanes.places, single.places);
         let size = study.suspension.size();
-        for (a, b) in lanes.designs.iter().zip(&single.designs) {
+        for (a, b) in lanes.wheels[0]
+            .designs
+            .iter()
+            .zip(&single.wheels[0].designs)
+        {
             assert!((*a - *b).norm() < 1e-11 * size, "{:?}", *a - *b);
         }
     }

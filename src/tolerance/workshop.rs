@@ -1,0 +1,85 @@
+//! What builds one wheel: parts are changed by what was drawn, and put together.
+
+use crate::build::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
+use crate::model::{Side, Suspension};
+use crate::number::Vector3;
+use crate::study::{Source, Study, Tolerance};
+
+/// What builds one wheel.
+pub(super) struct Workshop {
+    /// Puts builds together.
+    pub(super) assembler: Assembler,
+    pub(super) alignment: Option<Alignment>,
+    /// Of an axle, whose parts these are.
+    pub(super) side: Option<Side>,
+}
+
+impl Workshop {
+    /// Of a wheel as drawn.
+    pub(super) fn of(
+        study: &Study,
+        tolerance: &Tolerance,
+        suspension: &Suspension,
+        side: Option<Side>,
+    ) -> Result<Self, NoSetUp> {
+        let assembler = Assembler::new(suspension)?;
+        let alignment = match (tolerance.aligned, &study.setup) {
+            (true, Some(setup)) => Some(Alignment::of(&setup.adjust, &assembler)?),
+            _ => None,
+        };
+        Ok(Workshop {
+            assembler,
+            alignment,
+            side,
+        })
+    }
+
+    /// The dimensions that a source changes in this wheel: none where it is of the other.
+    pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
+        match source.side == self.side {
+            true => &source.changes,
+            false => &[],
+        }
+    }
+
+    /// The same, with what the adjustments have to be.
+    pub(super) fn direction(&self, built: &Built, source: &Source) -> Vec<(BuildParameter, f64)> {
+        let changes = self.changes(source);
+        match &self.alignment {
+            Some(alignment) if !changes.is_empty() => {
+                alignment.aligned_direction(&self.assembler, built, changes)
+            }
+            _ => changes.to_vec(),
+        }
+    }
+
+    /// Makes these the parts of a build, of what was drawn for it.
+    pub(super) fn change_parts(
+        &self,
+        tolerance: &Tolerance,
+        draws: &[f64],
+        parts: &mut Parts<f64>,
+    ) {
+        let assembler = &self.assembler;
+        parts.points.copy_from_slice(&assembler.drawn().points);
+        parts.lengths.copy_from_slice(&assembler.drawn().lengths);
+        let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
+        for (source, z) in sources.zip(draws) {
+            for (parameter, share) in self.changes(source) {
+                parts.change(&assembler.suspension().mechanism, *parameter, share * z);
+            }
+        }
+    }
+
+    /// Puts parts together and writes their built design.
+    pub(super) fn put_together(
+        &self,
+        parts: &mut Parts<f64>,
+        into: &mut [Vector3<f64>],
+    ) -> Result<(), Reject> {
+        match &self.alignment {
+            None => self.assembler.assemble(parts, 0.0, into),
+            Some(alignment) => alignment.assemble(&self.assembler, parts, into),
+        }
+    }
+}

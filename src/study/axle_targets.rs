@@ -304,7 +304,7 @@ fn site(
         (None, []) => available[0],
         (None, several) => {
             let message = format!(
-                "the motion has several numbers; expected over, which of {} it is looked at over",
+                "the motion has several numbers; expected over, which of {} is meant",
                 keys(several)
             );
             problems.add(place, message);

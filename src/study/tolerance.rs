@@ -100,11 +100,16 @@ fn contributors_of_axle(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
+    let sides = Side::ALL.map(|side| (side.name(), side));
     let only = match &written.get_ref().side {
         None => None,
         Some(text) => {
-            let sides = Side::ALL.map(|side| (side.name(), side));
-            Some(choose(text, "side", &sides, problems)?)
+            let Some(side) = choose(text, "side", &sides, problems) else {
+                // What else is wrong is said all the same.
+                contributors(written, context, problems);
+                return None;
+            };
+            Some(side)
         }
     };
     let mut found: Vec<Contributor> = Vec::new();
@@ -367,9 +372,11 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
         }
     };
     let site = of.as_ref().and_then(|(_, site)| site.as_ref());
-    let values = match (site, context.motion) {
+    let values = match (site, context.axle) {
         (Some(site), _) => Some(&site.values),
-        (None, motion) => motion.map(|motion| &motion.values),
+        (None, None) => context.motion.map(|motion| &motion.values),
+        // What is wrong with the place is said already.
+        (None, Some(_)) => None,
     };
     let at = match (&written.at, values) {
         (None, _) => Some(None),

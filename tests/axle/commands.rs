@@ -99,7 +99,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let path = path.to_str().unwrap();
     for (command, why) in [
         ("assemblies", "each wheel is assembled by itself"),
-        ("tolerance", "builds of two wheels scatter by themselves"),
+        ("tolerance", "no [tolerance] section"),
         ("setup", "for one wheel at a time"),
     ] {
         let (_, said) = run(&[command, path], 2);

@@ -179,7 +179,7 @@ fn gradients_are_slopes_of_built_axles() {
         let h = 0.05 * source.law.variance().sqrt();
         let at = [-2.0, -1.0, 1.0, 2.0].map(|step| values(source, step * h));
         for output in 0..quantities.len() {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| at[i][output]);
+            let [a, b, c, d] = at.each_ref().map(|values| values[output]);
             let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
             let found = expansion.gradient(problem.cell(output, station))[k];
             let size = (b.abs() + c.abs()).max(1e-3) * 1e-11 / h;

@@ -235,12 +235,7 @@ pub(super) fn fans(
     problem: &Problem,
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
-    let plan = AxlePlan {
-        derivatives: false,
-        certify: false,
-        sensitivities: Vec::new(),
-        ..plan.clone()
-    };
+    let plan = plan.quantities_alone();
     let path = Path::new(&study.name);
     let drawn = axle_curves(axle, &plan).map_err(|f| fault(path, axle, f))?;
     let of_percentile = |percentile: usize| {

@@ -29,7 +29,7 @@ pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 
-use crate::axle::{Axle, AxlePlan, Placement};
+use crate::axle::{Axle, Placement};
 use crate::build::NoSetUp;
 use crate::characteristics::{Characteristic, Quantity};
 use crate::mechanism::DesignFault;
@@ -161,12 +161,7 @@ impl<'a> Problem<'a> {
             right: Some(drawn(Side::Right)),
             setup: both.axle.setup.clone(),
         };
-        let mut plan = AxlePlan {
-            derivatives: false,
-            certify: false,
-            sensitivities: Vec::new(),
-            ..both.plan.clone()
-        };
+        let mut plan = both.plan.quantities_alone();
         let of_motion = plan.course.placements();
         let mut wanted = Vec::new();
         for band in &tolerance.bands {

@@ -414,14 +414,14 @@ impl Tables {
     }
 
     /// All of them. As CSV they are separated by empty lines, and the first column of each, `table`, has
-    /// its name; as JSON they are lists in one object.
+    /// its name, so that one without rows beside others is left out; as JSON they are lists in one object.
     pub fn render(&self, format: Format, width: usize) -> String {
+        let is_nameless = |table: &Table| format == Format::Csv && table.rows.is_empty();
+        let has_rows = self.0.iter().any(|(_, table)| !table.rows.is_empty());
         let each = |render: &dyn Fn(&'static str, &Table) -> String| {
-            let all: Vec<String> = self
-                .0
-                .iter()
-                .map(|(name, table)| render(name, table))
-                .collect();
+            let tables = self.0.iter();
+            let said = tables.filter(|(_, table)| !(has_rows && is_nameless(table)));
+            let all: Vec<String> = said.map(|(name, table)| render(name, table)).collect();
             all.join("\n")
         };
         match format {
@@ -475,6 +475,16 @@ mod tests {
         assert_eq!(json["outputs"][1]["min"].as_f64(), Some(1.0 / 3.0));
         assert_eq!(json["outputs"][0]["range_max"], 5.0);
         assert_eq!(json["outputs"][1]["output"], "toe_deg");
+    }
+
+    #[test]
+    fn a_table_without_rows_is_no_line_that_nobody_can_name() {
+        let mut tables = Tables::default();
+        tables.push("none", Table::new(["study"]));
+        assert_eq!(tables.render(Format::Csv, 80), "table,study\n");
+        tables.push("outputs", table());
+        assert!(tables.render(Format::Csv, 80).starts_with("table,output,"));
+        assert!(tables.render(Format::Json, 80).contains("\"none\": []"));
     }
 
     #[test]

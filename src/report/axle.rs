@@ -8,7 +8,7 @@ use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
 };
 use crate::curves::Proof;
-use crate::model::Axis;
+use crate::model::{Axis, Side};
 use serde::{Deserialize, Serialize};
 
 /// Names and values of the columns that say where a station is.
@@ -339,11 +339,7 @@ impl AxleSummary {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: name.to_owned(),
             topology: axle.left.mechanism.topology.name.to_owned(),
-            axle: match axle.right {
-                None => "mirrored",
-                Some(_) => "own hardpoints on the right",
-            }
-            .to_owned(),
+            axle: right_wheel(axle),
             stations: curves.stations.len(),
             solved,
             outputs: outputs.collect(),
@@ -450,6 +446,31 @@ pub(super) fn certificate(
     let unproved = stations().filter(unproved).count();
     let summary = CertificateSummary::of_proofs(proofs, unproved, curves.stations.len());
     Some(summary.at(|(number, station)| place.words(number, station)))
+}
+
+/// What of the right wheel is not the mirror image.
+fn right_wheel(axle: &Axle) -> String {
+    let (left, right) = (&axle.left, axle.suspension(Side::Right));
+    let springs = axle.setup.springs.as_ref();
+    let own = [
+        ("hardpoints", left.design != right.design),
+        (
+            "wheel",
+            left.mechanism.spin_axis != right.mechanism.spin_axis,
+        ),
+        ("bodies", left.mechanism.points != right.mechanism.points),
+        ("spring", springs.is_some_and(|[left, right]| left != right)),
+    ];
+    let own: Vec<_> = own
+        .iter()
+        .filter(|(_, own)| *own)
+        .map(|(of, _)| *of)
+        .collect();
+    match own.as_slice() {
+        [] => "mirrored".to_owned(),
+        [one] => format!("own {one} on the right"),
+        [most @ .., last] => format!("own {} and {last} on the right", most.join(", ")),
+    }
 }
 
 /// What is possible but seldom meant in a study of an axle, a line each.

@@ -5,9 +5,10 @@ use super::file::{self, File};
 use super::loads::loads_of_axle;
 use super::motion::values;
 use super::names::choose;
-use super::outputs::{self, distinct, hardpoint};
-use super::suspension::{above_zero, position, positive};
-use super::value::{Number, RightWheel, Text, Values};
+use super::outputs::{self, distinct};
+use super::right_wheel::{self, right_wheel};
+use super::suspension::{above_zero, positive};
+use super::value::{Number, Text, Values};
 use super::{Order, Outputs};
 use crate::axle::{
     Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
@@ -15,7 +16,6 @@ use crate::axle::{
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Suspension};
-use crate::solve::Solver;
 use toml::Spanned;
 
 /// The most stations of an axle: a few seconds' worth.
@@ -83,7 +83,7 @@ pub(super) fn axle(
         problems.add(place, message);
         sound = false;
     }
-    let right = right_wheel(section.get_ref(), suspension, problems);
+    let right = right_wheel(file, section.get_ref(), suspension, problems);
     let setup = setup(file, suspension, problems);
     let (right, setup) = (right?, setup?);
     let axle = Axle {
@@ -161,49 +161,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     sound
 }
 
-/// The right wheel; the inner `None` is the mirror image.
-fn right_wheel(
-    section: &file::Axle,
-    left: &Suspension,
-    problems: &mut Problems,
-) -> Option<Option<Suspension>> {
-    let own = match section.right.get_ref() {
-        RightWheel::Word(word) if word == "mirrored" => return Some(None),
-        RightWheel::Word(word) => {
-            let message = format!("unknown right wheel {word:?}; expected \"mirrored\" or a table");
-            problems.add(section.right.span(), message);
-            return None;
-        }
-        RightWheel::Own(own) => own,
-    };
-    let mut right = left.clone();
-    right.frame = left.frame.of_other_side();
-    let mut sound = true;
-    for (text, coordinates) in &own.hardpoints {
-        let id = hardpoint(text, left, problems);
-        let position = position(coordinates, problems);
-        match (id, position) {
-            (Some(id), Some(position)) => right.design[id.0] = right.frame.vector(position),
-            _ => sound = false,
-        }
-    }
-    if !sound {
-        return None;
-    }
-    if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
-        let message = format!("right wheel: {}", fault.describe(&right.mechanism));
-        problems.add(section.right.span(), message);
-        return None;
-    }
-    let centre = right.design[right.mechanism.wheel_centre.0];
-    if centre.y < 0.0 {
-        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
-        problems.add(section.right.span(), message);
-        return None;
-    }
-    Some(Some(right))
-}
-
 fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
     let vehicle = &file.vehicle;
     let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
@@ -221,7 +178,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
             }
         }
     };
-    let spring = spring(file, left, problems);
+    let springs = springs(file, left, problems);
     let rate = |section: &Option<Spanned<file::Rate>>, problems: &mut Problems| match section {
         None => Some(None),
         Some(section) => above_zero(&section.get_ref().rate, problems).map(Some),
@@ -240,7 +197,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         wheelbase: left.vehicle.wheelbase,
         position: left.vehicle.position,
         c_factor: c_factor?,
-        springs: spring?.map(|law| [law.clone(), law]),
+        springs: springs?,
         bar_rate: bar_rate?,
         tyre_rate: tyre_rate?,
         sprung_mass: sprung_mass?,
@@ -250,8 +207,13 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// The springs' law; the inner `None` where there is none.
-fn spring(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Option<SpringLaw>> {
+/// The laws of both springs; the inner `None` where there are none.
+fn springs(
+    file: &File,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<[SpringLaw; 2]>> {
+    let own = right_wheel::own(file).and_then(|own| own.spring.as_ref());
     let stop = match &file.bump_stop {
         None => None,
         Some(stop) => {
@@ -263,14 +225,23 @@ fn spring(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Opt
         }
     };
     let Some(section) = &file.spring else {
-        if let Some(stop) = &file.bump_stop {
-            problems.add(
-                stop.span(),
-                "[bump_stop] acts beside a spring: expected [spring] too",
-            );
-            return None;
-        }
-        return Some(None);
+        let stop = file.bump_stop.as_ref().map(Spanned::span);
+        let beside = [
+            ("[bump_stop]", stop),
+            ("[axle.right.spring]", own.map(Spanned::span)),
+        ];
+        let mut beside = beside
+            .into_iter()
+            .filter_map(|(name, span)| Some((name, span?)));
+        let Some((name, span)) = beside.next() else {
+            return Some(None);
+        };
+        let message = match name {
+            "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
+            _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
+        };
+        problems.add(span, message);
+        return None;
     };
     if left.mechanism.spring.is_none() {
         let message = "[spring] is given, but the study gives no spring";
@@ -278,30 +249,69 @@ fn spring(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Opt
         error.help("spring_upper and spring_lower in [suspension.hardpoints] make one");
         return None;
     }
-    let place = section.span();
-    let section = section.get_ref();
-    let law = match (&section.rate, &section.force, &section.force_curve) {
-        (Some(rate), Some(force), None) => Law::Linear {
+    let common = section.get_ref();
+    let given = (&common.rate, &common.force, &common.force_curve);
+    let left = spring(given, section.span(), problems);
+    let right = match own {
+        None => left.clone(),
+        Some(section) => {
+            let own = section.get_ref();
+            // Rate or force alone differs from what both have.
+            let given = match own.force_curve {
+                Some(_) => (&own.rate, &own.force, &own.force_curve),
+                None => (
+                    or(&own.rate, &common.rate),
+                    or(&own.force, &common.force),
+                    &None,
+                ),
+            };
+            spring(given, section.span(), problems)
+        }
+    };
+    let law = |spring: Law| SpringLaw {
+        spring,
+        bump_stop: stop.clone(),
+    };
+    Some(Some([law(left?), law(right?)]))
+}
+
+fn or<'a, T>(own: &'a Option<T>, common: &'a Option<T>) -> &'a Option<T> {
+    match own {
+        Some(_) => own,
+        None => common,
+    }
+}
+
+/// Rate, force and curve as they are written.
+type GivenSpring<'a> = (
+    &'a Option<Number>,
+    &'a Option<Number>,
+    &'a Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+);
+
+fn spring(
+    given: GivenSpring<'_>,
+    place: std::ops::Range<usize>,
+    problems: &mut Problems,
+) -> Option<Law> {
+    match given {
+        (Some(rate), Some(force), None) => Some(Law::Linear {
             rate: above_zero(rate, problems)?,
             force: force.value,
-        },
-        (None, None, Some(curve)) => Law::Curve(force_curve(curve, problems)?),
+        }),
+        (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, problems)?)),
         (_, _, Some(curve)) => {
             let message =
                 "force_curve already gives the spring; expected rate and force, or force_curve";
             problems.add(curve.span(), message);
-            return None;
+            None
         }
         _ => {
             let message = "expected rate and force (in the design position), or force_curve";
             problems.add(place, message);
-            return None;
+            None
         }
-    };
-    Some(Some(SpringLaw {
-        spring: law,
-        bump_stop: stop,
-    }))
+    }
 }
 
 fn force_curve(

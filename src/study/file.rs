@@ -135,8 +135,8 @@ pub(super) struct Vehicle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Axle {
-    /// `"mirrored"`, or what differs from the mirror image.
-    pub right: Spanned<RightWheel>,
+    /// `"mirrored"`, or what differs from the mirror image; the mirror image where it is not given.
+    pub right: Option<Spanned<RightWheel>>,
 }
 
 /// `[axle.right]`
@@ -146,6 +146,23 @@ pub(super) struct OwnRight {
     /// Hardpoints that are not the mirror image of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
+    /// What ends of springs and rods stand on, where it is something else than at the left wheel.
+    #[serde(default)]
+    pub bodies: BTreeMap<Text, Text>,
+    /// Camber and toe.
+    pub wheel: Option<Spanned<OwnAngles>>,
+    /// The spring.
+    pub spring: Option<Spanned<Spring>>,
+}
+
+/// `[axle.right.wheel]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OwnAngles {
+    /// Camber in the design position, degrees.
+    pub static_camber: Option<Number>,
+    /// Toe in the design position, degrees.
+    pub static_toe: Option<Number>,
 }
 
 /// `[steering]`

@@ -28,6 +28,7 @@ mod overrides;
 mod parse;
 mod place;
 mod resolve;
+mod right_wheel;
 mod samples;
 mod schema;
 mod setup;

@@ -11,6 +11,7 @@ use crate::model::{
     Suspension, Topology, TorquePath, Vehicle,
 };
 use crate::number::Vector3;
+use std::collections::BTreeMap;
 
 /// The suspension, if nothing is wrong with it.
 pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
@@ -38,7 +39,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
-    bodies(section, &mut mechanism, problems)?;
+    bodies(&section.bodies, &mut mechanism, problems)?;
     spin_axis(file, &mut mechanism, &given, problems)?;
     let mut suspension = Suspension {
         mechanism,
@@ -163,13 +164,13 @@ fn add_group_fault(
 }
 
 /// What the ends of springs and rods stand on, where the study says it.
-fn bodies(
-    section: &file::Suspension,
+pub(super) fn bodies(
+    bodies: &BTreeMap<Text, Text>,
     mechanism: &mut Mechanism,
     problems: &mut Problems,
 ) -> Option<()> {
     let mut sound = true;
-    for (text, body) in &section.bodies {
+    for (text, body) in bodies {
         let name = text.get_ref();
         let point = mechanism.point(name);
         let possible = point.map_or(Vec::new(), |id| mechanism.possible_bodies(id));
@@ -243,7 +244,7 @@ fn spin_axis(
             None
         }
         (SpinAxis::Along(_), Some(_)) => {
-            let [camber, toe] = angles.map(|angle| below_right_angle(angle, problems));
+            let [camber, toe] = angles.map(|angle| below_right_angle(angle.as_ref(), problems));
             let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
             mechanism.spin_axis = SpinAxis::standing(camber, toe);
             Some(())
@@ -251,7 +252,7 @@ fn spin_axis(
     }
 }
 
-fn below_right_angle(angle: &Option<Number>, problems: &mut Problems) -> Option<f64> {
+pub(super) fn below_right_angle(angle: Option<&Number>, problems: &mut Problems) -> Option<f64> {
     let Some(angle) = angle else { return Some(0.0) };
     if angle.value.abs() < 90.0 {
         return Some(angle.value);

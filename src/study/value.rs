@@ -150,7 +150,7 @@ pub(super) enum RightWheel {
     /// A word.
     Word(String),
     /// `[axle.right]`
-    Own(super::file::OwnRight),
+    Own(Box<super::file::OwnRight>),
 }
 
 impl<'de> Deserialize<'de> for RightWheel {
@@ -173,7 +173,8 @@ impl<'de> Visitor<'de> for RightWheelVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RightWheel, A::Error> {
-        super::file::OwnRight::deserialize(MapAccessDeserializer::new(map)).map(RightWheel::Own)
+        let own = super::file::OwnRight::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(RightWheel::Own(Box::new(own)))
     }
 }
 

@@ -11,7 +11,7 @@ fn study(name: &str) -> PathBuf {
     Path::new(ROOT).join("studies").join(name)
 }
 
-fn folder(name: &str) -> PathBuf {
+pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("axle")
         .join(name);
@@ -27,7 +27,7 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
 }
 
 /// Runs a command that is to end with this code, and gives what it wrote to standard output and error.
-fn run(arguments: &[&str], code: i32) -> (String, String) {
+pub fn run(arguments: &[&str], code: i32) -> (String, String) {
     let output = hardpoint(arguments).code(code).get_output().clone();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (text(output.stdout), text(output.stderr))

@@ -9,6 +9,7 @@ mod loads;
 mod own;
 mod points;
 mod reference;
+mod right;
 mod sweep;
 mod symmetry;
 mod tuning;

@@ -1,0 +1,101 @@
+//! `[axle.right]`: the right wheel of an axle, where it is not the mirror image of the left one.
+
+use super::error::Problems;
+use super::file::{self, File};
+use super::outputs::hardpoint;
+use super::suspension::{below_right_angle, bodies, position};
+use super::value::RightWheel;
+use crate::model::{SpinAxis, Suspension};
+use crate::solve::Solver;
+use toml::Spanned;
+
+/// What the study says of the right wheel; none where it is the mirror image.
+pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
+    match file.axle.as_ref()?.get_ref().right.as_ref()?.get_ref() {
+        RightWheel::Own(own) => Some(own),
+        RightWheel::Word(_) => None,
+    }
+}
+
+/// The right wheel; the inner `None` is the mirror image, springs left out.
+pub(super) fn right_wheel(
+    file: &File,
+    section: &file::Axle,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<Suspension>> {
+    let place = match &section.right {
+        Some(right) => right.span(),
+        None => return Some(None),
+    };
+    if let Some(RightWheel::Word(word)) = section.right.as_ref().map(Spanned::get_ref) {
+        if word == "mirrored" {
+            return Some(None);
+        }
+        let message = format!("unknown right wheel {word:?}; expected \"mirrored\" or a table");
+        problems.add(place, message);
+        return None;
+    }
+    let own = own(file)?;
+    if own.hardpoints.is_empty() && own.bodies.is_empty() && own.wheel.is_none() {
+        return Some(None);
+    }
+    let mut right = left.clone();
+    right.frame = left.frame.of_other_side();
+    let mut sound = true;
+    for (text, coordinates) in &own.hardpoints {
+        let id = hardpoint(text, left, problems);
+        let position = position(coordinates, problems);
+        match (id, position) {
+            (Some(id), Some(position)) => right.design[id.0] = right.frame.vector(position),
+            _ => sound = false,
+        }
+    }
+    sound &= bodies(&own.bodies, &mut right.mechanism, problems).is_some();
+    sound &= spin_axis(file, own, &mut right, problems).is_some();
+    if !sound {
+        return None;
+    }
+    if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
+        let message = format!("right wheel: {}", fault.describe(&right.mechanism));
+        problems.add(place, message);
+        return None;
+    }
+    let centre = right.design[right.mechanism.wheel_centre.0];
+    if centre.y < 0.0 {
+        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
+        problems.add(place, message);
+        return None;
+    }
+    Some(Some(right))
+}
+
+/// Static camber and toe of its own; what is not given is the left wheel's.
+fn spin_axis(
+    file: &File,
+    own: &file::OwnRight,
+    right: &mut Suspension,
+    problems: &mut Problems,
+) -> Option<()> {
+    let Some(wheel) = &own.wheel else {
+        return Some(());
+    };
+    let mechanism = &mut right.mechanism;
+    if let SpinAxis::From(inner) = mechanism.spin_axis {
+        let name = mechanism.name(inner);
+        let message = format!("{name} already gives camber and toe of the design position");
+        let error = problems.add(wheel.span(), message);
+        error.help(format!(
+            "{name} in [axle.right.hardpoints] gives those of the right wheel"
+        ));
+        return None;
+    }
+    let wheel = wheel.get_ref();
+    let left = &file.wheel;
+    let camber = wheel.static_camber.as_ref().or(left.static_camber.as_ref());
+    let toe = wheel.static_toe.as_ref().or(left.static_toe.as_ref());
+    let [camber, toe] = [camber, toe].map(|angle| below_right_angle(angle, problems));
+    let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
+    mechanism.spin_axis = SpinAxis::standing(camber, toe);
+    Some(())
+}

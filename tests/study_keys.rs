@@ -25,8 +25,16 @@ const TABLES: &[(&str, &str, &str)] = &[
         "bogus = 1\nright = \"mirrored\"",
     ),
     ("axle.right", "\"mirrored\"", "{ bogus = 1 }"),
-    ("axle.right.wheel", "\"mirrored\"", "{ wheel = { bogus = 1 } }"),
-    ("axle.right.spring", "\"mirrored\"", "{ spring = { bogus = 1 } }"),
+    (
+        "axle.right.wheel",
+        "\"mirrored\"",
+        "{ wheel = { bogus = 1 } }",
+    ),
+    (
+        "axle.right.spring",
+        "\"mirrored\"",
+        "{ spring = { bogus = 1 } }",
+    ),
     ("steering", "[steering]", "[steering]\nbogus = 1"),
     ("spring", "[spring]", "[spring]\nbogus = 1"),
     ("bump_stop", "[bump_stop]", "[bump_stop]\nbogus = 1"),

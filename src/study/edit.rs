@@ -57,6 +57,8 @@ impl Study {
             let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
             match own {
                 Some(right) => {
+                    // The build's spin axis runs through its points.
+                    right.remove("wheel");
                     right.insert("hardpoints", Item::Table(hardpoints));
                 }
                 None => {

@@ -121,6 +121,9 @@ fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
     let study = text(STEEP, own, &format!("certify = true\n{SOFT}{more}"))
         .replace("heave = [-30.0, 0.0, 30.0]", "roll = [-2.0, 0.0, 2.0]")
         .replace("\"wheel_rate\"", "\"wheel_rate\", \"mean_steer\"");
+    let scatter =
+        "[tolerance]\nbuilds = 50\nscatter = [{ hardpoint = \"tie_rod_outer\", sigma = 0.3 }]\n";
+    let study = format!("{study}{scatter}");
     let place = folder("own_right");
     std::fs::create_dir_all(&place).unwrap();
     let file = place.join("study.toml");
@@ -174,6 +177,15 @@ fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
         let found = cell(&swept, 2, &format!("{side}_toe_max_deg"));
         assert!((found - most).abs() < 1e-12, "{side}: {found} {most}");
     }
+    // Drawn as it is, its builds scatter about it, and one of them is a study.
+    let few = "outputs.characteristics=[\"toe\"]";
+    let (built, _) = hardpoint_run(&["tolerance", file, "--set", few, "--build", "7"], 0);
+    let built_file = place.join("built.toml");
+    std::fs::write(&built_file, built).unwrap();
+    let built_file = built_file.to_str().unwrap();
+    let (built, _) = hardpoint_run(&["solve", built_file, "--set", few, "--out", "-"], 0);
+    let toe = cell(&built, 1, "right_toe_deg");
+    assert!((toe + 0.3).abs() < 1.0 && toe != -0.3, "{built}");
     let out = place.join("tuned");
     hardpoint_run(&["optimise", file, "--out", out.to_str().unwrap()], 0);
     let tuned = std::fs::read_to_string(out.join("optimised.toml")).unwrap();

@@ -186,10 +186,15 @@ fn compare(
 ) {
     let quantities = quantities(mechanism);
     for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
-        // A swing arm y is the inverse of a rate of turning, whose error counts y^2 in y.
+        // A swing arm y is the inverse of a rate of turning, whose error counts y^2 in y; so is a place at its end.
         let pole = match quantity {
             Quantity::Characteristic(
-                Characteristic::FrontViewSwingArm | Characteristic::SideViewSwingArm,
+                Characteristic::FrontViewSwingArm
+                | Characteristic::SideViewSwingArm
+                | Characteristic::FrontViewCentreLateral
+                | Characteristic::FrontViewCentreHeight
+                | Characteristic::SideViewCentreLongitudinal
+                | Characteristic::SideViewCentreHeight,
             ) => value[0] * value[0],
             _ => 1.0,
         };

@@ -69,6 +69,78 @@ impl Formula for SideViewSwingArm {
     }
 }
 
+/// Where the instantaneous centre in front view is across the car.
+pub(super) struct FrontViewCentreLateral;
+impl Formula for FrontViewCentreLateral {
+    const INFO: Info = Info {
+        name: "front_view_centre_lateral",
+        unit: Unit::Length,
+        positive: "instantaneous centre on the wheel's own side of the centre plane y = 0",
+        formula: "C_y - C_z'/w_x",
+        source: "the point at which the wheel carrier stands still, seen from the front",
+        reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs)
+    }
+}
+
+/// How high it is.
+pub(super) struct FrontViewCentreHeight;
+impl Formula for FrontViewCentreHeight {
+    const INFO: Info = Info {
+        name: "front_view_centre_height",
+        unit: Unit::Length,
+        positive: "instantaneous centre in front view above the ground",
+        formula: "C_y'/w_x",
+        source: "the point at which the wheel carrier stands still, seen from the front",
+        reads: CONTACT_VELOCITY,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.contact_velocity().y / inputs.turn.x
+    }
+}
+
+/// Where the instantaneous centre in side view is along the car.
+pub(super) struct SideViewCentreLongitudinal;
+impl Formula for SideViewCentreLongitudinal {
+    const INFO: Info = Info {
+        name: "side_view_centre_longitudinal",
+        unit: Unit::Length,
+        positive: "instantaneous centre ahead of the study's x = 0",
+        formula: "C_x + C_z'/w_y",
+        source: "the point at which the wheel carrier stands still, seen from the side",
+        reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.contact_point().x - SideViewSwingArm::evaluate(inputs)
+    }
+}
+
+/// How high it is.
+pub(super) struct SideViewCentreHeight;
+impl Formula for SideViewCentreHeight {
+    const INFO: Info = Info {
+        name: "side_view_centre_height",
+        unit: Unit::Length,
+        positive: "instantaneous centre in side view above the ground",
+        formula: "-C_x'/w_y",
+        source: "the point at which the wheel carrier stands still, seen from the side",
+        reads: CONTACT_VELOCITY,
+        needs: &[Need::WheelRadius],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        -(inputs.contact_velocity().x / inputs.turn.y)
+    }
+}
+
 /// The centres as points, for drawings; in the kernel's frame. Empty is what is at infinity, or unknown as the
 /// wheel's radius is.
 ///

@@ -58,6 +58,42 @@ impl Formula for CasterTrail {
     }
 }
 
+/// Where the steering axis meets the ground, along the car.
+pub(super) struct SteeringAxisAtGroundLongitudinal;
+impl Formula for SteeringAxisAtGroundLongitudinal {
+    const INFO: Info = Info {
+        name: "steering_axis_at_ground_longitudinal",
+        unit: Unit::Length,
+        positive: "ahead of the study's x = 0",
+        formula: "G_x",
+        source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
+        reads: GROUND,
+        needs: &[Need::WheelRadius, Need::SteeringAxis],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.now.steering_axis_at(inputs.contact_point().z).x
+    }
+}
+
+/// Where it meets the ground, across the car.
+pub(super) struct SteeringAxisAtGroundLateral;
+impl Formula for SteeringAxisAtGroundLateral {
+    const INFO: Info = Info {
+        name: "steering_axis_at_ground_lateral",
+        unit: Unit::Length,
+        positive: "on the wheel's own side of the centre plane y = 0",
+        formula: "G_y",
+        source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
+        reads: GROUND,
+        needs: &[Need::WheelRadius, Need::SteeringAxis],
+    };
+    #[inline(always)]
+    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        inputs.now.steering_axis_at(inputs.contact_point().z).y
+    }
+}
+
 const AT_CENTRE: &[Slot] = &[Slot::Centre, Slot::SteeringPoint, Slot::SteeringDirection];
 
 /// Lateral offset of the steering axis at wheel-centre height.

@@ -10,17 +10,24 @@ impl Characteristic {
             C::RollCentreHeight | C::AntiDive | C::AntiLift | C::AntiSquat => {
                 "the contact point neither rises nor falls there"
             }
-            C::FrontViewSwingArm => "the wheel does not turn in front view there",
-            C::SideViewSwingArm => "the wheel does not turn in side view there",
+            C::FrontViewSwingArm | C::FrontViewCentreLateral | C::FrontViewCentreHeight => {
+                "the wheel does not turn in front view there"
+            }
+            C::SideViewSwingArm | C::SideViewCentreLongitudinal | C::SideViewCentreHeight => {
+                "the wheel does not turn in side view there"
+            }
             C::CamberGain
             | C::BumpSteer
             | C::CasterGain
             | C::KingpinInclinationGain
             | C::MotionRatio
             | C::AntiRollBarMotionRatio => "the wheel centre neither rises nor falls there",
-            C::ScrubRadius | C::CasterTrail | C::KingpinOffset | C::SpindleTrail => {
-                "the steering axis is level there"
-            }
+            C::ScrubRadius
+            | C::CasterTrail
+            | C::SteeringAxisAtGroundLongitudinal
+            | C::SteeringAxisAtGroundLateral
+            | C::KingpinOffset
+            | C::SpindleTrail => "the steering axis is level there",
             C::Toe => "the wheel lies flat there",
             C::AttiaCamber => "wheel_centre and strut_upper are at one place",
             C::AttiaKingpin => "strut_upper and lower_ball_joint are at one place",

@@ -221,7 +221,9 @@ fn numbers(value: &Value) -> Vec<f64> {
 /// point to the centre in front view.
 #[test]
 fn centres_are_where_the_characteristics_say() {
-    let outputs = "outputs.characteristics=[\"roll_centre_height\",\"front_view_swing_arm\",\"side_view_swing_arm\"]";
+    let outputs = "outputs.characteristics=[\"roll_centre_height\",\"front_view_swing_arm\",\"side_view_swing_arm\",\
+        \"front_view_centre_lateral\",\"front_view_centre_height\",\"side_view_centre_longitudinal\",\
+        \"side_view_centre_height\"]";
     for name in ["macpherson", "double_wishbone", "five_link"] {
         let text = study(&format!("{name}_solve.toml"));
         let run = Run::of("solve", name, &text, &["--set", outputs]);
@@ -251,6 +253,14 @@ fn centres_are_where_the_characteristics_say() {
                 contact[0] - side[0],
                 value("side_view_swing_arm_mm", station),
             );
+            for (found, name) in [
+                (front[1], "front_view_centre_lateral_mm"),
+                (front[2] - contact[2], "front_view_centre_height_mm"),
+                (side[0], "side_view_centre_longitudinal_mm"),
+                (side[2] - contact[2], "side_view_centre_height_mm"),
+            ] {
+                close(found, value(name, station));
+            }
             assert_eq!(
                 (roll[0], roll[1], front[0], side[1]),
                 (contact[0], 0.0, contact[0], contact[1])

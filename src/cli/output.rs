@@ -119,11 +119,11 @@ impl Output {
         };
         files.extend(arguments.report.then_some("report.html"));
         let of_motions: Vec<String> = match command {
-            "solve" => study
-                .motions
-                .iter()
-                .map(|(name, _)| motion_file(name))
-                .collect(),
+            // Those of an axle's study are for constraints.
+            "solve" if study.axle.is_none() => {
+                let names = study.motions.iter().map(|(name, _)| name);
+                names.map(|name| motion_file(name.as_str())).collect()
+            }
             _ => Vec::new(),
         };
         files.extend(of_motions.iter().map(String::as_str));

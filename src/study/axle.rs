@@ -30,22 +30,27 @@ pub struct AxleStudy {
     pub plan: AxlePlan,
 }
 
+/// The keys of a motion that are of axles, and where they are.
+fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<usize>)> {
+    let keys = [
+        ("heave", &motion.heave),
+        ("roll", &motion.roll),
+        ("travel_left", &motion.travel_left),
+        ("travel_right", &motion.travel_right),
+        ("steering_wheel_angle", &motion.steering_wheel_angle),
+    ];
+    let keys = keys.into_iter();
+    let mut places: Vec<_> = keys
+        .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
+        .collect();
+    places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    places
+}
+
 /// Refuses what is of an axle in a study of one wheel.
 pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
-    let mut places = Vec::new();
-    for motion in std::iter::once(&file.motion).chain(file.motions.values()) {
-        let motion = motion.get_ref();
-        let keys = [
-            ("heave", &motion.heave),
-            ("roll", &motion.roll),
-            ("travel_left", &motion.travel_left),
-            ("travel_right", &motion.travel_right),
-            ("steering_wheel_angle", &motion.steering_wheel_angle),
-        ];
-        let keys = keys.into_iter();
-        places.extend(keys.filter_map(|(key, values)| Some((key, values.as_ref()?.span()))));
-        places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
-    }
+    let motions = std::iter::once(&file.motion).chain(file.motions.values());
+    let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
     let sections = [
         ("[steering]", file.steering.as_ref().map(Spanned::span)),
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
@@ -132,10 +137,16 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         motion.time.as_ref().map(Spanned::span),
         "time is not yet there for an axle",
     );
-    add(
-        file.motions.values().next().map(Spanned::span),
-        "further motions are not yet there for an axle",
-    );
+    // Of the left wheel by itself, for constraints.
+    for motion in file.motions.values() {
+        for (key, span) in keys_of_axles(motion.get_ref()) {
+            let message = format!(
+                "{key} is of [motion]; a named motion is one of the left wheel, through which constraints hold: \
+                 expected travel and rack"
+            );
+            add(Some(span), &message);
+        }
+    }
     add(
         file.solver.formulation.as_ref().map(Text::span),
         "formulation is not there for an axle, which is always solved as \"knuckle_pose\"",

@@ -421,7 +421,10 @@ fn mistakes_in_targets_of_an_axle_are_named() {
     }
     let constraint = "optimise.constraints=[{ characteristic = \"camber\", at_most = 1.0 }]";
     let (_, said) = run(&["check", path, "--set", constraint], 2);
-    assert!(said.contains("expected at = \"design\""), "{said}");
+    assert!(said.contains("expected motion = \"NAME\""), "{said}");
+    let motion = "motions.wheel={ travel = [0.0], heave = 3.0 }";
+    let (_, said) = run(&["check", path, "--set", motion], 2);
+    assert!(said.contains("heave is of [motion]"), "{said}");
     let corner = study("macpherson_front.toml");
     let over = "optimise.targets=[{ characteristic = \"camber\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 1.0 }]";
     let (_, said) = run(&["check", corner.to_str().unwrap(), "--set", over], 2);

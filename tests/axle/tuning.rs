@@ -1,6 +1,7 @@
 //! Targets of an axle: rows and their derivatives, and that tuned axles do what was asked.
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
+use hardpoint::characteristics::Characteristic;
 use hardpoint::model::Side;
 use hardpoint::optimise::{
     Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design,
@@ -162,6 +163,45 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
         quantity.evaluate(&solver.read(&placed).unwrap().state)
     });
     (best.after.misfit, values.collect())
+}
+
+/// What limits a motion of the left wheel is kept all along it by the tuned axle's wheel alone, also between the stations at
+/// which it was looked at; and it binds.
+#[test]
+fn constraints_hold_through_a_motion_of_the_wheel() {
+    let edits = [
+        "motions.wheel={ travel = [-60.0, -20.0, 20.0, 60.0] }",
+        "optimise.constraints=[{ characteristic = \"half_track_change\", at_most = 0.5, motion = \"wheel\" }]",
+        "optimise.starts=1",
+    ];
+    let study = study("macpherson_axle_front", &[]);
+    let study = study
+        .with_overrides("axle.toml", &edits.map(str::to_owned))
+        .unwrap();
+    let best = study.tune(Control::default()).unwrap().best.unwrap();
+    assert!(best.constraints[0].price.unwrap() > 1.0);
+    let tuned = hardpoint::model::Suspension {
+        design: best.design,
+        ..study.suspension.clone()
+    };
+    let quantities = [Characteristic::HalfTrackChange];
+    let outputs = hardpoint::study::Outputs::of(quantities.to_vec());
+    let values = (0..=600).map(|k| 0.2 * f64::from(k) - 60.0).collect();
+    let alone = Study {
+        suspension: tuned,
+        outputs,
+        motion: hardpoint::study::Motion {
+            values,
+            ..study.motions[0].1.clone()
+        },
+        axle: None,
+        optimise: None,
+        ..study
+    };
+    let curves = alone.curves().unwrap();
+    let most = curves.stations.iter().map(|s| s.values[0].unwrap());
+    let most = most.fold(f64::NEG_INFINITY, f64::max);
+    assert!((most - 0.5).abs() < 1e-5, "{most}");
 }
 
 #[test]

@@ -99,9 +99,10 @@ impl Reader<'_> {
         };
         let mechanism = &self.suspension().mechanism;
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
-        if self.context.axle.is_some() && !is_design && moves() {
-            let message = "what changes along the motion of an axle cannot be a constraint; expected at = \"design\": \
-                           in the design position, of the left wheel";
+        let has_motion = is_design || site.motion.is_some();
+        if self.context.axle.is_some() && !has_motion && moves() {
+            let message = "constraints of an axle hold through a motion of the left wheel: expected motion = \"NAME\", \
+                           with travel and rack in [motions.NAME], or at = \"design\"";
             problems.add(self.place.clone(), message);
             return None;
         }

@@ -33,7 +33,7 @@ pub use curves::{AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
 pub use limits::{AxleEnd, AxleLimits};
-pub use reading::{Moving, Parts, Reading, WheelParts};
+pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
 pub use setup::Setup;
 pub use solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};

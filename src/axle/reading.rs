@@ -185,6 +185,17 @@ impl Reading<f64> {
     }
 }
 
+impl<const N: usize> Reading<Jet<f64, N>> {
+    /// A wheel that stands, its numbers series in something else than its motion: derivatives by that are not known.
+    pub fn standing(read: &Snapshot<N>) -> Self {
+        let part = |part: usize| match part {
+            DESIGN.. => Taylor::constant(read.0[part]),
+            _ => Taylor::through(&[&[read.0[part]]]),
+        };
+        Reading(std::array::from_fn(part))
+    }
+}
+
 impl<'t> Reading<Tracked<'t>> {
     /// The same with every number an input on the tape, line by line, part by part, power by power.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {

@@ -8,7 +8,7 @@
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx)
 //! ```
 //!
-//! The second order is not known here: its series would have to carry the root of the ground.
+//! The second order is in module `axle_second`.
 
 use super::Problem;
 use crate::axle::{AxleSolver, Hold};

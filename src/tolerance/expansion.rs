@@ -5,14 +5,14 @@
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::{Looked, Problem, Spread, axle_expansion};
+use super::{Looked, Problem, Spread, axle_expansion, axle_second};
 use crate::build::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Configuration, Driver};
 use crate::model::SteeringAxis;
-use crate::number::{Jet, Vector3};
+use crate::number::Jet;
 use crate::plan::Plan;
 use crate::solve::{Solver, StationOrder};
 use crate::study::{Drive, Formulation, Order, Source};
@@ -53,7 +53,7 @@ impl Expansion {
             Looked::Wheel { .. } => of_wheel(problem, &sources)?,
             Looked::Axle(stations) => {
                 let gradient = axle_expansion::gradients(problem, stations)?;
-                (gradient, vec![[f64::NAN; 2]; cells])
+                (gradient, axle_second::second(problem, stations)?)
             }
         };
         let sum = |cell: usize, of: &dyn Fn(f64, &crate::study::Law) -> f64| -> f64 {
@@ -182,10 +182,8 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// By cell, what second order adds to the mean and to the variance.
+/// By cell, what second order adds to the mean and to the variance of one wheel.
 fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
-    let unknown = vec![[f64::NAN; 2]; problem.cells()];
-    let count = problem.tolerance.sources();
     let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
         .characteristics()
@@ -196,25 +194,42 @@ fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
             !c.info().reads_rates() && !by_screw
         })
         .collect();
-    if count > MOST_SOURCES || !readable.contains(&true) {
-        return unknown;
-    }
-    let Some(poses) = Poses::of(problem, &readable) else {
-        return unknown;
-    };
-    let laws: Vec<_> = problem
+    let poses = Poses::of(problem, &readable);
+    let bends = poses.map(|poses| move |along: &[&Source]| poses.bends(problem, built, along));
+    combined(problem, &readable, bends)
+}
+
+/// What second order adds, of what can be read, from the second derivatives of all cells along sums of sources, each in its
+/// standard deviation.
+pub(super) fn combined(
+    problem: &Problem,
+    readable: &[bool],
+    bends: Option<impl Fn(&[&Source]) -> Vec<f64> + Sync>,
+) -> Vec<[f64; 2]> {
+    let unknown = vec![[f64::NAN; 2]; problem.cells()];
+    let sources: Vec<&Source> = problem
         .tolerance
         .scatter
         .iter()
-        .flat_map(|c| c.sources.iter().map(|s| s.law))
+        .flat_map(|c| &c.sources)
         .collect();
+    let count = sources.len();
+    let Some(bends) = bends else {
+        return unknown;
+    };
+    if count > MOST_SOURCES || !readable.contains(&true) {
+        return unknown;
+    }
     let pairs: Vec<(usize, usize)> = (0..count)
         .flat_map(|j| (j..count).map(move |k| (j, k)))
         .collect();
-    // y'' along d_j + d_k, scaled by the standard deviations.
+    // y'' along d_j + d_k.
     let bends: Vec<Vec<f64>> = pairs
         .par_iter()
-        .map(|(j, k)| poses.bends(problem, built, &[*j, *k], &laws))
+        .map(|(j, k)| match j == k {
+            true => bends(&[sources[*j]]),
+            false => bends(&[sources[*j], sources[*k]]),
+        })
         .collect();
     let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;
     let mut second = unknown;
@@ -224,10 +239,10 @@ fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
         }
         let own = |j: usize| bends[place(j, j)][cell];
         let (mut mean, mut variance) = (0.0, 0.0);
-        for j in 0..count {
+        for (j, source) in sources.iter().enumerate() {
             let hjj = own(j);
             mean += 0.5 * hjj;
-            variance += 0.25 * hjj * hjj * (laws[j].kurtosis() - 1.0);
+            variance += 0.25 * hjj * hjj * (source.law.kurtosis() - 1.0);
             for k in j + 1..count {
                 let hjk = 0.5 * (bends[place(j, k)][cell] - hjj - own(k));
                 variance += hjk * hjk;
@@ -287,39 +302,11 @@ impl<'p> Poses<'p> {
         })
     }
 
-    /// By cell, the second derivative along the sum of two sources' directions, or along one that is given twice, each in
-    /// its standard deviation.
-    fn bends(
-        &self,
-        problem: &Problem,
-        built: &crate::build::Built,
-        pair: &[usize; 2],
-        laws: &[crate::study::Law],
-    ) -> Vec<f64> {
+    /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
+    fn bends(&self, problem: &Problem, built: &crate::build::Built, along: &[&Source]) -> Vec<f64> {
         let workshop = &problem.workshops[0];
-        let assembler = &workshop.assembler;
-        let mechanism = &assembler.suspension().mechanism;
-        let sources: Vec<_> = problem
-            .tolerance
-            .scatter
-            .iter()
-            .flat_map(|c| &c.sources)
-            .collect();
-        let along = match pair[0] == pair[1] {
-            true => &pair[..1],
-            false => &pair[..],
-        };
-        let mut parts = assembler.drawn().map(Jet::<f64, 3>::constant);
-        for source in along {
-            let sigma = laws[*source].variance().sqrt();
-            for (parameter, share) in &sources[*source].changes {
-                parts.change(mechanism, *parameter, Jet([0.0, share * sigma, 0.0]));
-            }
-        }
-        let design: Vec<Vector3<Jet<f64, 3>>> = match &workshop.alignment {
-            None => assembler.design_of(built, &parts, 2),
-            Some(alignment) => alignment.design(assembler, built, &mut parts, 2),
-        };
+        let mechanism = &workshop.assembler.suspension().mechanism;
+        let design = workshop.series(built, along);
         let closure = Closure::new(mechanism, &design);
         let mut bends = vec![f64::NAN; problem.cells()];
         for (station, place) in self.poses.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::build::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
 use crate::model::{Side, Suspension};
-use crate::number::Vector3;
+use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
 
 /// What builds one wheel.
@@ -50,6 +50,23 @@ impl Workshop {
                 alignment.aligned_direction(&self.assembler, built, changes)
             }
             _ => changes.to_vec(),
+        }
+    }
+
+    /// The built design as a series along the sum of some sources' directions, each in its standard deviation.
+    pub(super) fn series(&self, built: &Built, along: &[&Source]) -> Vec<Vector3<Jet<f64, 3>>> {
+        let assembler = &self.assembler;
+        let mechanism = &assembler.suspension().mechanism;
+        let mut parts = assembler.drawn().map(Jet::<f64, 3>::constant);
+        for source in along {
+            let sigma = source.law.variance().sqrt();
+            for (parameter, share) in self.changes(source) {
+                parts.change(mechanism, *parameter, Jet([0.0, share * sigma, 0.0]));
+            }
+        }
+        match &self.alignment {
+            None => assembler.design_of(built, &parts, 2),
+            Some(alignment) => alignment.design(assembler, built, &mut parts, 2),
         }
     }
 

@@ -1,20 +1,20 @@
 //! Builds of axles: two wheels, each by itself, on one rack and one ground.
 
-use hardpoint::axle::{Axle, AxleSolver, axle_curves};
+use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
 use hardpoint::build::Assembler;
 use hardpoint::model::Side;
 use hardpoint::number::Width;
-use hardpoint::study::Study;
+use hardpoint::study::{Source, Study};
 use hardpoint::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, monte_carlo_in, rank};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
 const SCATTER: &str = "scatter=[\
-    {hardpoints=[\"lower_arm_front\",\"tie_rod_inner\",\"tie_rod_outer\"],sigma=0.4},\
+    {hardpoints=[\"lower_arm_front\",\"tie_rod_outer\"],sigma=0.4},\
     {hardpoint=\"strut_top\",axis=\"y\",limits=[-0.5,0.3],side=\"right\"},\
     {length=\"tie_rod\",sigma=0.2},\
-    {jig=[\"lower_arm_front\",\"lower_arm_rear\"],shift=0.3,turn=0.05}]";
+    {jig=[\"lower_arm_front\",\"lower_arm_rear\"],turn=0.1}]";
 
 /// The left wheel of a sample study of an axle, up to what makes it one.
 fn wheel() -> String {
@@ -125,6 +125,57 @@ fn a_printed_build_is_the_build() {
     }
 }
 
+/// What a built axle reads in one position, its sources moved by so much each.
+struct Moved<'s> {
+    sources: Vec<&'s Source>,
+    assemblers: [Assembler; 2],
+    drawn: Axle,
+    quantities: Vec<Quantity>,
+    placement: Placement,
+}
+
+impl<'s> Moved<'s> {
+    fn of(study: &'s Study, placement: Placement) -> Self {
+        let both = study.axle.as_ref().unwrap();
+        let assemblers = Side::ALL.map(|side| Assembler::new(both.axle.suspension(side)).unwrap());
+        let scatter = &study.tolerance.as_ref().unwrap().scatter;
+        Moved {
+            sources: scatter.iter().flat_map(|c| &c.sources).collect(),
+            drawn: Axle {
+                left: assemblers[0].suspension().clone(),
+                right: Some(assemblers[1].suspension().clone()),
+                setup: both.axle.setup.clone(),
+            },
+            assemblers,
+            quantities: both.plan.quantities.clone(),
+            placement,
+        }
+    }
+
+    fn values(&self, steps: &[(usize, f64)]) -> Vec<f64> {
+        let mut designs = Side::ALL.map(|side| self.drawn.suspension(side).design.clone());
+        for side in Side::ALL {
+            let assembler = &self.assemblers[side as usize];
+            let mut parts = assembler.drawn().clone();
+            for (number, step) in steps {
+                let source = self.sources[*number];
+                let own = source.changes.iter().filter(|_| source.side == Some(side));
+                for (parameter, share) in own {
+                    parts.change(&assembler.suspension().mechanism, *parameter, share * step);
+                }
+            }
+            let into = &mut designs[side as usize];
+            assembler.assemble(&parts, 0.0, into).unwrap();
+        }
+        let mut solver = AxleSolver::<2>::new(&self.drawn, &self.quantities, false).unwrap();
+        solver.prepare([&designs[0], &designs[1]]).unwrap();
+        let placed = solver.place(&self.placement).unwrap();
+        let read = solver.read(&placed).unwrap();
+        let value = |quantity: &Quantity| quantity.value(&read.state).unwrap_or(f64::NAN);
+        self.quantities.iter().map(value).collect()
+    }
+}
+
 /// The derivatives by everything that scatters, either side's, are the slopes of what the built axle reads, to differences of
 /// order four.
 #[test]
@@ -132,53 +183,14 @@ fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
-    let both = study.axle.as_ref().unwrap();
-    let assemblers = Side::ALL.map(|side| Assembler::new(both.axle.suspension(side)).unwrap());
-    let drawn = Axle {
-        left: assemblers[0].suspension().clone(),
-        right: Some(assemblers[1].suspension().clone()),
-        setup: both.axle.setup.clone(),
-    };
-    let quantities = &both.plan.quantities;
-    let mut solver = AxleSolver::<2>::new(&drawn, quantities, false).unwrap();
-    let sources: Vec<_> = study
-        .tolerance
-        .as_ref()
-        .unwrap()
-        .scatter
-        .iter()
-        .flat_map(|c| &c.sources)
-        .collect();
     // In roll, heaved and steered.
     let station = 9;
-    let placement = problem.placements()[station];
-    let mut values = |source: &hardpoint::study::Source, step: f64| -> Vec<f64> {
-        let side = source.side.unwrap();
-        let assembler = &assemblers[side as usize];
-        let mut parts = assembler.drawn().clone();
-        for (parameter, share) in &source.changes {
-            parts.change(&assembler.suspension().mechanism, *parameter, share * step);
-        }
-        let mut designs = [
-            drawn.left.design.clone(),
-            drawn.right.as_ref().unwrap().design.clone(),
-        ];
-        assembler
-            .assemble(&parts, 0.0, &mut designs[side as usize])
-            .unwrap();
-        solver.prepare([&designs[0], &designs[1]]).unwrap();
-        let placed = solver.place(&placement).unwrap();
-        let read = solver.read(&placed).unwrap();
-        quantities
-            .iter()
-            .map(|q| q.value(&read.state).unwrap())
-            .collect()
-    };
-    let mut moved = 0;
-    for (k, source) in sources.iter().enumerate() {
+    let moved = Moved::of(&study, problem.placements()[station]);
+    let mut looked_at = 0;
+    for (k, source) in moved.sources.iter().enumerate() {
         let h = 0.05 * source.law.variance().sqrt();
-        let at = [-2.0, -1.0, 1.0, 2.0].map(|step| values(source, step * h));
-        for output in 0..quantities.len() {
+        let at = [-2.0, -1.0, 1.0, 2.0].map(|step| moved.values(&[(k, step * h)]));
+        for output in 0..moved.quantities.len() {
             let [a, b, c, d] = at.each_ref().map(|values| values[output]);
             let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
             let found = expansion.gradient(problem.cell(output, station))[k];
@@ -189,10 +201,79 @@ fn gradients_are_slopes_of_built_axles() {
                 "{} {output}: {found} {slope}",
                 source.name
             );
-            moved += usize::from(slope.abs() > 1e3 * size);
+            looked_at += usize::from(slope.abs() > 1e3 * size);
         }
     }
-    assert!(moved > 2 * sources.len(), "{moved}");
+    assert!(looked_at > 2 * moved.sources.len(), "{looked_at}");
+}
+
+/// The second-order part is half the second derivative times the variance, products of both wheels' sources too: against
+/// differences of order four, in roll, on a plane with given travels and on pads. Of what is made of velocities it is not known.
+#[test]
+fn second_order_is_that_of_built_axles() {
+    let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
+        {hardpoint=\"lower_arm_rear\",axis=\"z\",sigma=3.0,side=\"right\"}]";
+    let outputs = "outputs.characteristics=[\"toe\",\"camber_to_road\",\"mean_steer\",\"track\",\"ackermann_error\",\"roll_angle\",\"roll_steer\"]";
+    let motions = [
+        "motion={roll=[2.0],heave=[-20.0],rack=12.0}",
+        "motion={travel_left=[-20.0],travel_right=[30.0],ground=\"plane\",rack=12.0}",
+        "motion={heave=[30.0],rack=12.0}",
+    ];
+    for motion in motions {
+        let study = axle(
+            "builds=2",
+            &[two, outputs, motion, "vehicle.wheelbase=2650.0"],
+        );
+        let problem = problem(&study);
+        let expansion = Expansion::of(&problem).unwrap();
+        let moved = Moved::of(&study, problem.placements()[0]);
+        // By steps of a fifth of a standard deviation along one source, or both.
+        let bend = |sources: &[usize]| -> Vec<f64> {
+            let h = 0.2;
+            let at = |step: f64| {
+                let sigma = |k: &usize| moved.sources[*k].law.variance().sqrt();
+                let steps: Vec<_> = sources.iter().map(|k| (*k, step * h * sigma(k))).collect();
+                moved.values(&steps)
+            };
+            let [a, b, c, d, e] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
+            let second = |k: usize| -a[k] + 16.0 * b[k] - 30.0 * c[k] + 16.0 * d[k] - e[k];
+            (0..a.len()).map(|k| second(k) / (12.0 * h * h)).collect()
+        };
+        let [first, other, together] = [bend(&[0]), bend(&[1]), bend(&[0, 1])];
+        let mut looked_at = 0;
+        for (output, quantity) in moved.quantities.iter().enumerate() {
+            let cell = problem.cell(output, 0);
+            let found = expansion.second[cell];
+            if quantity.rate_order() > 0 {
+                assert!(found[0].is_nan() && expansion.holds(cell).is_none());
+                continue;
+            }
+            let (one, two) = (first[output], other[output]);
+            let mixed = 0.5 * (together[output] - one - two);
+            let mean = 0.5 * (one + two);
+            let growth = 0.5 * (one * one + two * two) + mixed * mixed;
+            let value = moved.values(&[])[output].abs().max(1e-3);
+            // What differences are off by.
+            let rounding = 1e-12 * value;
+            let size = one.abs() + two.abs() + mixed.abs() + rounding;
+            let name = quantity.name();
+            assert!(
+                (found[0] - mean).abs() < 1e-5 * size + rounding,
+                "{motion} {name}: {found:?} {mean}"
+            );
+            let error = (found[1] - growth).abs();
+            assert!(
+                error < 1e-5 * size * size + rounding * size,
+                "{motion} {name}: {found:?} {growth}"
+            );
+            looked_at += usize::from(mixed.abs() > 1e3 * rounding);
+        }
+        let on_pads = motion.starts_with("motion={heave");
+        assert!(
+            looked_at >= if on_pads { 1 } else { 3 },
+            "{motion}: {looked_at}"
+        );
+    }
 }
 
 /// First order and Monte Carlo agree where scatter is small; both wheels of a mirrored axle scatter alike and independently.
@@ -211,7 +292,10 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
             off < 0.01 * linear + 4.5 * spread.sigma_error,
             "{cell}: {spread:?} {linear}"
         );
-        assert_eq!(expansion.holds(cell), None);
+        let of_velocities = problem.outputs[cell / problem.stations.count()]
+            .column
+            .contains("roll");
+        assert_eq!(expansion.holds(cell), (!of_velocities).then_some(true));
     }
     let rest = problem.stations.design();
     let variance = |column: &str| expansion.variance[problem.cell(output(&problem, column), rest)];

@@ -1,0 +1,227 @@
+//! The second-order answer of an axle, exact.
+//!
+//! Along a direction of the parts both built designs, their poses and what is read of them are series in one number, as
+//! of one wheel (module `expansion`), but for what the ground asks: f = h_l - h_r = 0 holds order by order. With the
+//! roll angle given the travels z +- s(e) follow, with both travels given the roll angle:
+//!
+//! ```text
+//! s_k = -f_k/(n.C_l' + n.C_r')        phi_k = -f_k/track
+//! ```
+//!
+//! f_k being the coefficient that is left with the orders below. Quantities made of velocities are left out.
+
+use super::Problem;
+use super::expansion::combined;
+use crate::axle::{AxleSolver, Hold, Parts, Quantity, Reading, Snapshot, State};
+use crate::build::{Built, NoSetUp, Rest};
+use crate::derive::{MotionPoint, pose_series};
+use crate::linear::lu::Lu6;
+use crate::mechanism::{Closure, Configuration, Driver, Ground, Pose};
+use crate::model::{Drive, Side, SteeringAxis};
+use crate::number::{Jet, Vector3};
+use crate::solve::Solver;
+use crate::study::Source;
+use crate::sweep::AxleStations;
+
+type Series = Jet<f64, 3>;
+
+/// The most series of poses of both wheels: seconds of work.
+const MOST_SERIES: usize = 300_000;
+
+/// By cell, what second order adds to the mean and to the variance.
+pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[f64; 2]>, NoSetUp> {
+    let mechanism = &stations.axle.left.mechanism;
+    let is_readable = |quantity: &Quantity| {
+        let by_screw = mechanism.steering_axis == Some(SteeringAxis::Instantaneous)
+            && matches!(quantity, Quantity::Corner(_, c) if c.info().reads_steering_axis());
+        quantity.rate_order() == 0 && !by_screw
+    };
+    let readable: Vec<bool> = stations.quantities.iter().map(is_readable).collect();
+    let count = problem.tolerance.sources();
+    let work = count.saturating_mul(count + 1) / 2 * stations.placements.len();
+    let places = match work <= MOST_SERIES && readable.contains(&true) {
+        true => Some(Places::of(problem, stations)?),
+        false => None,
+    };
+    let bends = places.map(|places| move |along: &[&Source]| places.bends(along));
+    Ok(combined(problem, &readable, bends))
+}
+
+/// The positions of the drawn axle.
+struct Places<'p> {
+    problem: &'p Problem<'p>,
+    stations: &'p AxleStations<'p>,
+    built: Vec<Built>,
+    parts: Parts,
+    places: Vec<Option<Place>>,
+}
+
+/// A position, and what moves from it.
+struct Place {
+    travels: [f64; 2],
+    roll: f64,
+    rack: f64,
+    hold: Hold,
+    /// n.C_l' + n.C_r', and the track.
+    slopes: [f64; 2],
+    wheels: [(Pose<f64>, Lu6<f64>); 2],
+    /// Quantities that have a value here.
+    has_value: Vec<bool>,
+}
+
+impl<'p> Places<'p> {
+    fn of(problem: &'p Problem, stations: &'p AxleStations) -> Result<Self, NoSetUp> {
+        let axle = &stations.axle;
+        let mut built = Vec::new();
+        let mut solvers = Vec::new();
+        for (side, workshop) in Side::ALL.into_iter().zip(&problem.workshops) {
+            let assembler = &workshop.assembler;
+            built.push(assembler.build(assembler.drawn(), Rest::Height(0.0))?);
+            let suspension = axle.suspension(side);
+            let solver = Solver::new(&suspension.mechanism, &suspension.design);
+            solvers.push(solver.map_err(NoSetUp::Fault)?);
+        }
+        // With the first derivatives of both wheels, for the slopes of what the ground asks.
+        let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
+        let mut solver = solver.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
+        let placed = solver.place_all(&stations.placements);
+        let place = |placed: Result<crate::axle::Placed, _>| {
+            let placed = placed.ok()?;
+            let read = solver.read(&placed).ok()?;
+            let wheel = |side: Side| {
+                let sign = [1.0, -1.0][side as usize];
+                let point = MotionPoint {
+                    drive: Drive::Travel,
+                    value: placed.travels[side as usize],
+                    rack: placed.rack * sign,
+                };
+                let pose = placed.poses()[side as usize];
+                Some((pose, solvers[side as usize].factorise(&pose, &point)?))
+            };
+            let [left, right] = read.state.wheels().map(|wheel| wheel.rise());
+            let has_value = |quantity: &Quantity| {
+                !read.is_stuck(*quantity) && quantity.value(&read.state).is_ok()
+            };
+            Some(Place {
+                travels: placed.travels,
+                roll: placed.roll,
+                rack: placed.rack,
+                hold: placed.hold,
+                slopes: [left + right, read.state.track()],
+                wheels: [wheel(Side::Left)?, wheel(Side::Right)?],
+                has_value: stations.quantities.iter().map(has_value).collect(),
+            })
+        };
+        let places = placed.into_iter().map(place).collect();
+        let slots: Vec<_> = stations
+            .quantities
+            .iter()
+            .flat_map(|q| q.reads())
+            .copied()
+            .collect();
+        Ok(Places {
+            problem,
+            stations,
+            built,
+            parts: Parts::of(&slots),
+            places,
+        })
+    }
+
+    /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
+    fn bends(&self, along: &[&Source]) -> Vec<f64> {
+        let workshops = self.problem.workshops.iter().zip(&self.built);
+        let designs: Vec<Vec<Vector3<Series>>> = workshops
+            .map(|(workshop, built)| workshop.series(built, along))
+            .collect();
+        let closures: Vec<Closure<Series>> = Side::ALL
+            .into_iter()
+            .zip(&designs)
+            .map(|(side, design)| {
+                Closure::new(&self.stations.axle.suspension(side).mechanism, design)
+            })
+            .collect();
+        let mut bends = vec![f64::NAN; self.problem.cells()];
+        for (station, place) in self.places.iter().enumerate() {
+            let Some(place) = place else {
+                continue;
+            };
+            let state = self.standing(place, &designs, &closures);
+            for (output, quantity) in self.stations.quantities.iter().enumerate() {
+                if place.has_value[output] && quantity.rate_order() == 0 {
+                    let value = quantity.evaluate(&state).derivative(2);
+                    bends[self.problem.cell(output, station)] = value;
+                }
+            }
+        }
+        bends
+    }
+
+    /// The axle in a position as series, on the ground to every order.
+    fn standing(
+        &self,
+        place: &Place,
+        designs: &[Vec<Vector3<Series>>],
+        closures: &[Closure<Series>],
+    ) -> State<'_, Series> {
+        let zero = Jet([0.0; 3]);
+        let (mut apart, mut turn) = (zero, zero);
+        let mut state = self.state(place, designs, closures, apart, turn);
+        let [rise, track] = place.slopes;
+        for order in 1..3 {
+            let left_over = state.mismatch()[order];
+            match place.hold {
+                Hold::TravelsOnPads => return state,
+                Hold::MeanTravel => apart.0[order] = -left_over / rise,
+                Hold::TravelsOnPlane => turn.0[order] = -left_over / track,
+            }
+            state = self.state(place, designs, closures, apart, turn);
+        }
+        state
+    }
+
+    /// The axle with the travels so far apart, the ground turned by so much.
+    fn state(
+        &self,
+        place: &Place,
+        designs: &[Vec<Vector3<Series>>],
+        closures: &[Closure<Series>],
+        apart: Series,
+        turn: Series,
+    ) -> State<'_, Series> {
+        let axle = &self.stations.axle;
+        let reading = |side: Side| {
+            let number = side as usize;
+            let sign = [1.0, -1.0][number];
+            let mechanism = &axle.suspension(side).mechanism;
+            let (pose, factors) = &place.wheels[number];
+            let rack = Jet::constant(place.rack * sign);
+            let travel = Jet::constant(place.travels[number]) + apart * Jet::constant(sign);
+            let (design, closure) = (&designs[number], &closures[number]);
+            let driver = Driver::Travel(travel);
+            let pose = pose_series(mechanism, design, closure, factors, pose, driver, rack);
+            let at = Configuration {
+                mechanism,
+                design,
+                pose,
+                rack,
+                steering: None,
+            };
+            Reading::standing(&Snapshot::of(&at, &self.parts))
+        };
+        let (sine, cosine) = place.roll.sin_cos();
+        let [sine, cosine] = [sine, cosine].map(Series::constant);
+        // To second order.
+        let upright = Series::constant(1.0) - turn * turn * Series::constant(0.5);
+        State {
+            readings: [reading(Side::Left), reading(Side::Right)],
+            ground: Ground {
+                sine: sine * upright + cosine * turn,
+                cosine: cosine * upright - sine * turn,
+            },
+            roll: Series::constant(place.roll) + turn,
+            hold: place.hold,
+            setup: &axle.setup,
+        }
+    }
+}

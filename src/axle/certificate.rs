@@ -168,6 +168,8 @@ impl<'a> AxleCertifier<'a> {
         let over =
             |[left, right]: [Interval; 2]| Ok([over(Side::Left, left)?, over(Side::Right, right)?]);
         match *placement {
+            // A load is not enclosed.
+            Placement::AtLoad { .. } => Err(AxleFailure::Unproven),
             Placement::Roll { heave, roll, .. } => {
                 self.in_roll([heave, roll], placed.travels, over)
             }

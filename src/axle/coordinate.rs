@@ -77,8 +77,13 @@ impl Placement {
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
-            (Coordinate::Roll, Placement::Roll { roll, .. }) => roll,
-            (Coordinate::Heave, Placement::Roll { heave, .. }) => heave,
+            (Coordinate::Roll, Placement::Roll { roll, .. } | Placement::AtLoad { roll, .. }) => {
+                roll
+            }
+            (
+                Coordinate::Heave,
+                Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. },
+            ) => heave,
             (Coordinate::Heave | Coordinate::TravelLeft, Placement::Travels { travels, .. }) => {
                 travels[0]
             }

@@ -27,6 +27,8 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
+        /// Whether the mean travel follows: held is the load of the axle that stands level at this heave.
+        at_load: bool,
     },
     /// Travels of both wheels: every combination.
     Travels {
@@ -61,7 +63,7 @@ impl Course {
     pub fn stations(&self) -> usize {
         let wheels = match &self.wheels {
             WheelMotion::Heave(values) => values.len(),
-            WheelMotion::Roll { heave, roll } => heave.len().saturating_mul(roll.len()),
+            WheelMotion::Roll { heave, roll, .. } => heave.len().saturating_mul(roll.len()),
             WheelMotion::Travels { left, right, .. } => left.len().saturating_mul(right.len()),
         };
         wheels.saturating_mul(self.racks.len())
@@ -81,12 +83,18 @@ impl Course {
                 WheelMotion::Heave(values) => {
                     placements.extend(values.iter().map(|z| travels([*z; 2], false)));
                 }
-                WheelMotion::Roll { heave, roll } => {
+                WheelMotion::Roll {
+                    heave,
+                    roll,
+                    at_load,
+                } => {
                     for heave in heave.iter().copied() {
-                        let at = |roll: &f64| Placement::Roll {
-                            heave,
-                            roll: *roll,
-                            rack,
+                        let at = |roll: &f64| {
+                            let roll = *roll;
+                            match at_load {
+                                true => Placement::AtLoad { heave, roll, rack },
+                                false => Placement::Roll { heave, roll, rack },
+                            }
                         };
                         placements.extend(roll.iter().map(at));
                     }

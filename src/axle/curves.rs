@@ -60,6 +60,7 @@ impl AxlePlan {
             WheelMotion::Roll { .. } => WheelMotion::Roll {
                 heave: vec![0.0],
                 roll: vec![0.0],
+                at_load: false,
             },
             WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
                 left: vec![0.0],

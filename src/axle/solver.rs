@@ -5,13 +5,14 @@
 //! near 2 and positive while neither wheel is at a fold of its travel, so that the root is the only one
 //! and Newton's method meets it. With both travels given it is one in the roll angle, of slope -track.
 
+use super::at_load::LOAD_TERMS;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
 use super::setup::Setup;
-use super::state::{Hold, State};
+use super::state::{Hold, Motion, State};
 use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
-use crate::derive::{DesignSeries, MotionPoint};
+use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
 use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
@@ -24,6 +25,15 @@ pub enum Placement {
     /// The body rolled on a plane ground.
     Roll {
         /// Mean travel of the wheel centres.
+        heave: f64,
+        /// Roll angle in radians.
+        roll: f64,
+        /// Displacement of the rack.
+        rack: f64,
+    },
+    /// The same, but that the mean travel follows: the axle carries what it carries level, with the rack in the middle.
+    AtLoad {
+        /// Mean travel of the wheel centres there.
         heave: f64,
         /// Roll angle in radians.
         roll: f64,
@@ -45,14 +55,16 @@ impl Placement {
     /// Displacement of the rack.
     pub fn rack(&self) -> f64 {
         match *self {
-            Placement::Roll { rack, .. } | Placement::Travels { rack, .. } => rack,
+            Placement::Roll { rack, .. }
+            | Placement::AtLoad { rack, .. }
+            | Placement::Travels { rack, .. } => rack,
         }
     }
 
     /// What is held.
     pub fn hold(&self) -> Hold {
         match self {
-            Placement::Roll { .. } => Hold::MeanTravel,
+            Placement::Roll { .. } | Placement::AtLoad { .. } => Hold::MeanTravel,
             Placement::Travels { on_plane: true, .. } => Hold::TravelsOnPlane,
             Placement::Travels { .. } => Hold::TravelsOnPads,
         }
@@ -67,6 +79,13 @@ impl std::fmt::Display for Placement {
                 write!(
                     f,
                     "roll {roll:.6} deg, heave {heave}, rack {rack} to the left"
+                )
+            }
+            Placement::AtLoad { heave, roll, rack } => {
+                let roll = roll.to_degrees();
+                write!(
+                    f,
+                    "roll {roll:.6} deg at the load of heave {heave}, rack {rack} to the left"
                 )
             }
             Placement::Travels {
@@ -95,6 +114,8 @@ pub enum AxleFailure {
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
     NoGround,
+    /// No mean travel gives the axle the load that is held: it does not grow with the travel, or a wheel does not get there.
+    NoLoad,
     /// A proof was asked for: both poses are proved, but not that the ground under them is the only one there.
     Unproven,
 }
@@ -104,7 +125,7 @@ impl AxleFailure {
     pub fn word(&self) -> &'static str {
         match self {
             AxleFailure::Wheel { failure, .. } => crate::curves::Status::Failed(*failure).word(),
-            AxleFailure::NoGround => "unreachable",
+            AxleFailure::NoGround | AxleFailure::NoLoad => "unreachable",
             AxleFailure::Unproven => "uncertified",
         }
     }
@@ -114,7 +135,7 @@ impl AxleFailure {
         match self {
             AxleFailure::Wheel { failure, .. } => matches!(failure, Failure::Uncertified(_)),
             AxleFailure::Unproven => true,
-            AxleFailure::NoGround => false,
+            AxleFailure::NoGround | AxleFailure::NoLoad => false,
         }
     }
 }
@@ -129,6 +150,12 @@ impl std::fmt::Display for AxleFailure {
             } => write!(f, "{} wheel at travel {travel:.6}: {failure}", side.name()),
             AxleFailure::NoGround => {
                 write!(f, "no difference of travels puts both wheels on the ground")
+            }
+            AxleFailure::NoLoad => {
+                write!(
+                    f,
+                    "at no mean travel the wheels carry the load that is held"
+                )
             }
             AxleFailure::Unproven => write!(
                 f,
@@ -149,6 +176,8 @@ pub struct Placed {
     pub rack: f64,
     /// What was held.
     pub hold: Hold,
+    /// Where the mean travel followed from a load: that at which the level axle has it.
+    pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
 
@@ -181,8 +210,11 @@ struct Corner<'a, const N: usize> {
 /// known: one more than the highest derivative that is read.
 #[derive(Clone, Debug)]
 pub struct AxleSolver<'a, const N: usize> {
+    pub(super) axle: &'a Axle,
     corners: [Corner<'a, N>; 2],
     setup: &'a Setup,
+    /// For positions at a load, once there are any.
+    pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
     tape: Tape,
@@ -460,6 +492,22 @@ pub(super) enum Sought {
     Point(Side, PointId, Axis),
 }
 
+/// The derivative of what is sought by the mean travel.
+fn heaving<const N: usize>(
+    state: &State<'_, f64>,
+    linearised: &[Vec<Linearised<'_, N>>; 2],
+    sought: &Sought,
+) -> f64 {
+    match *sought {
+        Sought::Quantity(quantity) => quantity.evaluate(&state.moving(Motion::Heave))[1],
+        Sought::Point(side, id, axis) => {
+            let place = linearised[side as usize][0].at.point(id)[axis];
+            let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
+            state.along(Motion::Heave, side, [by_travel, 0.0])
+        }
+    }
+}
+
 /// What is read of one wheel at a travel.
 #[derive(Clone, Debug)]
 pub struct WheelRead {
@@ -521,6 +569,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         let points = corners[0].mechanism.points.len();
         Ok(AxleSolver {
+            axle,
+            loads: None,
             corners,
             setup: &axle.setup,
             parts,
@@ -579,7 +629,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let side = corner.side;
             corner.prepare(design).map_err(|fault| (side, fault))?;
         }
-        Ok(())
+        match &mut self.loads {
+            Some(loads) => loads.prepare(designs),
+            None => Ok(()),
+        }
     }
 
     fn radius(&self) -> f64 {
@@ -648,7 +701,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     roll,
                     half: self.straight_half(roll),
                 }),
-                Placement::Travels { .. } => None,
+                _ => None,
             });
         let mut open: Vec<Open> = open.collect();
         for _ in 0..MOST_ROUNDS {
@@ -684,6 +737,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                         roll: at.roll,
                         rack,
                         hold: Hold::MeanTravel,
+                        at_load: None,
                         poses: [left.moved(step), right.moved(-step)],
                     });
                 } else if step.is_finite() {
@@ -701,6 +755,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     fn place_alone(&mut self, placement: &Placement) -> Result<Placed, AxleFailure> {
         let rack = placement.rack();
         let (travels, poses, roll) = match *placement {
+            Placement::AtLoad { heave, roll, rack } => return self.at_load(heave, roll, rack),
             Placement::Roll { heave, roll, .. } => {
                 let (travels, poses) = self.rolled(heave, roll, rack)?;
                 (travels, poses, roll)
@@ -726,6 +781,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             roll,
             rack,
             hold: placement.hold(),
+            at_load: None,
             poses,
         })
     }
@@ -909,6 +965,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             roll,
             rack,
             hold,
+            at_load: None,
             poses,
         };
         Ok((placed, self.both(wheels, &placed)))
@@ -964,6 +1021,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         sought: &[Sought],
         mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
     ) -> Result<(), AxleFailure> {
+        let by_heave = match placed.at_load {
+            Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),
+            None => None,
+        };
         let (lines, parts) = (self.lines, self.parts);
         let plain = self.read(placed)?.state;
         let slopes = {
@@ -1035,6 +1096,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     *total = *total + by.map(|c| c[0]);
                 }
             }
+            if let Some(heaves) = &by_heave {
+                let along = heaving(&plain, &linearised, sought);
+                for (gradient, heaves) in self.gradients.iter_mut().zip(heaves) {
+                    for (total, by) in gradient.iter_mut().zip(heaves) {
+                        *total = *total + *by * along;
+                    }
+                }
+            }
             let [left, right] = &self.gradients;
             receive(number, [left, right]);
         }
@@ -1104,6 +1173,18 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             steering: None,
         };
         at.spin_axis()
+    }
+
+    /// The designs of both wheels, each in the frame of its side.
+    pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
+        self.corners
+            .each_ref()
+            .map(|corner| corner.solver.design().to_vec())
+    }
+
+    /// A length that positions are measured by.
+    pub(super) fn size(&self) -> f64 {
+        self.corners[0].solver.size()
     }
 
     /// Number of points of each wheel.

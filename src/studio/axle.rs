@@ -241,8 +241,8 @@ pub(super) fn solved(
 fn place(placement: &Placement, coordinate: Coordinate, left: &Suspension) -> f64 {
     let value = match (coordinate, *placement) {
         (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
-        (Coordinate::Roll, Placement::Roll { roll, .. }) => roll,
-        (_, Placement::Roll { heave, .. }) => heave,
+        (Coordinate::Roll, Placement::Roll { roll, .. } | Placement::AtLoad { roll, .. }) => roll,
+        (_, Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. }) => heave,
         (Coordinate::TravelRight, Placement::Travels { travels, .. }) => travels[1],
         (_, Placement::Travels { travels, .. }) => travels[0],
     };

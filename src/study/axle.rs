@@ -44,6 +44,7 @@ fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<us
         .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
         .collect();
     places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    places.extend(motion.hold.as_ref().map(|text| ("hold", text.span())));
     places
 }
 
@@ -373,6 +374,30 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     None
 }
 
+/// Whether roll holds the load in place of the mean travel.
+fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
+    let section = file.motion.get_ref();
+    let Some(text) = &section.hold else {
+        return Some(false);
+    };
+    let holds = [("mean_travel", false), ("load", true)];
+    let at_load = choose(text, "hold", &holds, problems)?;
+    let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
+    let message = if section.roll.is_none() {
+        "hold says what roll holds, and there is no roll"
+    } else if at_load && axle.setup.springs.is_none() {
+        "hold = \"load\" needs [spring]: what the wheels carry"
+    } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
+        "positions at a load are not proved; expected hold = \"mean_travel\", or certify left out"
+    } else if at_load && file.tolerance.is_some() {
+        "builds are not put at a load; expected hold = \"mean_travel\", or [tolerance] left out"
+    } else {
+        return Some(at_load);
+    };
+    problems.add(text.span(), message);
+    None
+}
+
 /// The stations.
 fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
     let place = file.motion.span();
@@ -389,6 +414,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             text.span(),
         )),
     };
+    let at_load = at_load(file, axle, problems);
     let mut read = |given: &Option<Spanned<Values>>| match given {
         None => Some(None),
         Some(given) => values(given, problems).map(Some),
@@ -426,12 +452,14 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             WheelMotion::Roll {
                 heave: heave.unwrap_or_else(|| vec![0.0]),
                 roll: in_course(Coordinate::Roll, &roll),
+                at_load: at_load?,
             }
         }
         (Some(heave), None, ..) => match on_plane {
             Some((true, _)) => WheelMotion::Roll {
                 heave,
                 roll: vec![0.0],
+                at_load: false,
             },
             _ => WheelMotion::Heave(heave),
         },

@@ -231,6 +231,8 @@ pub(super) struct Motion {
     pub steering_wheel_angle: Option<Spanned<Values>>,
     /// `plane` or `pads`.
     pub ground: Option<Text>,
+    /// `mean_travel` or `load`.
+    pub hold: Option<Text>,
     /// The drive as a function of time.
     pub time: Option<Spanned<Time>>,
 }

@@ -273,10 +273,12 @@ impl<const N: usize> OneByOne<'_, N> {
 fn of_one_wheel(failure: AxleFailure) -> Failure {
     match failure {
         AxleFailure::Wheel { failure, .. } => failure,
-        AxleFailure::NoGround | AxleFailure::Unproven => Failure::Unreachable {
-            drive: Drive::Travel,
-            limit: 0.0,
-            cause: LimitCause::Unresolved,
-        },
+        AxleFailure::NoGround | AxleFailure::NoLoad | AxleFailure::Unproven => {
+            Failure::Unreachable {
+                drive: Drive::Travel,
+                limit: 0.0,
+                cause: LimitCause::Unresolved,
+            }
+        }
     }
 }

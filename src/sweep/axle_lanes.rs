@@ -40,7 +40,7 @@ fn parts(placement: &Placement) -> Option<[f64; 3]> {
             rack,
             on_plane: false,
         } if left == right => Some([0.0, rack, left]),
-        Placement::Travels { .. } => None,
+        Placement::AtLoad { .. } | Placement::Travels { .. } => None,
     }
 }
 

@@ -33,7 +33,7 @@ impl NotInLanes {
             }
             NotInLanes::Stations => "since two stations coincide, or one is out of all reach",
             NotInLanes::Reading => "since something that is asked for cannot be read in lanes",
-            NotInLanes::Travels => "since both wheels are moved by travels of their own",
+            NotInLanes::Travels => "since travels of the wheels are given, or follow from a load",
         }
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-fn study(name: &str) -> PathBuf {
+pub(super) fn study(name: &str) -> PathBuf {
     Path::new(ROOT).join("studies").join(name)
 }
 
@@ -27,7 +27,7 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
 }
 
 /// Runs a command that is to end with this code, and gives what it wrote to standard output and error.
-pub fn run(arguments: &[&str], code: i32) -> (String, String) {
+pub(super) fn run(arguments: &[&str], code: i32) -> (String, String) {
     let output = hardpoint(arguments).code(code).get_output().clone();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (text(output.stdout), text(output.stderr))

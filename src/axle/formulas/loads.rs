@@ -61,7 +61,8 @@ fn loads<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
     [Side::Left, Side::Right].map(|side| wheel_load(state, side))
 }
 
-fn axle_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+/// The sum of both.
+pub(crate) fn axle_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let [left, right] = loads(state);
     left + right
 }

@@ -1,0 +1,140 @@
+//! Positions in roll at a load: the mean travel follows.
+//!
+//! The body of a car that rolls keeps its weight, not its height: of the mean travel z it is asked that the sum of the wheel
+//! loads be that of the axle standing level, F(z) = F_0, the rack in the middle. F grows with z, by twice the ride rate
+//! without the tyre, and Newton's method meets the root. With the design p and the roll angle given,
+//!
+//! ```text
+//! dz/dp = (dF_0/dp - dF/dp)/F_z
+//! ```
+
+use super::formulas::loads::axle_load;
+use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
+use super::state::Motion;
+use super::{Quantity, WheelQuantity};
+use crate::model::Side;
+use crate::number::Vector3;
+
+/// Terms of the series: loads are made of velocities, and are differentiated by the travel and by the design.
+pub(super) const LOAD_TERMS: usize = 3;
+/// Newton steps, ways back included.
+const MOST_STEPS: usize = 60;
+
+/// The loads whose sum is held.
+const LOADS: [Quantity; 2] = [
+    Quantity::Wheel(Side::Left, WheelQuantity::WheelLoad),
+    Quantity::Wheel(Side::Right, WheelQuantity::WheelLoad),
+];
+
+/// The sum of the wheel loads in a position, and its derivative by the mean travel.
+struct Carried {
+    placed: Placed,
+    load: f64,
+    by_heave: f64,
+}
+
+impl<'a> AxleSolver<'a, LOAD_TERMS> {
+    fn carried(&mut self, heave: f64, roll: f64, rack: f64) -> Result<Carried, AxleFailure> {
+        let placed = self.place(&Placement::Roll { heave, roll, rack })?;
+        let state = self.read(&placed)?.state;
+        let carried = Carried {
+            placed,
+            load: axle_load(&state),
+            by_heave: axle_load(&state.moving(Motion::Heave))[1],
+        };
+        // NaN does not grow.
+        match carried.by_heave > 0.0 && carried.load.is_finite() {
+            true => Ok(carried),
+            false => Err(AxleFailure::NoLoad),
+        }
+    }
+
+    /// The position at the load of a level axle.
+    fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, AxleFailure> {
+        let size = self.size();
+        let wanted = self.carried(level, 0.0, 0.0)?.load;
+        let (mut heave, mut reached, mut smallest) = (level, None, f64::INFINITY);
+        for _ in 0..MOST_STEPS {
+            let here = match self.carried(heave, roll, rack) {
+                Ok(here) => here,
+                // Half the way back to where both wheels could stand.
+                Err(failure) => {
+                    let back: f64 = reached.ok_or(failure)?;
+                    if (heave - back).abs() <= 1e-9 * size {
+                        return Err(AxleFailure::NoLoad);
+                    }
+                    heave = 0.5 * (heave + back);
+                    continue;
+                }
+            };
+            let step: f64 = (wanted - here.load) / here.by_heave;
+            let is_rounding = step.abs() <= 4.0 * f64::EPSILON * size;
+            if is_rounding || step.abs() >= smallest && smallest <= 1e-9 * size {
+                let mut placed = here.placed;
+                placed.at_load = Some(level);
+                return Ok(placed);
+            }
+            smallest = smallest.min(step.abs());
+            reached = Some(heave);
+            heave += step;
+        }
+        Err(AxleFailure::NoLoad)
+    }
+
+    /// The gradients of the sum of the wheel loads by the hardpoints of both sides, added to `into` times a factor.
+    fn add_load_gradients(
+        &mut self,
+        placed: &Placed,
+        factor: f64,
+        into: &mut [Vec<Vector3<f64>>; 2],
+    ) -> Result<(), AxleFailure> {
+        self.gradients(placed, &LOADS, |_, gradients| {
+            for (into, gradient) in into.iter_mut().zip(gradients) {
+                for (sum, by) in into.iter_mut().zip(gradient) {
+                    *sum = *sum + *by * factor;
+                }
+            }
+        })
+    }
+
+    /// The derivative of the mean travel by the hardpoints of both sides, at a load that is held.
+    pub(super) fn heave_by_design(
+        &mut self,
+        level: f64,
+        placed: &Placed,
+    ) -> Result<[Vec<Vector3<f64>>; 2], AxleFailure> {
+        let heave = 0.5 * (placed.travels[0] + placed.travels[1]);
+        let here = self.carried(heave, placed.roll, placed.rack)?;
+        let standing = self.carried(level, 0.0, 0.0)?;
+        let count = self.points().count();
+        let mut by_design = [(); 2].map(|()| vec![Vector3::new(0.0, 0.0, 0.0); count]);
+        self.add_load_gradients(&standing.placed, 1.0 / here.by_heave, &mut by_design)?;
+        self.add_load_gradients(&here.placed, -1.0 / here.by_heave, &mut by_design)?;
+        Ok(by_design)
+    }
+}
+
+impl<'a, const N: usize> AxleSolver<'a, N> {
+    /// The solver for loads, of the designs that this one has.
+    pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, AxleFailure> {
+        if self.loads.is_none() {
+            let made = AxleSolver::new(self.axle, &LOADS, false);
+            let mut made = made.map_err(|_| AxleFailure::NoLoad)?;
+            let designs = self.designs();
+            let prepared = made.prepare(designs.each_ref().map(Vec::as_slice));
+            prepared.map_err(|_| AxleFailure::NoLoad)?;
+            self.loads = Some(Box::new(made));
+        }
+        self.loads.as_deref_mut().ok_or(AxleFailure::NoLoad)
+    }
+
+    /// Finds the position at the load of a level axle.
+    pub(super) fn at_load(
+        &mut self,
+        level: f64,
+        roll: f64,
+        rack: f64,
+    ) -> Result<Placed, AxleFailure> {
+        self.loads()?.found(level, roll, rack)
+    }
+}

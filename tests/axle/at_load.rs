@@ -1,0 +1,180 @@
+//! Roll at a load that is held.
+
+use super::commands::{run, study as sample};
+use super::tuning::study;
+use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity, WheelQuantity};
+use hardpoint::model::{PointId, Side};
+use hardpoint::number::Vector3;
+
+const LOADS: [Quantity; 2] = [
+    Quantity::Wheel(Side::Left, WheelQuantity::WheelLoad),
+    Quantity::Wheel(Side::Right, WheelQuantity::WheelLoad),
+];
+const MOMENT: Quantity = Quantity::Axle(AxleQuantity::RollMoment);
+
+fn at(heave: f64, roll: f64, rack: f64) -> Placement {
+    let roll = roll.to_radians();
+    Placement::AtLoad { heave, roll, rack }
+}
+
+/// The wheels carry together what they carry level, whatever the roll and the rack; and the body sinks or rises for it.
+#[test]
+fn the_sum_of_the_wheel_loads_is_held() {
+    for name in ["macpherson_axle", "five_link_axle"] {
+        let study = study(name, &[]);
+        let axle = &study.axle.as_ref().unwrap().axle;
+        let mut solver = AxleSolver::<3>::new(axle, &LOADS, false).unwrap();
+        let mut sum = |placement: &Placement| {
+            let placed = solver.place(placement).unwrap();
+            let state = solver.read(&placed).unwrap().state;
+            let heave = 0.5 * (placed.travels[0] + placed.travels[1]);
+            (LOADS.map(|q| q.evaluate(&state)).iter().sum::<f64>(), heave)
+        };
+        for heave in [0.0, -8.0] {
+            let (level, _) = sum(&Placement::Roll {
+                heave,
+                roll: 0.0,
+                rack: 0.0,
+            });
+            let mut moved = 0.0_f64;
+            for (roll, rack) in [(0.0, 0.0), (2.5, 0.0), (-3.0, 0.0), (1.0, 12.0)] {
+                let rack = if name == "five_link_axle" { 0.0 } else { rack };
+                let (load, found) = sum(&at(heave, roll, rack));
+                assert!(
+                    (load - level).abs() < 1e-11 * level,
+                    "{name}: {load} {level}"
+                );
+                moved = moved.max((found - heave).abs());
+            }
+            assert!(moved > 1e-3, "{name}: {moved}");
+        }
+    }
+}
+
+/// The slope of the roll moment along these positions is `roll_stiffness_at_load`, whose formula is held to the reference.
+#[test]
+fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
+    let study = study("macpherson_axle", &[]);
+    let axle = &study.axle.as_ref().unwrap().axle;
+    let stiffness = Quantity::Axle(AxleQuantity::RollStiffnessAtLoad);
+    let mut solver = AxleSolver::<3>::new(axle, &[MOMENT, stiffness], false).unwrap();
+    let mut value = |quantity: Quantity, roll: f64| {
+        let placed = solver.place(&at(0.0, roll, 0.0)).unwrap();
+        quantity.evaluate(&solver.read(&placed).unwrap().state)
+    };
+    for roll in [0.0, 1.5] {
+        let step = 0.1_f64;
+        let slope: f64 = [(1.0, 0.75), (2.0, -0.15), (3.0, 1.0 / 60.0)]
+            .map(|(k, weight)| {
+                weight * (value(MOMENT, roll + k * step) - value(MOMENT, roll - k * step))
+            })
+            .iter()
+            .sum();
+        let (slope, wanted) = (slope / step.to_radians(), value(stiffness, roll));
+        assert!(
+            (slope - wanted).abs() < 1e-9 * wanted,
+            "{roll}: {slope} {wanted}"
+        );
+    }
+}
+
+/// Derivatives by the hardpoints of either side follow the mean travel, also that of the level axle whose load is held.
+#[test]
+fn gradients_follow_the_load() {
+    let study = study("five_link_axle", &[]);
+    let axle = &study.axle.as_ref().unwrap().axle;
+    let sought = [
+        Quantity::Corner(
+            Side::Left,
+            hardpoint::characteristics::Characteristic::Camber,
+        ),
+        LOADS[1],
+        Quantity::Axle(AxleQuantity::Track),
+    ];
+    let placement = at(-4.0, 1.8, 0.0);
+    let mut solver = AxleSolver::<3>::new(axle, &sought, false).unwrap();
+    let placed = solver.place(&placement).unwrap();
+    let mut gradients = vec![[Vec::new(), Vec::new()]; sought.len()];
+    let receive = |quantity: usize, found: [&[Vector3<f64>]; 2]| {
+        gradients[quantity] = found.map(<[Vector3<f64>]>::to_vec);
+    };
+    solver.gradients(&placed, &sought, receive).unwrap();
+    let designs = [Side::Left, Side::Right].map(|side| axle.suspension(side).design.clone());
+    let mut values = |designs: &[Vec<Vector3<f64>>; 2]| {
+        solver
+            .prepare(designs.each_ref().map(Vec::as_slice))
+            .unwrap();
+        let placed = solver.place(&placement).unwrap();
+        let state = solver.read(&placed).unwrap().state;
+        sought.map(|quantity| quantity.evaluate(&state))
+    };
+    for (side, point, axis) in [(0, 0, 2), (0, 4, 1), (1, 2, 2), (1, 7, 0)] {
+        let moved = |by: f64| {
+            let mut designs = designs.clone();
+            let at = &mut designs[side][PointId(point).0];
+            let mut coordinates = at.to_array();
+            coordinates[axis] += by;
+            *at = coordinates.into();
+            designs
+        };
+        let step = 0.02;
+        let mut slopes = [0.0; 3];
+        for (k, weight) in [(1.0, 0.75), (2.0, -0.15), (3.0, 1.0 / 60.0)] {
+            let [up, down] = [k, -k].map(|k| values(&moved(k * step)));
+            for (slope, (up, down)) in slopes.iter_mut().zip(up.iter().zip(down)) {
+                *slope += weight * (up - down) / step;
+            }
+        }
+        for (quantity, slope) in slopes.iter().enumerate() {
+            let all = gradients[quantity].iter().flatten();
+            let largest = all.map(|by| by.norm()).fold(0.0, f64::max);
+            let found = gradients[quantity][side][point].to_array()[axis];
+            assert!(
+                (found - slope).abs() < 2e-8 * largest,
+                "{quantity}: {found} {slope}"
+            );
+        }
+    }
+}
+
+/// As a user asks for it, and what it does not go with.
+#[test]
+fn a_load_is_held_where_the_motion_says_so() {
+    let path = sample("macpherson_axle.toml");
+    let path = path.to_str().unwrap();
+    let motion = "motion={ roll = [-2.0, 0.0, 2.0], hold = \"load\" }";
+    let outputs = "outputs.characteristics=[\"wheel_load\", \"camber\"]";
+    let (csv, _) = run(
+        &[
+            "solve", path, "--set", motion, "--set", outputs, "--out", "-",
+        ],
+        0,
+    );
+    let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|n| *n == name).unwrap();
+    let heave = |row: usize| -> f64 { rows[row][column("heave_mm")].parse().unwrap() };
+    assert_eq!(heave(2), 0.0);
+    assert!(heave(1).abs() > 1e-3 && (heave(1) - heave(3)).abs() < 1e-9);
+    for (motion, more, wanted) in [
+        (
+            "motion={ heave = 0.0, hold = \"load\" }",
+            "",
+            "there is no roll",
+        ),
+        (motion, "outputs.certify=true", "are not proved"),
+        (motion, "outputs.certify=false", ""),
+        ("motion={ roll = 1.0, hold = \"weight\" }", "", "expected"),
+    ] {
+        let mut arguments = vec!["check", path, "--set", motion, "--set", outputs];
+        if !more.is_empty() {
+            arguments.extend(["--set", more]);
+        }
+        let code = if wanted.is_empty() { 0 } else { 2 };
+        let (_, said) = run(&arguments, code);
+        assert!(said.contains(wanted), "{said}");
+    }
+    let alone = sample("five_link_axle_rear.toml");
+    let arguments = ["check", alone.to_str().unwrap(), "--set", motion];
+    let (_, said) = run(&arguments, 2);
+    assert!(said.contains("needs [spring]"), "{said}");
+}

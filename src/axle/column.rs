@@ -1,10 +1,12 @@
 //! Columns of an axle's curves: names that say what a number is and in what unit.
 
 use super::reading::WheelParts;
-use super::state::Motion;
+use super::state::{Motion, State};
+use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
 use crate::curves::Loads;
 use crate::model::{Axis, LengthUnit, PointId, Side};
+use crate::number::Jet;
 
 /// A column of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +15,10 @@ pub struct AxleColumn {
     pub name: String,
     /// Of what.
     pub of: Of,
-    /// Along which motion it is the derivative, if it is one.
+    /// Along which motion it is a derivative, if it is one.
     pub by: Option<Motion>,
+    /// Order of the derivative; 0 of a value.
+    pub order: usize,
     /// Unit alone; empty for a plain number.
     pub unit: String,
     /// What a value in radians, length units and newtons is multiplied by to be printed.
@@ -73,17 +77,12 @@ impl AxleColumn {
                 side, number, axis, ..
             } => {
                 let place = &read.points[*side as usize][*number][*axis];
-                let by = [[1, 0], [0, 1]].map(|powers| place.coefficient(powers));
                 Some(Ok(match self.by {
                     None => place.coefficient([0, 0]),
-                    Some(motion) => read.state.along(motion, *side, by),
+                    Some(motion) => self.of_point(place, motion, *side, &read.state),
                 }))
             }
-            Of::Turn(side, axis) => {
-                let wheel = &read.state.readings[*side as usize];
-                let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[*axis]);
-                Some(Ok(read.state.along(self.by?, *side, by)))
-            }
+            Of::Turn(side, axis) => Some(Ok(self.of_turn(*axis, self.by?, *side, &read.state))),
             Of::Force { .. } => None,
         }
     }
@@ -93,10 +92,51 @@ impl AxleColumn {
             return Err(Void::Toggle);
         }
         let value = quantity.value(&read.state)?;
-        Ok(match self.by {
-            None => value,
-            Some(motion) => quantity.evaluate(&read.state.moving(motion))[1],
+        Ok(match (self.by, self.order) {
+            (None, _) => value,
+            (Some(motion), 1) => quantity.evaluate(&read.state.moving(motion))[1],
+            (Some(motion), _) => {
+                let once = read.state.moving(motion);
+                quantity.evaluate(&once.moving(motion))[1][1]
+            }
         })
+    }
+
+    /// The derivative of a coordinate, which is a function of the wheel's own travel and rack.
+    fn of_point(
+        &self,
+        place: &Taylor<f64>,
+        motion: Motion,
+        side: Side,
+        state: &State<'_, f64>,
+    ) -> f64 {
+        let by = |powers: [usize; 2]| {
+            let [travel, rack] = powers;
+            let factorials = [1.0, 1.0, 2.0];
+            place.coefficient(powers) * factorials[travel] * factorials[rack]
+        };
+        let [by_travel, by_rack] = [by([1, 0]), by([0, 1])];
+        if self.order == 1 {
+            return state.along(motion, side, [by_travel, by_rack]);
+        }
+        let further = |powers| state.along(motion, side, powers);
+        let by_travel = Jet([by_travel, further([by([2, 0]), by([1, 1])])]);
+        let by_rack = Jet([by_rack, further([by([1, 1]), by([0, 2])])]);
+        let moving = state.moving(motion);
+        moving.along(motion, side, [by_travel, by_rack])[1]
+    }
+
+    /// A component of an angular velocity, or its derivative.
+    fn of_turn(&self, axis: Axis, motion: Motion, side: Side, state: &State<'_, f64>) -> f64 {
+        if self.order == 1 {
+            let wheel = &state.readings[side as usize];
+            let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+            return state.along(motion, side, by);
+        }
+        let moving = state.moving(motion);
+        let wheel = &moving.readings[side as usize];
+        let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+        moving.along(motion, side, by)[1]
     }
 
     /// What it is of, without motion and unit.
@@ -119,6 +159,9 @@ impl AxleColumn {
     }
 }
 
+/// A motion, its name and unit in columns, and what a derivative along it is multiplied by to be printed.
+type ByMotion = (Motion, &'static str, String, f64);
+
 /// Three components of the left wheel, three of the right one.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
     let sides = [Side::Left, Side::Right].into_iter();
@@ -127,8 +170,8 @@ fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
 
 impl AxlePlan {
     /// The motions along which derivatives are reported, with the name and unit of each.
-    fn motions(&self, length: LengthUnit) -> Vec<(Motion, &'static str, String, f64)> {
-        if !self.derivatives {
+    fn motions(&self, length: LengthUnit) -> Vec<ByMotion> {
+        if self.derivatives == 0 {
             return Vec::new();
         }
         let per_length = || format!("per_{}", length.symbol());
@@ -168,6 +211,7 @@ impl AxlePlan {
                 name: String::new(),
                 of,
                 by: None,
+                order: 0,
                 unit,
                 factor,
             };
@@ -175,9 +219,18 @@ impl AxlePlan {
             column
         };
         let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
-            let by = |(motion, by, per, by_factor): &(Motion, &str, String, f64)| {
+            let by = |(order, (motion, by, per, by_factor)): (usize, &ByMotion)| {
+                let (stem, per) = match (order, &value.of) {
+                    // An angular velocity is a first derivative already.
+                    (1, _) => (format!("{}_by_{by}", value.output()), per.clone()),
+                    (_, Of::Turn(side, axis)) => {
+                        let stem = format!("{}_knuckle_alpha_{}", side.name(), axis.name());
+                        (format!("{stem}_by_{by}"), format!("{per}2"))
+                    }
+                    _ => (format!("{}_by_{by}_d2", value.output()), format!("{per}2")),
+                };
                 let unit = match value.unit.is_empty() {
-                    true => per.clone(),
+                    true => per,
                     false => format!("{}_{per}", value.unit),
                 };
                 let sign = match motion {
@@ -185,14 +238,17 @@ impl AxlePlan {
                     _ => 1.0,
                 };
                 AxleColumn {
-                    name: named(format!("{}_by_{by}", value.output()), &unit),
+                    name: named(stem, &unit),
                     by: Some(*motion),
-                    factor: value.factor * by_factor * sign,
+                    order,
+                    factor: value.factor * (by_factor * sign).powi(order as i32),
                     unit,
                     of: value.of.clone(),
                 }
             };
-            motions.iter().map(by).collect()
+            let orders = 1..=self.derivatives;
+            let all = orders.flat_map(|order| motions.iter().map(move |motion| (order, motion)));
+            all.map(by).collect()
         };
         for quantity in &self.quantities {
             let unit = quantity.unit();
@@ -235,6 +291,7 @@ impl AxlePlan {
                     positive: force.positive.unwrap_or_default(),
                 },
                 by: None,
+                order: 0,
                 unit: force.unit,
                 factor: 1.0,
             }));

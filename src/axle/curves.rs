@@ -18,8 +18,8 @@ pub struct AxlePlan {
     pub course: Course,
     /// Quantities, in the order asked.
     pub quantities: Vec<Quantity>,
-    /// Whether derivatives along the motions are reported.
-    pub derivatives: bool,
+    /// Highest derivative along the motions that is reported, 2 at most.
+    pub derivatives: usize,
     /// Hardpoints by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
     /// Whether each position is proved.
@@ -45,7 +45,7 @@ impl AxlePlan {
     /// The quantities alone.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan {
-            derivatives: false,
+            derivatives: 0,
             points: Vec::new(),
             knuckle: false,
             loads: Default::default(),
@@ -88,7 +88,7 @@ impl Axle {
         }
         let plan = AxlePlan {
             quantities: vec![Quantity::Axle(AxleQuantity::SteeringRatio)],
-            derivatives: false,
+            derivatives: 0,
             ..plan.at_design()
         };
         let ratio = axle_curves(self, &plan).ok();
@@ -160,7 +160,7 @@ impl AxlePlan {
     /// Highest derivative by travel and rack that is read of a wheel.
     pub fn degree(&self) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
-        let along = usize::from(self.derivatives);
+        let along = self.derivatives;
         // On a plane, a derivative by the design moves the travels too.
         let by_design = usize::from(!self.sensitivities.is_empty() && self.is_on_plane());
         orders.max().unwrap_or(0) + along.max(by_design)
@@ -183,7 +183,7 @@ pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, De
 
 fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     let columns = plan.columns(axle);
-    let by_rack = plan.derivatives && plan.course.shows_rack;
+    let by_rack = plan.derivatives > 0 && plan.course.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
     solver.read_points(&plan.points);
     let loads = [Side::Left, Side::Right].map(|side| plan.carried(axle, side));

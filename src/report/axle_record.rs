@@ -131,7 +131,11 @@ fn output(column: &AxleColumn) -> OutputRecord {
     });
     OutputRecord {
         column: column.name.clone(),
-        title: by.map_or(name.clone(), |by| format!("{name} by {by}")),
+        title: match (by, column.order) {
+            (None, _) => name,
+            (Some(by), 1) => format!("{name} by {by}"),
+            (Some(by), _) => format!("{name} by {by}, 2nd derivative"),
+        },
         unit: readable_unit(&column.unit),
         positive: column.positive().map(str::to_owned),
     }

@@ -171,7 +171,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     }
     Ok(AxlePlan {
         quantities,
-        derivatives: plan.derivatives,
+        // Any quantity may be looked at, and not of all are second derivatives known.
+        derivatives: plan.derivatives.min(1),
         ..plan.quantities_alone()
     })
 }

@@ -1,5 +1,6 @@
 //! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
 
+use super::Outputs;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
@@ -9,7 +10,6 @@ use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
-use super::{Order, Outputs};
 use crate::axle::{
     Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
     SpringLaw, WheelMotion,
@@ -156,16 +156,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         file.solver.accuracy.as_ref().map(Spanned::span),
         "accuracy is not there for an axle, which is always solved in full precision",
     );
-    if let Some(outputs) = &file.outputs {
-        let acceleration = outputs
-            .order
-            .as_ref()
-            .filter(|o| o.get_ref() == "acceleration");
-        add(
-            acceleration.map(Text::span),
-            "second derivatives are not there for an axle; expected \"position\" or \"velocity\"",
-        );
-    }
     let sound = refused.is_empty();
     for (span, message) in refused {
         problems.add(span, message);
@@ -523,7 +513,7 @@ fn plan(
     let of = |quantities: Vec<Quantity>, course: Course| AxlePlan {
         course,
         quantities,
-        derivatives: false,
+        derivatives: 0,
         sensitivities: Vec::new(),
         certify: false,
         points: Vec::new(),
@@ -550,7 +540,7 @@ fn plan(
     let knuckle = outputs::knuckle(section, order, problems);
     let quantities = listed?.into_iter().flatten().collect();
     Some(AxlePlan {
-        derivatives: order == Order::Velocity,
+        derivatives: order as usize,
         sensitivities: sensitivities?,
         certify: outputs::certify(section),
         points: points?,
@@ -615,7 +605,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
             sound &= lacks_nothing(text, quantity, axle, problems);
         }
     }
-    let takes_ground = plan.course.shows_roll() || plan.derivatives;
+    let takes_ground = plan.course.shows_roll() || plan.derivatives > 0;
     if takes_ground && axle.setup.wheel_radius.is_none() {
         let message =
             "an axle on a plane ground needs radius in [wheel], which this study does not give";
@@ -623,12 +613,16 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         sound = false;
     }
     if plan.degree() > 3 {
-        let place = file
-            .outputs
-            .as_ref()
-            .and_then(|o| o.characteristics.first());
-        let place = place.map_or(file.motion.span(), Text::span);
-        problems.add(place, "derivatives of this order are not there for an axle");
+        let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
+        let orders = |text: &&Text| {
+            let quantities = Quantity::named(text.get_ref()).into_iter();
+            quantities.map(|q| q.rate_order()).max()
+        };
+        let made_of_most = texts.max_by_key(orders);
+        let place = made_of_most.map_or(file.motion.span(), Text::span);
+        let message = "it is made of second derivatives itself, and derivatives of an axle are known up to the third";
+        let error = problems.add(place, message);
+        error.help("order = \"velocity\" goes with it");
         sound = false;
     }
     sound.then_some(())

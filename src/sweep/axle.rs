@@ -62,9 +62,9 @@ impl<'s> AxleStations<'s> {
             gains: plan
                 .columns(&axle)
                 .into_iter()
-                .filter(|c| c.by.is_some() && c.quantity().is_some())
+                .filter(|c| c.order == 1 && c.quantity().is_some())
                 .collect(),
-            steers: plan.derivatives && plan.course.shows_rack,
+            steers: plan.derivatives > 0 && plan.course.shows_rack,
             quantities: plan.quantities.clone(),
             values: placements.iter().map(value).collect(),
             axle,

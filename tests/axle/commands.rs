@@ -119,7 +119,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
         ("outputs.knuckle=true", "but order is \"position\""),
         (
             "outputs.order=\"acceleration\"",
-            "second derivatives are not there for an axle",
+            "made of second derivatives itself",
         ),
         ("steering.c_factor=0.0", "never moves the rack"),
         ("vehicle.track=1500.0", "apart, not 1500"),

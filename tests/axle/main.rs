@@ -1,5 +1,6 @@
 //! Axles: against independent answers, and against what symmetry and statics say.
 
+mod acceleration;
 mod at_load;
 mod certificate;
 mod commands;

@@ -109,7 +109,7 @@ fn an_axle_in_heave_is_two_corners() {
                 steering_wheel: None,
             },
             quantities: asked.iter().map(|c| Quantity::Corner(Left, *c)).collect(),
-            derivatives: false,
+            derivatives: 0,
             sensitivities: Vec::new(),
             certify: false,
             points: Vec::new(),

@@ -37,6 +37,10 @@ impl AxleStudy {
                 plan.quantities.extend(new);
             }
         }
+        // What a target is about may be made of second derivatives, whose own second ones are not known.
+        if plan.degree() > 3 {
+            plan.derivatives = plan.derivatives.min(1);
+        }
         plan
     }
 }

@@ -34,12 +34,8 @@ impl Place<'_> {
     fn values(&self, number: usize, station: &AxleStation) -> Vec<Option<f64>> {
         let course = &self.plan.course;
         let (roll, heave, travels) = match station.placement {
-            Placement::Roll { heave, roll, .. } => (Some(roll), Some(heave), None),
-            // What followed.
-            Placement::AtLoad { roll, .. } => {
-                let placed = station.placed.as_ref().ok();
-                let heave = placed.map(|p| 0.5 * (p.travels[0] + p.travels[1]));
-                (Some(roll), heave, None)
+            Placement::Roll { heave, roll, .. } | Placement::AtLoad { heave, roll, .. } => {
+                (Some(roll), Some(heave), None)
             }
             Placement::Travels { travels, .. } => (None, Some(travels[0]), Some(travels)),
         };

@@ -152,7 +152,9 @@ fn a_load_is_held_where_the_motion_says_so() {
     );
     let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
     let column = |name: &str| rows[0].iter().position(|n| *n == name).unwrap();
-    let heave = |row: usize| -> f64 { rows[row][column("heave_mm")].parse().unwrap() };
+    let number = |row: usize, name: &str| -> f64 { rows[row][column(name)].parse().unwrap() };
+    let heave = |row| 0.5 * (number(row, "travel_left_mm") + number(row, "travel_right_mm"));
+    assert_eq!(number(1, "heave_mm"), 0.0);
     assert_eq!(heave(2), 0.0);
     assert!(heave(1).abs() > 1e-3 && (heave(1) - heave(3)).abs() < 1e-9);
     for (motion, more, wanted) in [

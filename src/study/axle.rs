@@ -620,7 +620,10 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         };
         let made_of_most = texts.max_by_key(orders);
         let place = made_of_most.map_or(file.motion.span(), Text::span);
-        let message = "it is made of second derivatives itself, and derivatives of an axle are known up to the third";
+        let name = made_of_most.map_or("an output", |text| text.get_ref());
+        let message = format!(
+            "{name} is made of second derivatives itself, and derivatives of an axle are known up to the third"
+        );
         let error = problems.add(place, message);
         error.help("order = \"velocity\" goes with it");
         sound = false;

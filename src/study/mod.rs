@@ -362,7 +362,7 @@ impl Optimise {
     /// The targets that designs of a sweep are compared with: all of them, or none where a sweep cannot
     /// compare with each. With each of an axle it can.
     pub fn swept_targets(&self) -> &[Target] {
-        let is_swept = |target: &Target| target.site.axle.is_some() || target.is_plain();
+        let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
         match self.targets.iter().all(is_swept) && !self.fit {
             true => &self.targets,
             false => &[],
@@ -581,10 +581,14 @@ impl Target {
         }
     }
 
-    /// Whether it is a value or a curve of a characteristic in the study's own motion: what sweeps compare.
+    /// Whether it is about a characteristic in the study's own motion: what sweeps compare.
+    pub fn is_in_motion(&self) -> bool {
+        self.site == Site::default() && self.of.as_characteristic().is_some()
+    }
+
+    /// Whether it is a value or a curve of that: a line in a picture.
     pub fn is_plain(&self) -> bool {
-        let point = !matches!(self.wanted, Wanted::Band { .. });
-        point && self.site == Site::default() && self.of.as_characteristic().is_some()
+        !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
     }
 }
 

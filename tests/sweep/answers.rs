@@ -71,7 +71,8 @@ fn a_planted_design_is_found() {
 fn a_row_says_what_solve_and_optimise_say() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
     let study = fs::read_to_string(sample).unwrap();
-    let bench = Bench::new(&(study + "\n[sweep]\ndesigns = \"rows.csv\"\n"));
+    let band = "\n[[optimise.targets]]\ncharacteristic = \"toe\"\nbetween = [-0.1, [[-80.0, 0.0], [80.0, 0.2]]]\ntolerance = 0.05\n";
+    let bench = Bench::new(&(study + band + "\n[sweep]\ndesigns = \"rows.csv\"\n"));
     fs::write(
         bench.path("rows.csv"),
         "strut_top_dy,tie_rod_inner_z\n0,243\n5,244.5\n",

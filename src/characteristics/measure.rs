@@ -554,6 +554,100 @@ mod tests {
         }
     }
 
+    /// At kinks derivatives are those of either side: an edge and the middle of a box, the rim of a tube's end, a member's end
+    /// that takes over as the nearest place, members that pass through being parallel, a member that comes to the edge of a
+    /// rim. Each is passed at t = 0.
+    #[test]
+    fn derivatives_beside_kinks_are_those_of_their_side() {
+        let ids = [PointId(0); 2];
+        let still = vector(0.0, 0.0, 0.0);
+        let (x, y, z) = (
+            vector(1.0, 0.0, 0.0),
+            vector(0.0, 1.0, 0.0),
+            vector(0.0, 0.0, 1.0),
+        );
+        let cube = Measure::FromBox {
+            point: PointId(0),
+            middle: still,
+            half: vector(2.0, 2.0, 2.0),
+        };
+        let tube = Measure::FromTube {
+            point: PointId(0),
+            middle: still,
+            along: z,
+            half: 3.0,
+            radius: 2.0,
+        };
+        let clearance = Measure::Clearance([ids; 2]);
+        let member = [still, x * 10.0];
+        let rim = Measure::FromSpinAxisAt(ids, -80.0);
+        // The measure, what it reads at t = 0, and how that moves.
+        let cases = [
+            (&cube, vec![vector(3.0, 2.0, 0.5)], vec![y]),
+            (&cube, vec![vector(1.5, 1.5, 0.2)], vec![y - x * 0.3]),
+            (&tube, vec![vector(2.0, 0.0, 4.0)], vec![x + z * 0.4]),
+            (
+                &clearance,
+                vec![
+                    member[0],
+                    member[1],
+                    vector(10.0, -5.0, 3.0),
+                    vector(10.0, 5.0, 3.0),
+                ],
+                vec![still, still, x, x + y * 0.1],
+            ),
+            (
+                &clearance,
+                vec![
+                    member[0],
+                    member[1],
+                    vector(3.0, 0.0, 4.0),
+                    vector(8.0, 0.0, 4.0),
+                ],
+                vec![still, still, z, z * -1.0],
+            ),
+            (
+                &rim,
+                vec![
+                    vector(90.0, 620.0, 310.0),
+                    vector(40.0, 300.0, 280.0),
+                    vector(0.0, 700.0, 300.0),
+                    y,
+                ],
+                vec![y, still, still, still],
+            ),
+        ];
+        for (number, (measure, at, by)) in cases.into_iter().enumerate() {
+            let inputs = |t: Dual<f64, 1>| {
+                let mut inputs = [still.map(Dual::constant); MOST];
+                for (input, (at, by)) in inputs.iter_mut().zip(at.iter().zip(&by)) {
+                    *input = at.map(Dual::constant) + by.map(Dual::constant) * t;
+                }
+                inputs
+            };
+            let value = |t: f64| measure.formula(&inputs(Dual::constant(t))).value;
+            let slope = |t: f64| measure.formula(&inputs(Dual::input(t, 0))).partials[0];
+            let sides = [-1e-2, 1e-2].map(|t: f64| {
+                let h = 1e-3;
+                let rise = |k: f64| value(t + k * h) - value(t - k * h);
+                let difference = (0.75 * rise(1.0) - 0.15 * rise(2.0) + rise(3.0) / 60.0) / h;
+                let found = slope(t);
+                assert!(
+                    (found - difference).abs() < 1e-9,
+                    "{number} at {t}: {found} {difference}"
+                );
+                found
+            });
+            assert!(
+                (sides[0] - sides[1]).abs() > 1e-3,
+                "{number} has a kink: {sides:?}"
+            );
+            // In the kink itself it is between them, to what is left of their ways there.
+            let (low, high) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
+            assert!((low - 0.02..=high + 0.02).contains(&slope(0.0)), "{number}");
+        }
+    }
+
     #[test]
     fn the_versine_of_an_angle_is_smooth_at_none() {
         let x = vector(2.0, 0.0, 0.0);

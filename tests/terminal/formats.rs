@@ -107,8 +107,14 @@ fn json_and_csv_say_the_same() {
         let tables = json.as_object().unwrap();
         assert_eq!(tables.keys().map(String::as_str).collect::<Vec<_>>(), names);
         let blocks = blocks(&formats[1]);
-        assert_eq!(blocks.len(), names.len(), "{command}");
-        for (name, header, rows) in blocks.iter().filter(|(name, ..)| !name.is_empty()) {
+        // A table without rows has no line to stand in under its name.
+        let has_rows = |name: &&&str| !tables[**name].as_array().unwrap().is_empty();
+        let filled: Vec<&str> = names.iter().filter(has_rows).copied().collect();
+        let mut found: Vec<&str> = blocks.iter().map(|block| block.0.as_str()).collect();
+        // JSON has them by name.
+        found.sort_unstable();
+        assert_eq!(found, filled, "{command}");
+        for (name, header, rows) in &blocks {
             let list = tables[name].as_array().unwrap();
             assert_eq!(list.len(), rows.len(), "{command}, {name}");
             for (object, row) in list.iter().zip(rows) {

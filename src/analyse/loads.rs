@@ -190,9 +190,12 @@ impl<'a, T: Balanced> Balance<'a, T> {
         })
     }
 
-    /// Where the centre of the wheel is.
-    pub fn wheel_centre(&self) -> Vector3<T> {
-        self.at.point(self.at.mechanism.wheel_centre)
+    /// Where a load acts, the contact point being here.
+    pub fn place(&self, of: LoadPoint, contact: Vector3<T>) -> Vector3<T> {
+        match of {
+            LoadPoint::ContactPoint => contact,
+            LoadPoint::WheelCentre => self.at.point(self.at.mechanism.wheel_centre),
+        }
     }
 
     /// What carries a load.

@@ -33,6 +33,20 @@ pub struct AxlePlan {
 }
 
 impl AxlePlan {
+    /// Quantities over a course, and nothing else.
+    pub fn of(course: Course, quantities: Vec<Quantity>) -> AxlePlan {
+        AxlePlan {
+            course,
+            quantities,
+            derivatives: 0,
+            sensitivities: Vec::new(),
+            certify: false,
+            points: Vec::new(),
+            knuckle: false,
+            loads: Default::default(),
+        }
+    }
+
     /// The same without sensitivities and proofs.
     pub fn values_alone(&self) -> AxlePlan {
         AxlePlan {
@@ -44,13 +58,7 @@ impl AxlePlan {
 
     /// The quantities alone.
     pub fn quantities_alone(&self) -> AxlePlan {
-        AxlePlan {
-            derivatives: 0,
-            points: Vec::new(),
-            knuckle: false,
-            loads: Default::default(),
-            ..self.values_alone()
-        }
+        AxlePlan::of(self.course.clone(), self.quantities.clone())
     }
 
     /// The same quantities in the design position.

@@ -35,12 +35,8 @@ impl CarriedForce {
         view: &WheelReading<N>,
         balance: &Balance<'_, Jet<f64, N>>,
     ) -> Option<Jet<f64, N>> {
-        let point = match self.at {
-            LoadPoint::ContactPoint => view.contact_point(),
-            LoadPoint::WheelCentre => balance.wheel_centre(),
-        };
         let carried = balance.under(&Load {
-            point,
+            point: balance.place(self.at, view.contact_point()),
             force: self.force,
             moment: self.moment,
         });

@@ -4,7 +4,7 @@ use super::Column;
 use crate::analyse::{self, Balance, Member, Support, members};
 use crate::model::{Frame, Mechanism, RockerId};
 use crate::number::Vector3;
-use crate::study::{Load, LoadPoint};
+use crate::study::Load;
 
 /// The loads of a wheel and what is reported of how they are carried.
 pub(crate) struct Loads<'a> {
@@ -59,10 +59,7 @@ impl<'a> Loads<'a> {
     ) -> impl Iterator<Item = Option<f64>> {
         self.loads.iter().flat_map(move |load| {
             let carried = balance.under(&analyse::Load {
-                point: match load.at {
-                    LoadPoint::ContactPoint => contact,
-                    LoadPoint::WheelCentre => balance.wheel_centre(),
-                },
+                point: balance.place(load.at, contact),
                 force: load.force,
                 moment: load.moment,
             });

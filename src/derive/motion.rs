@@ -149,15 +149,12 @@ impl<const N: usize> DesignSeries<N> {
     ) {
         self.prepare_points(design);
         for (point, by) in ways {
-            let moved = self.design[point].to_array();
-            let along = moved.into_iter().zip(by.to_array());
-            let mut moving = along.map(|(mut series, by)| {
-                series.0[1] += by;
-                series
+            let rate = by.map(|rate| {
+                let mut series = [0.0; N];
+                series[1] = rate;
+                Jet(series)
             });
-            self.design[point] = Vector3::from(std::array::from_fn(|_| {
-                moving.next().expect("three coordinates")
-            }));
+            self.design[point] = self.design[point] + rate;
         }
         self.prepare_equations(mechanism);
     }

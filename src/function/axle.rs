@@ -37,9 +37,7 @@ pub(super) trait AxleEvaluator {
 
 impl AxleCourse {
     pub(super) fn of(both: &AxleStudy) -> Self {
-        let plan = AxlePlan {
-            ..both.plan.quantities_alone()
-        };
+        let plan = both.plan.quantities_alone();
         AxleCourse {
             columns: plan.columns(&both.axle),
             placements: plan.course.placements(),

@@ -11,14 +11,14 @@ use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 
 /// A design that moves along each of the variables.
-pub(super) struct Moving {
+pub(super) struct AlongVariables {
     /// By variable.
     series: Vec<DesignSeries<2>>,
     constants: Constants,
     reads: Slots,
 }
 
-impl Moving {
+impl AlongVariables {
     /// For so many variables; `None` where no measure is a force.
     pub(super) fn new<'m>(
         suspension: &Suspension,
@@ -30,7 +30,7 @@ impl Moving {
             .then(|| {
                 let (mechanism, design) = (&suspension.mechanism, &suspension.design);
                 let one = DesignSeries::new(mechanism, design).with_steering_axis(false);
-                Moving {
+                AlongVariables {
                     series: vec![one; variables],
                     constants: Constants::of(suspension),
                     reads: Slots::default().with(CarriedForce::READS),

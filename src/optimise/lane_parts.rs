@@ -55,32 +55,13 @@ impl LanePart {
             Measure::Carried(_) => return None,
             _ => {}
         }
-        let mut point =
-            |id| Axis::ALL.map(|axis| number(quantities, Quantity::Coordinate(id, axis)));
         let (inputs, count) = measure.inputs(mechanism);
-        let mut sources = Vec::new();
-        for input in &inputs[..count] {
-            sources.push(match *input {
-                Input::Now(id) => Source::Point(point(id)),
-                Input::StudNow(Stud::Between(from, to)) => {
-                    Source::Between([from, to].map(&mut point))
-                }
-                // How far the carrier has turned is no coordinate.
-                Input::StudNow(Stud::Along(_)) => return None,
-                // Its numbers follow.
-                Input::SpinAxis => Source::SpinAxis([usize::MAX; 2]),
-                Input::Designed(id) => Source::Designed(None, id),
-                Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),
-                Input::StudDesigned(Stud::Along(direction)) => Source::Fixed(direction),
-            });
-        }
-        let angles = [Characteristic::Camber, Characteristic::Toe].map(Quantity::Characteristic);
-        for source in &mut sources {
-            if let Source::SpinAxis(numbers) = source {
-                *numbers = angles.map(|angle| number(quantities, angle));
-            }
-        }
-        Some(LanePart::Formula(measure.clone(), sources))
+        let sources = inputs[..count].iter();
+        let sources = sources.map(|input| Source::of(*input, quantities));
+        Some(LanePart::Formula(
+            measure.clone(),
+            sources.collect::<Option<_>>()?,
+        ))
     }
 
     /// The value of a station in a lane, its derivatives by the variables into `slopes`.
@@ -131,6 +112,25 @@ impl Moving<'_> {
 }
 
 impl Source {
+    /// Of what a formula reads; `None` of the turn of the wheel carrier, which is no coordinate.
+    fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
+        let mut point =
+            |id| Axis::ALL.map(|axis| number(quantities, Quantity::Coordinate(id, axis)));
+        Some(match input {
+            Input::Now(id) => Source::Point(point(id)),
+            Input::StudNow(Stud::Between(from, to)) => Source::Between([from, to].map(point)),
+            Input::StudNow(Stud::Along(_)) => return None,
+            Input::SpinAxis => {
+                let angles = [Characteristic::Camber, Characteristic::Toe];
+                let angles = angles.map(Quantity::Characteristic);
+                Source::SpinAxis(angles.map(|angle| number(quantities, angle)))
+            }
+            Input::Designed(id) => Source::Designed(None, id),
+            Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),
+            Input::StudDesigned(Stud::Along(direction)) => Source::Fixed(direction),
+        })
+    }
+
     fn value(&self, found: &Slopes<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
         let point = |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
         let designed = |PointId(id): PointId| moving.design[id];

@@ -196,10 +196,10 @@ fn write(
     slope: impl Fn(usize) -> f64,
     into: &mut Evaluation,
 ) {
-    let nearest = value.clamp(wish.low, wish.high);
-    into.residuals[row] = (value - nearest) * wish.scale;
+    let deviation = wish.wanted.deviation(value);
+    into.residuals[row] = deviation * wish.scale;
     // Within its band nothing changes.
-    let is_in = wish.low < wish.high && nearest == value;
+    let is_in = wish.wanted.is_band() && deviation == 0.0;
     for column in 0..into.jacobian.ncols() {
         into.jacobian[(row, column)] = match is_in {
             true => 0.0,

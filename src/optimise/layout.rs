@@ -16,9 +16,7 @@ pub(super) struct TargetSample {
     pub target: usize,
     /// Place of what the target is about among the measures.
     pub measure: usize,
-    /// Anything between these is right.
-    pub low: f64,
-    pub high: f64,
+    pub wanted: Sample,
     /// Residual per deviation.
     pub scale: f64,
 }
@@ -286,8 +284,7 @@ impl TargetLayout {
                     row,
                     target,
                     measure: places[target],
-                    low: sample.low,
-                    high: sample.high,
+                    wanted: sample,
                     scale: shares[target] / optimise.targets[target].tolerance,
                 });
             }

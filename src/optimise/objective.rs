@@ -15,7 +15,7 @@
 
 use super::axle::{AxleRows, Moved, axle_rows};
 use super::builds::Builds;
-use super::carried::{self, Moving};
+use super::carried::{self, AlongVariables};
 use super::constrained::{Assessment, Constrained, Shape};
 use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
@@ -56,7 +56,7 @@ pub struct Objective<'a, const N: usize> {
     /// With the derivative by the drive of what is read: for extremes.
     sloped: Option<Reader<3>>,
     /// Where forces under loads are wanted or limited.
-    moving: Option<Moving>,
+    moving: Option<AlongVariables>,
     /// Both wheels, where targets are of an axle.
     axle: Option<Box<dyn AxleRows + 'a>>,
     /// Values of the parts of a leg, by part and station.
@@ -107,7 +107,7 @@ struct Reading<'r, 'a, const N: usize> {
     motion: &'r MotionPoint<f64>,
     ways: &'r [Way],
     /// Where the measure is a force.
-    moving: Option<&'r Moving>,
+    moving: Option<&'r AlongVariables>,
 }
 
 impl<const N: usize> Slopes<N> {
@@ -248,7 +248,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             toggles: Toggles::of(mechanism, rockers),
             reader: Reader::new(suspension, layout, &points, variables.len()),
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
-            moving: Moving::new(suspension, variables.len(), all()),
+            moving: AlongVariables::new(suspension, variables.len(), all()),
             axle: layout.axle.as_ref().map(axle_rows).transpose()?,
             values: vec![Vec::new(); layout.parts.len()],
             searches: Vec::new(),
@@ -362,46 +362,46 @@ impl<'a, const N: usize> Objective<'a, N> {
         into: &mut Evaluation,
         rows: Option<&mut Evaluation>,
     ) -> Result<bool, Infeasible> {
-        let mut rows = rows.filter(|_| !self.layout.labels.is_empty());
+        let rows = rows.filter(|_| !self.layout.labels.is_empty());
         let tell_all = |lanes: &mut LaneRows| rows.is_none() || lanes.has_parts();
         let Some(mut lanes) = self.lanes.take_if(tell_all) else {
             return Ok(false);
         };
         lanes.begin(self.moved.len(), &self.ways, self.variables.len());
-        let mut found = Ok(true);
+        let found = self.evaluate_legs(&mut lanes, into, rows);
+        self.lanes = Some(lanes);
+        found
+    }
+
+    /// The same, leg by leg.
+    fn evaluate_legs(
+        &mut self,
+        lanes: &mut LaneRows<'a>,
+        into: &mut Evaluation,
+        mut rows: Option<&mut Evaluation>,
+    ) -> Result<bool, Infeasible> {
         let mut is_prepared = false;
         for (number, leg) in self.layout.legs.iter().enumerate() {
             let values = &mut self.values[..];
             let checked = rows.as_deref_mut().map(|rows| Checked { rows, values });
             if !lanes.of_leg(number, self.layout, &self.moved, into, checked) {
-                found = Ok(false);
-                break;
+                return Ok(false);
             }
             let Some(rows) = &mut rows else {
                 continue;
             };
-            extremes::searches(
-                leg,
-                &self.layout.parts,
-                &self.values,
-                rows,
-                &mut self.searches,
-            );
+            self.list_searches(leg, rows);
             if self.searches.is_empty() {
                 continue;
             }
             if !is_prepared {
-                found = self.prepare().map(|()| true);
+                self.prepare()?;
                 is_prepared = true;
             }
-            let sought = found.clone().and_then(|_| self.begin(leg));
-            if let Err(reason) = sought.and_then(|()| self.find_extremes(leg, rows)) {
-                found = Err(reason);
-                break;
-            }
+            self.begin(leg)?;
+            self.find_extremes(leg, rows)?;
         }
-        self.lanes = Some(lanes);
-        found
+        Ok(true)
     }
 
     /// The residuals of builds of the moved drawing.
@@ -458,17 +458,17 @@ impl<'a, const N: usize> Objective<'a, N> {
             self.begin(leg)?;
             self.visit(leg, &mut into, &mut rows)?;
             if let Some(rows) = &mut rows {
-                extremes::searches(
-                    leg,
-                    &self.layout.parts,
-                    &self.values,
-                    rows,
-                    &mut self.searches,
-                );
+                self.list_searches(leg, rows);
                 self.find_extremes(leg, rows)?;
             }
         }
         Ok(())
+    }
+
+    /// Lists where a leg's extremes are to be sought, from the values at its stations.
+    fn list_searches(&mut self, leg: &Leg, rows: &Evaluation) {
+        let (parts, values) = (&self.layout.parts, &self.values);
+        extremes::searches(leg, parts, values, rows, &mut self.searches);
     }
 
     /// Makes ready to solve the moved design one by one.
@@ -558,9 +558,9 @@ impl<'a, const N: usize> Objective<'a, N> {
                         let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
                         let found = read(measure, &view, &linearised, solver.size())[0];
                         failed = failed.take().or_else(|| uncarried(measure, found, &place));
-                        let nearest = found.clamp(wish.low, wish.high);
-                        into.residuals[row] = (found - nearest) * wish.scale;
-                        if wish.low < wish.high && nearest == found {
+                        let deviation = wish.wanted.deviation(found);
+                        into.residuals[row] = deviation * wish.scale;
+                        if wish.wanted.is_band() && deviation == 0.0 {
                             // Within its band.
                             into.jacobian.row_mut(row).fill(0.0);
                             continue;

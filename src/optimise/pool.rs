@@ -8,8 +8,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(super) struct Pool<P>(Mutex<Vec<P>>);
 
 impl<P> Pool<P> {
-    pub(super) fn new() -> Self {
-        Pool(Mutex::new(Vec::new()))
+    /// With those that there are.
+    pub(super) fn of(idle: impl IntoIterator<Item = P>) -> Self {
+        Pool(Mutex::new(Vec::from_iter(idle)))
     }
 
     /// One of them, or a new one; it comes back when it is dropped. What it finds depends on where it is asked alone, so that

@@ -160,10 +160,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         // Accepted here, the design is accepted from every start.
         let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
-        let problems = Pool::new();
-        if asked.assembled.is_none() {
-            drop(problems.lend(|| plain));
-        }
+        let is_plain = asked.assembled.is_none();
         Ok(Tuner {
             suspension,
             assembled: asked.assembled.as_ref(),
@@ -173,7 +170,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             bounds: Bounds::new(&ranges).expect("a study's ranges are not empty"),
             design: DVector::zeros(ranges.len()),
             control: asked.control,
-            problems,
+            problems: Pool::of(is_plain.then_some(plain)),
         })
     }
 

@@ -510,20 +510,10 @@ fn plan(
     course: Option<Course>,
     problems: &mut Problems,
 ) -> Option<AxlePlan> {
-    let of = |quantities: Vec<Quantity>, course: Course| AxlePlan {
-        course,
-        quantities,
-        derivatives: 0,
-        sensitivities: Vec::new(),
-        certify: false,
-        points: Vec::new(),
-        knuckle: false,
-        loads: Default::default(),
-    };
     let Some(section) = &file.outputs else {
         let default = ["camber", "steer", "mean_steer"];
         let quantities = default.iter().flat_map(|name| Quantity::named(name));
-        return Some(of(quantities.collect(), course?));
+        return Some(AxlePlan::of(course?, quantities.collect()));
     };
     let names: Vec<_> = Quantity::names()
         .into_iter()
@@ -546,7 +536,7 @@ fn plan(
         points: points?,
         knuckle,
         loads: loads?,
-        ..of(quantities, course?)
+        ..AxlePlan::of(course?, quantities)
     })
 }
 

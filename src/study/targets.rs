@@ -442,7 +442,8 @@ impl Place<'_> {
     }
 }
 
-fn ends(values: &[f64]) -> (f64, f64) {
+/// The least and the largest of some values.
+pub(super) fn ends(values: &[f64]) -> (f64, f64) {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (lowest, highest)

@@ -8,6 +8,7 @@ use super::names::choose;
 use super::outputs::{characteristic, hardpoint};
 use super::resolve::Context;
 use super::suspension::above_zero;
+use super::targets::ends;
 use super::value::{Number, Text};
 use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, Subject, Tolerance};
 use crate::build::BuildParameter;
@@ -381,8 +382,7 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
     let at = match (&written.at, values) {
         (None, _) => Some(None),
         (Some(at), Some(values)) => {
-            let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let (lowest, highest) = ends(values);
             if at.value < lowest || at.value > highest {
                 let message = format!(
                     "{} is outside of the motion, which runs from {lowest} to {highest}",

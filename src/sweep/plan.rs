@@ -97,13 +97,13 @@ impl<'s> SweepPlan<'s> {
             }
             Designs::Given(table) => Samples::Table(table.clone()),
         };
-        let swept = study.optimise.iter().flat_map(|o| o.swept_targets());
-        let swept: Vec<&Target> = swept.collect();
+        let swept = study.optimise.as_ref();
+        let swept = swept.map_or(&[][..], |o| o.swept_targets());
         let samples_in = |target: &Target| {
             let stations = target.stations_in(&study.motion);
             target.wanted.samples(&stations)
         };
-        let wanted: Vec<Vec<Sample>> = swept.iter().map(|t| samples_in(t)).collect();
+        let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
         let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
         let mut stations = Stations::of(&study.motion, &suspension.frame, &further);
         let plan = with_gains(study);
@@ -128,12 +128,8 @@ impl<'s> SweepPlan<'s> {
         let mut axle = None;
         if let Some(both) = &study.axle {
             let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
-            let targets = study
-                .optimise
-                .as_ref()
-                .map_or(&[][..], |o| o.swept_targets());
             let further = samples.iter().flatten().map(|sample| sample.placement);
-            let plan = both.plan_with(targets);
+            let plan = both.plan_with(swept);
             let of_axle = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
             stations = of_axle.stations();
             values = of_axle.columns();

@@ -18,29 +18,31 @@ use crate::study::Source;
 use crate::sweep::AxleStations;
 
 /// How fast every value changes with each source: `[cell][source]`, NaN where there is no value.
-pub(super) fn gradients(problem: &Problem, stations: &AxleStations) -> Result<Vec<f64>, NoSetUp> {
+pub(super) fn gradients(
+    problem: &Problem,
+    stations: &AxleStations,
+    sources: &[&Source],
+) -> Result<Vec<f64>, NoSetUp> {
     let orders = stations.quantities.iter().map(|q| q.rate_order());
     let on_plane = |p: &crate::axle::Placement| p.hold() != Hold::TravelsOnPads;
     let by_ground = usize::from(stations.placements.iter().any(on_plane));
     match orders.max().unwrap_or(0) + by_ground {
-        0 => found::<1>(problem, stations),
-        1 => found::<2>(problem, stations),
-        2 => found::<3>(problem, stations),
-        _ => found::<4>(problem, stations),
+        0 => found::<1>(problem, stations, sources),
+        1 => found::<2>(problem, stations, sources),
+        2 => found::<3>(problem, stations, sources),
+        _ => found::<4>(problem, stations, sources),
     }
 }
 
 /// How every point of a wheel moves with a source.
 type Moves = Vec<Vector3<f64>>;
 
-fn found<const N: usize>(problem: &Problem, stations: &AxleStations) -> Result<Vec<f64>, NoSetUp> {
-    let sources: Vec<&Source> = problem
-        .tolerance
-        .scatter
-        .iter()
-        .flat_map(|c| &c.sources)
-        .collect();
-    let moves = moves(problem, &sources)?;
+fn found<const N: usize>(
+    problem: &Problem,
+    stations: &AxleStations,
+    sources: &[&Source],
+) -> Result<Vec<f64>, NoSetUp> {
+    let moves = moves(problem, sources)?;
     let mut gradients = vec![f64::NAN; problem.cells() * sources.len()];
     let solver = AxleSolver::<N>::new(&stations.axle, &stations.quantities, false);
     let mut solver = solver.map_err(|(_, fault)| NoSetUp::Fault(fault))?;

@@ -62,15 +62,19 @@ impl Law {
 impl Tolerance {
     /// Number of independent sources.
     pub fn sources(&self) -> usize {
-        self.scatter.iter().map(|c| c.sources.len()).sum()
+        self.each_source().count()
+    }
+
+    /// What scatters by itself, contributor by contributor.
+    pub(super) fn each_source(&self) -> impl Iterator<Item = &Source> {
+        self.scatter.iter().flat_map(|c| &c.sources)
     }
 
     /// The sources, each with the number of the stream that its numbers are of and its place among the sources of that. A
     /// wheel of an axle has a stream of its own: what scatters at the other does not change its numbers.
     fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
         let mut counts = [0; 3];
-        let sources = self.scatter.iter().flat_map(|c| &c.sources);
-        sources.map(move |source| {
+        self.each_source().map(move |source| {
             let count = &mut counts[source.side.map_or(2, |side| side as usize)];
             *count += 1;
             (source, source.side, *count - 1)

@@ -42,17 +42,12 @@ pub struct Expansion {
 impl Expansion {
     /// Of a study's tolerances.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
-        let sources: Vec<_> = problem
-            .tolerance
-            .scatter
-            .iter()
-            .flat_map(|c| &c.sources)
-            .collect();
+        let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
         let (gradient, second) = match &problem.looked {
             Looked::Wheel { .. } => of_wheel(problem, &sources)?,
             Looked::Axle(stations) => {
-                let gradient = axle_expansion::gradients(problem, stations)?;
+                let gradient = axle_expansion::gradients(problem, stations, &sources)?;
                 (gradient, axle_second::second(problem, stations)?)
             }
         };
@@ -207,12 +202,7 @@ pub(super) fn combined(
     bends: Option<impl Fn(&[&Source]) -> Vec<f64> + Sync>,
 ) -> Vec<[f64; 2]> {
     let unknown = vec![[f64::NAN; 2]; problem.cells()];
-    let sources: Vec<&Source> = problem
-        .tolerance
-        .scatter
-        .iter()
-        .flat_map(|c| &c.sources)
-        .collect();
+    let sources: Vec<&Source> = problem.tolerance.each_source().collect();
     let count = sources.len();
     let Some(bends) = bends else {
         return unknown;

@@ -66,7 +66,7 @@ impl SimdTask for Assembling<'_, '_> {
         let mut carrier = Vec::with_capacity(points);
         let mut first = 0;
         while first < self.count {
-            let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
+            let sources = tolerance.each_source();
             let changes = sources.map(|source| workshop.changes(source));
             parts.scatter(mechanism, &drawn, changes, (self.draws, first, BLOCK));
             let alignment = workshop.alignment.as_ref();

@@ -80,8 +80,7 @@ impl Workshop {
         let assembler = &self.assembler;
         parts.points.copy_from_slice(&assembler.drawn().points);
         parts.lengths.copy_from_slice(&assembler.drawn().lengths);
-        let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
-        for (source, z) in sources.zip(draws) {
+        for (source, z) in tolerance.each_source().zip(draws) {
             for (parameter, share) in self.changes(source) {
                 parts.change(&assembler.suspension().mechanism, *parameter, share * z);
             }

@@ -1,7 +1,7 @@
 //! Proofs of axles: they hold against answers at sixty digits, and nothing is proved that is not so.
 
 use super::axle;
-use super::reference::{placement, read};
+use super::reference::{names, placement, read};
 use hardpoint::axle::{AxleCertifier, AxleSolver, Hold, Placed, Placement, axle_curves};
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::Side;
@@ -42,12 +42,7 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
         let both = axle(&case);
         let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
         let certifier = AxleCertifier::new(&both);
-        let names: Vec<&str> = case["names"]["values"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|n| n.as_str().unwrap())
-            .collect();
+        let names = names(&case, "values");
         for state in case["states"].as_array().unwrap() {
             let label = state["motion"].to_string();
             let placement = placement(&state["motion"]);

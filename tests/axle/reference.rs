@@ -118,6 +118,12 @@ fn condition(name: &str, state: &State<f64>) -> f64 {
     }
 }
 
+/// What the numbers of an array of the states are, in their order.
+pub(super) fn names<'c>(case: &'c Value, of: &str) -> Vec<&'c str> {
+    let names = case["names"][of].as_array().unwrap().iter();
+    names.map(|name| name.as_str().unwrap()).collect()
+}
+
 fn number(value: &Value) -> Option<f64> {
     value.as_str().and_then(|text| text.parse().ok())
 }
@@ -141,12 +147,7 @@ fn every_value_is_the_reference_s() {
         let quantities = quantities();
         let wanted: Vec<_> = quantities.iter().map(|(_, q, _)| *q).collect();
         let mut solver = AxleSolver::<3>::new(&axle, &wanted, true).unwrap();
-        let names: Vec<&str> = case["names"]["values"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|n| n.as_str().unwrap())
-            .collect();
+        let names = names(&case, "values");
         let mut worst = Worst(0.0, String::new());
         let bar_sign = if name == "macpherson_front" {
             -1.0
@@ -212,9 +213,8 @@ fn derivatives_along_motions_are_the_reference_s() {
                     continue;
                 }
                 let moving = read.state.moving(motion);
-                let names = case["names"][key].as_array().unwrap();
-                for (name, expected) in names.iter().zip(state[key].as_array().unwrap()) {
-                    let name = name.as_str().unwrap();
+                let names = names(&case, key);
+                for (name, expected) in names.into_iter().zip(state[key].as_array().unwrap()) {
                     let entry = quantities.iter().find(|(n, _, _)| n == name);
                     let (Some((_, quantity, scale)), Some(expected)) = (entry, number(expected))
                     else {
@@ -242,12 +242,7 @@ fn gradients_by_hardpoints_are_the_reference_s() {
         let case = read(name);
         let axle = axle(&case);
         let quantities = quantities();
-        let names: Vec<&str> = case["names"]["sens"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|n| n.as_str().unwrap())
-            .collect();
+        let names = names(&case, "sens");
         // Those of roll stiffnesses in the file are right to four digits (rig) and seven (road) alone:
         // `gradients` has them.
         let is_exact = |name: &str| !name.starts_with("roll_stiffness");

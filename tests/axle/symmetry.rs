@@ -101,21 +101,14 @@ fn an_axle_in_heave_is_two_corners() {
         let mut both = axle(&case);
         both.left = study.suspension.clone();
         both.setup.constants = hardpoint::characteristics::Constants::of(&both.left);
-        let plan = AxlePlan {
-            course: Course {
-                wheels: WheelMotion::Heave(study.motion.values.clone()),
-                racks: vec![0.0],
-                shows_rack: false,
-                steering_wheel: None,
-            },
-            quantities: asked.iter().map(|c| Quantity::Corner(Left, *c)).collect(),
-            derivatives: 0,
-            sensitivities: Vec::new(),
-            certify: false,
-            points: Vec::new(),
-            knuckle: false,
-            loads: Default::default(),
+        let course = Course {
+            wheels: WheelMotion::Heave(study.motion.values.clone()),
+            racks: vec![0.0],
+            shows_rack: false,
+            steering_wheel: None,
         };
+        let quantities = asked.iter().map(|c| Quantity::Corner(Left, *c)).collect();
+        let plan = AxlePlan::of(course, quantities);
         let axle = axle_curves(&both, &plan).unwrap();
         for (k, c) in asked.iter().enumerate() {
             let column = corner

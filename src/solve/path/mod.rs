@@ -186,6 +186,8 @@ impl<'m> Solver<'m> {
                     rack,
                 };
                 let here = match tracked.poses[station] {
+                    // Known exactly; the tracker's is it but for rounding, which counts beside a rocker's toggle.
+                    _ if point == design.point => Ok(design),
                     Ok(pose) => Ok(PathPoint { point, pose }),
                     Err(_) => {
                         let from = last.unwrap_or_else(|| {

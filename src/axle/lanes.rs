@@ -31,6 +31,11 @@ impl<'i, B> LaneWheel<'i, B> {
 
 impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
     #[inline(always)]
+    fn like(&self) -> B {
+        self.inputs.turn.x
+    }
+
+    #[inline(always)]
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
         self.inputs.turn.x.outlined(Coefficient {
             wheel: self,

@@ -7,7 +7,7 @@ use crate::characteristics::{Constants, Inputs, Slot, Slots, Wheel};
 use crate::derive::{Linearised, MotionPoint, Seeds};
 use crate::mechanism::Configuration;
 use crate::model::{Drive, PointId};
-use crate::number::{Jet, Matrix3, Real, Tape, Tracked, Vector3};
+use crate::number::{Jet, Matrix3, Real, Tape, Tracked, Vector3, outlined};
 use std::ops::Range;
 
 /// Numbers that are read of a wheel.
@@ -288,6 +288,8 @@ fn push<const N: usize>(
 }
 
 /// What formulas read of one wheel: its parts as functions of its travel and the rack.
+///
+/// Vectors and twists are formed in functions of their own: formulas are full of them.
 pub trait WheelParts<T: Real>: Copy {
     /// The coefficient of a part with these powers of travel and rack; NaN where it is not known.
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> T;
@@ -301,10 +303,15 @@ pub trait WheelParts<T: Real>: Copy {
     /// Three parts, or their derivatives.
     #[inline(always)]
     fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<T> {
-        Vector3::new(
-            self.coefficient(first, powers),
-            self.coefficient(first + 1, powers),
-            self.coefficient(first + 2, powers),
+        outlined!(
+            [T: Real, W: WheelParts<T>] self.like();
+            parts: &'p W = self, first: usize = first, powers: [usize; 2] = powers => Vector3<T> {
+                Vector3::new(
+                    parts.coefficient(first, powers),
+                    parts.coefficient(first + 1, powers),
+                    parts.coefficient(first + 2, powers),
+                )
+            }
         )
     }
 
@@ -378,14 +385,19 @@ pub trait WheelParts<T: Real>: Copy {
     /// Velocity and angular velocity by travel or rack: half the sum of column x rate of column.
     #[inline(always)]
     fn twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
-        let rotation = self.vector(ROTATION, [0, 0]);
-        let mut turn = rotation.cross(self.vector(ROTATION, powers));
-        for first in [ROTATION + 3, ROTATION + 6] {
-            let column = self.vector(first, [0, 0]);
-            turn = turn + column.cross(self.vector(first, powers));
-        }
-        let half = rotation.x.lit(0.5);
-        [self.vector(CENTRE, powers), turn * half]
+        outlined!(
+            [T: Real, W: WheelParts<T>] self.like();
+            parts: &'p W = self, powers: [usize; 2] = powers => [Vector3<T>; 2] {
+                let rotation = parts.vector(ROTATION, [0, 0]);
+                let mut turn = rotation.cross(parts.vector(ROTATION, powers));
+                for first in [ROTATION + 3, ROTATION + 6] {
+                    let column = parts.vector(first, [0, 0]);
+                    turn = turn + column.cross(parts.vector(first, powers));
+                }
+                let half = rotation.x.lit(0.5);
+                [parts.vector(CENTRE, powers), turn * half]
+            }
+        )
     }
 
     /// What the corner's catalogue reads.
@@ -407,10 +419,7 @@ pub trait WheelParts<T: Real>: Copy {
     }
 
     /// A number in the shape of the others.
-    #[inline(always)]
-    fn like(&self) -> T {
-        self.number(CENTRE)
-    }
+    fn like(&self) -> T;
 
     /// About a point that moves at these rates, the rack resting where it has none: as series in the motion. One
     /// degree less is known.
@@ -442,6 +451,11 @@ fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
 
 impl<T: Real> WheelParts<T> for Reading<T> {
     #[inline(always)]
+    fn like(&self) -> T {
+        self.0[CENTRE].coefficient([0, 0])
+    }
+
+    #[inline(always)]
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> T {
         self.0[part].coefficient(powers)
     }
@@ -464,6 +478,11 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
+    #[inline(always)]
+    fn like(&self) -> Jet<T, 2> {
+        Jet::constant(self.travel)
+    }
+
     #[inline(always)]
     fn coefficient(&self, part: usize, [i, j]: [usize; 2]) -> Jet<T, 2> {
         let Moving { of, travel, rack } = self;

@@ -18,7 +18,7 @@ use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
 use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::{Jet, Outlined, Real, Vector3};
+use crate::number::{Jet, Outlined, Real, Vector3, outlined};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,8 +93,11 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     /// From the wheel centre to the contact point.
     #[inline(always)]
     pub fn contact_lever(&self) -> Vector3<T> {
-        self.ground
-            .contact_lever(self.reading.spin_axis(), self.radius)
+        outlined!(
+            [T: Real] self.ground.sine;
+            ground: Ground<T> = self.ground, axis: Vector3<T> = self.reading.spin_axis(), radius: f64 = self.radius
+                => Vector3<T> { ground.contact_lever(axis, radius) }
+        )
     }
 
     /// The contact point C.
@@ -106,15 +109,25 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     /// C', the velocity by the wheel's own travel of the carrier's point at C: the wheel is locked.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
-        let [centre, turn] = self.reading.by_travel();
-        centre + turn.cross(self.contact_lever())
+        self.carried_at_contact(self.reading.by_travel())
     }
 
     /// The same by the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
-        let [centre, turn] = self.reading.by_rack();
-        centre + turn.cross(self.contact_lever())
+        self.carried_at_contact(self.reading.by_rack())
+    }
+
+    /// Velocity at C of a carrier that moves so.
+    #[inline(always)]
+    fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
+        outlined!(
+            [T: Real, W: WheelParts<T>] self.ground.sine;
+            wheel: WheelState<'p, T, W> = *self, twist: [Vector3<T>; 2] = twist => Vector3<T> {
+                let [centre, turn] = twist;
+                centre + turn.cross(wheel.contact_lever())
+            }
+        )
     }
 
     /// Height of the contact point over the origin, along the normal of the ground.
@@ -138,7 +151,11 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     /// The contact point along the ground, outboard.
     #[inline(always)]
     pub fn half_track(&self) -> T {
-        self.ground.outboard().dot(self.contact_point())
+        outlined!(
+            [T: Real, W: WheelParts<T>] self.ground.sine; wheel: WheelState<'p, T, W> = *self => T {
+                wheel.ground.outboard().dot(wheel.contact_point())
+            }
+        )
     }
 }
 

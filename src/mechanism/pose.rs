@@ -2,7 +2,7 @@
 
 use super::arm::{self, arm_point, arm_point_gradient};
 use crate::model::{Arm, Body, Mechanism, PointId};
-use crate::number::{Matrix3, Outlined, Real, Vector3};
+use crate::number::{Matrix3, Outlined, Real, Vector3, outlined};
 use std::ops::Neg;
 
 /// Position and rotation of the knuckle, relative to the design position.
@@ -314,6 +314,16 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// For SIMD lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
+        outlined!(
+            [T: Real] self.rack;
+            at: &'p Configuration<'p, T> = self, id: PointId = id, motion: &'p Twist<T> = motion => [Vector3<T>; 2] {
+                at.moving_below_rockers_here(id, motion)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn moving_below_rockers_here(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
         match self.mechanism.body(id) {
             Body::Knuckle => self.moving_carried(id, motion),
             Body::StrutRod(top) => {
@@ -325,7 +335,7 @@ impl<'a, T: Real> Configuration<'a, T> {
             }
             Body::Arm(arm) => {
                 let arm = self.mechanism.arms[arm.0];
-                let now = arm_point(self.arm_inputs(arm, id));
+                let now = self.on_arm(arm, id);
                 let front = self.designed(arm.front);
                 let axis = self.designed(arm.rear) - front;
                 let [outer, outer_rate] = self.moving_carried(arm.outer, motion);

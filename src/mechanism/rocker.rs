@@ -41,7 +41,7 @@ use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
 use crate::number::Scalar;
-use crate::number::{Outlined, Real, SimdReal, Vector3};
+use crate::number::{Outlined, Real, SimdReal, Vector3, outlined};
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
 /// position, and the outer end now.
@@ -183,11 +183,20 @@ pub struct MovingAngle<T> {
     pub leverage_squared: T,
 }
 
-/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: everything
-/// inline, nothing recursive.
+/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: nothing recursive.
 impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+        outlined!(
+            [B: SimdReal] self.rack;
+            at: &'p Configuration<'p, B> = self, id: RockerId = id, motion: &'p Twist<B> = motion => Turning<B> {
+                at.turning_here(id, motion)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn turning_here(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
         let mechanism = self.mechanism;
         let before = |depth: usize| {
             let carrying = mechanism.rockers_moving(mechanism.rocker(id).outer);
@@ -232,6 +241,16 @@ impl<B: SimdReal> Configuration<'_, B> {
     /// Present position and velocity of a point.
     #[inline(always)]
     pub fn moving_point(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
+        outlined!(
+            [B: SimdReal] self.rack;
+            at: &'p Configuration<'p, B> = self, id: PointId = id, motion: &'p Twist<B> = motion => MovingPoint<B> {
+                at.moving_point_here(id, motion)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn moving_point_here(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
         match self.mechanism.body(id) {
             Body::Rocker(rocker) => {
                 let Turning {

@@ -2,15 +2,15 @@
 //!
 //! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
 //! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
-//! the compiler ten times as much.
+//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops, `while` in what is used everywhere, and the
+//! shortest series written out: what a closure or an iterator is to the compiler, thousands of copies of it are, too.
 
 #![allow(
     clippy::needless_range_loop,
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Outlined, Real, Scalar, called};
+use super::{Outlined, Real, Scalar, called, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -95,8 +95,15 @@ macro_rules! by_coefficients {
         impl<T: Real, const N: usize> Jet<T, N> {
             #[inline(always)]
             fn $operation(mut self, other: Self) -> Self {
-                for (own, other) in self.0.iter_mut().zip(other.0) {
-                    *own = *own $operator other;
+                self.0[0] = self.0[0] $operator other.0[0];
+                if N == 2 {
+                    self.0[1] = self.0[1] $operator other.0[1];
+                } else if N > 2 {
+                    let mut k = 1;
+                    while k < N {
+                        self.0[k] = self.0[k] $operator other.0[k];
+                        k += 1;
+                    }
                 }
                 self
             }
@@ -125,12 +132,13 @@ by_coefficients!(Sub, sub, minus, -);
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Self {
-        let mut negative = self.0;
-        for c in &mut negative {
-            *c = -*c;
+    fn neg(mut self) -> Self {
+        let mut k = 0;
+        while k < N {
+            self.0[k] = -self.0[k];
+            k += 1;
         }
-        Jet(negative)
+        self
     }
 }
 
@@ -159,11 +167,22 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
     #[inline(always)]
     fn times(self, other: Self) -> Self {
-        let mut product = self.0;
-        for (k, p) in product.iter_mut().enumerate() {
-            *p = self.0[0] * other.0[k];
-            for i in 1..=k {
-                *p = *p + self.0[i] * other.0[k - i];
+        let (a, b) = (self.0, other.0);
+        let mut product = a;
+        product[0] = a[0] * b[0];
+        if N == 2 {
+            product[1] = a[0] * b[1] + a[1] * b[0];
+        } else if N > 2 {
+            let mut k = 1;
+            while k < N {
+                let mut sum = a[0] * b[k];
+                let mut i = 1;
+                while i <= k {
+                    sum = sum + a[i] * b[k - i];
+                    i += 1;
+                }
+                product[k] = sum;
+                k += 1;
             }
         }
         Jet(product)
@@ -232,7 +251,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
 impl<T: Real, const N: usize> Real for Jet<T, N> {
     const IN_REGISTERS: bool = T::IN_REGISTERS;
     const IS_LARGE: bool = true;
-    const IS_NESTED: bool = T::IS_LARGE && !T::IN_REGISTERS;
+    const IS_NESTED: bool = T::IS_LARGE;
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]
@@ -268,7 +287,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
             return Jet::constant(self.0[0].asin());
         }
         match Self::IS_NESTED {
-            true => called(self, Self::arc_sine),
+            true => outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.arc_sine() }),
             false => self.arc_sine(),
         }
     }
@@ -279,7 +298,9 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
         match Self::IS_NESTED {
-            true => called((self, x), |(y, x)| y.angle_from(x)),
+            true => outlined!(
+                [T: Real; N] self; y: Jet<T, N> = self, x: Jet<T, N> = x => Jet<T, N> { y.angle_from(x) }
+            ),
             false => self.angle_from(x),
         }
     }
@@ -290,12 +311,13 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     }
 
     #[inline(always)]
-    fn scaled(self, factor: f64) -> Self {
-        let mut scaled = self.0;
-        for c in &mut scaled {
-            *c = c.scaled(factor);
+    fn scaled(mut self, factor: f64) -> Self {
+        let mut k = 0;
+        while k < N {
+            self.0[k] = self.0[k].scaled(factor);
+            k += 1;
         }
-        Jet(scaled)
+        self
     }
 }
 

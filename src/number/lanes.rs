@@ -76,6 +76,7 @@ impl<S: Registers> Neg for Lanes<S> {
 
 impl<S: Registers> Real for Lanes<S> {
     const IN_REGISTERS: bool = true;
+    const IS_LARGE: bool = true;
 
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {

@@ -136,6 +136,31 @@ pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
+/// A block in a function of its own by [`Real::outlined`], for a number of the type named first:
+/// `outlined!([T: Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live
+/// for `'p`; the length of a series may follow the types, as in `[T: Real; N]`.
+macro_rules! outlined {
+    ([$($parameter:ident: $bound:path),* $(; $length:ident)?] $like:expr;
+        $($operand:ident: $kind:ty = $value:expr),* => $output:ty $body:block) => {{
+        struct Piece<'p, $($parameter: $bound,)* $(const $length: usize)?>(
+            $($kind,)*
+            std::marker::PhantomData<(&'p (), $($parameter),*)>,
+        );
+        impl<'p, $($parameter: $bound,)* $(const $length: usize)?> $crate::number::Outlined
+            for Piece<'p, $($parameter,)* $($length)?>
+        {
+            type Output = $output;
+            #[inline(always)]
+            fn work(self) -> $output {
+                let Piece($($operand,)* _) = self;
+                $body
+            }
+        }
+        $crate::number::Real::outlined($like, Piece($($value,)* std::marker::PhantomData))
+    }};
+}
+pub(crate) use outlined;
+
 /// One real number, perhaps with derivatives: where it lies can be asked.
 pub trait Scalar: Real {
     /// The value without its derivatives.

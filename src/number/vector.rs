@@ -3,7 +3,7 @@
 //! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
 //! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
 
-use super::{Jet, Real, called};
+use super::{Jet, Real, called, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector of three numbers.
@@ -100,7 +100,9 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
         match T::IS_NESTED {
-            true => called((self, other), |(a, b)| a.dot_here(b)),
+            true => outlined!(
+                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_here(b) }
+            ),
             false => self.dot_here(other),
         }
     }
@@ -109,7 +111,9 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         match T::IS_NESTED {
-            true => called((self, other), |(a, b)| a.cross_here(b)),
+            true => outlined!(
+                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_here(b) }
+            ),
             false => self.cross_here(other),
         }
     }
@@ -118,7 +122,10 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn plus_scaled(self, other: Self, factor: T) -> Self {
         match T::IS_NESTED {
-            true => called((self, other, factor), |(a, b, f)| a.plus_scaled_here(b, f)),
+            true => outlined!(
+                [T: Real] self.x;
+                a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_here(b, f) }
+            ),
             false => self.plus_scaled_here(other, factor),
         }
     }
@@ -155,7 +162,7 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn normalised(self) -> Self {
         match T::IS_NESTED {
-            true => called(self, Self::normalised_here),
+            true => outlined!([T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() }),
             false => self.normalised_here(),
         }
     }
@@ -182,7 +189,7 @@ impl<T: Real> Add for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        match T::IS_NESTED {
+        match T::IS_NESTED && !T::IN_REGISTERS {
             true => called((self, other), |(a, b)| a.plus_here(b)),
             false => self.plus_here(other),
         }
@@ -193,7 +200,7 @@ impl<T: Real> Sub for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        match T::IS_NESTED {
+        match T::IS_NESTED && !T::IN_REGISTERS {
             true => called((self, other), |(a, b)| a.minus_here(b)),
             false => self.minus_here(other),
         }
@@ -213,7 +220,9 @@ impl<T: Real> Mul<T> for Vector3<T> {
     #[inline(always)]
     fn mul(self, factor: T) -> Self {
         match T::IS_NESTED {
-            true => called((self, factor), |(v, factor)| v.times_here(factor)),
+            true => outlined!(
+                [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_here(f) }
+            ),
             false => self.times_here(factor),
         }
     }
@@ -272,16 +281,37 @@ impl<T: Real> Matrix3<T> {
     /// The matrix times a column.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
-        (self.columns[0] * v.x)
-            .plus_scaled(self.columns[1], v.y)
-            .plus_scaled(self.columns[2], v.z)
+        match T::IS_NESTED {
+            true => outlined!(
+                [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_here(v) }
+            ),
+            false => self.apply_here(v),
+        }
+    }
+
+    #[inline(always)]
+    fn apply_here(&self, v: Vector3<T>) -> Vector3<T> {
+        let [a, b, c] = self.columns;
+        a.times_here(v.x)
+            .plus_scaled_here(b, v.y)
+            .plus_scaled_here(c, v.z)
     }
 
     /// The transposed matrix (the inverse rotation) times a column.
     #[inline(always)]
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
+        match T::IS_NESTED {
+            true => outlined!(
+                [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_here(v) }
+            ),
+            false => self.apply_transposed_here(v),
+        }
+    }
+
+    #[inline(always)]
+    fn apply_transposed_here(&self, v: Vector3<T>) -> Vector3<T> {
         let [a, b, c] = self.columns;
-        Vector3::new(a.dot(v), b.dot(v), c.dot(v))
+        Vector3::new(a.dot_here(v), b.dot_here(v), c.dot_here(v))
     }
 
     /// This rotation followed by the one with Rodrigues vector `rodrigues` = tan(angle/2) times the

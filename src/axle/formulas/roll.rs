@@ -16,17 +16,20 @@
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{Motion, State};
+use crate::axle::state::{Motion, State, WheelState};
 use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::Real;
+use crate::number::{Real, outlined};
 
 /// Load gained per side force inboard.
 #[inline(always)]
 pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
-    let wheel = state.wheel(side);
-    let velocity = wheel.contact_velocity();
-    velocity.dot(wheel.ground.outboard()) / velocity.dot(wheel.ground.normal())
+    outlined!(
+        [T: Real, W: WheelParts<T>] state.like(); wheel: WheelState<'p, T, W> = state.wheel(side) => T {
+            let velocity = wheel.contact_velocity();
+            velocity.dot(wheel.ground.outboard()) / velocity.dot(wheel.ground.normal())
+        }
+    )
 }
 
 /// The same for a force across the wheel instead of across the vehicle.

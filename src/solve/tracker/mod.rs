@@ -34,7 +34,7 @@ use super::path::StationOrder;
 use crate::derive::Gradient;
 use crate::mechanism::{Closure, Configuration, Pose, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
-use crate::number::{Jet, MOST_LANES, Matrix3, SimdReal, Vector3};
+use crate::number::{Jet, MOST_LANES, Matrix3, SimdReal, Vector3, outlined};
 pub use acceptance::{Acceptance, Rejection};
 use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
@@ -317,10 +317,17 @@ impl<'a> Batch<'a> {
 
     /// The constants of designs, a point of all lanes after another.
     #[inline(always)]
-    pub fn design<'d, B: SimdReal>(&self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B>
-    where
-        'a: 'd,
-    {
+    pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
+        outlined!(
+            [B: SimdReal] design[0].x;
+            batch: &'p Batch<'p> = self, design: &'p [Vector3<B>] = design => LaneDesign<'p, B> {
+                batch.design_here(design)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn design_here<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         let origin = design[self.mechanism.origin.0];
         let shortest = origin.x.lit(self.shortest);
         let mut distinct = origin.x.zero().less(shortest);

@@ -24,7 +24,7 @@ use super::{
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
 use crate::model::{Drive, Mechanism};
-use crate::number::{SimdReal, Vector3};
+use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::StationOrder;
 
 /// Corrections a lane may take to settle.
@@ -341,8 +341,8 @@ impl<'a> PairBatch<'a> {
             let mut rises = zero.everywhere();
             let mut round = 1;
             loop {
-                let one = left.linear(&left_unknowns, rack, mean + half, settled);
-                let two = right.linear(&right_unknowns, -rack, mean - half, settled);
+                let one = linear(left, &left_unknowns, [rack, mean + half], settled);
+                let two = linear(right, &right_unknowns, [-rack, mean - half], settled);
                 let mut step = zero;
                 if let Some(radius) = radius {
                     let [left_height, left_rise] = height(ground, radius, &one);
@@ -358,8 +358,8 @@ impl<'a> PairBatch<'a> {
                 half = B::select(settled, half, half + step);
                 left_unknowns = kept(settled, left_unknowns, left.moved(&left_unknowns, step));
                 right_unknowns = kept(settled, right_unknowns, right.moved(&right_unknowns, -step));
-                let one = left.corrected(&left_unknowns, rack, mean + half);
-                let two = right.corrected(&right_unknowns, -rack, mean - half);
+                let one = corrected(left, &left_unknowns, [rack, mean + half]);
+                let two = corrected(right, &right_unknowns, [-rack, mean - half]);
                 let mut small = one.is_settled & two.is_settled;
                 if let Some(radius) = radius {
                     let mirrored = ground.mirrored();
@@ -435,6 +435,45 @@ impl<'a> PairBatch<'a> {
         }
         tracked
     }
+}
+
+/// [`Wheel::linear`] in a function of its own, for both wheels.
+#[inline(always)]
+fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
+    wheel: &mut W,
+    unknowns: &[B; N],
+    [rack, travel]: [B; 2],
+    settled: B::Mask,
+) -> Linear<B> {
+    struct Piece<'w, B: SimdReal, W, const N: usize>(&'w mut W, [B; N], [B; 2], B::Mask);
+    impl<B: SimdReal, W: Wheel<B, N>, const N: usize> Outlined for Piece<'_, B, W, N> {
+        type Output = Linear<B>;
+        #[inline(always)]
+        fn work(self) -> Linear<B> {
+            let Piece(wheel, unknowns, [rack, travel], settled) = self;
+            wheel.linear(&unknowns, rack, travel, settled)
+        }
+    }
+    travel.outlined(Piece(wheel, *unknowns, [rack, travel], settled))
+}
+
+/// [`Wheel::corrected`] likewise.
+#[inline(always)]
+fn corrected<B: SimdReal, const N: usize, W: Wheel<B, N>>(
+    wheel: &mut W,
+    unknowns: &[B; N],
+    [rack, travel]: [B; 2],
+) -> Corrected<B, N> {
+    struct Piece<'w, B, W, const N: usize>(&'w mut W, [B; N], [B; 2]);
+    impl<B: SimdReal, W: Wheel<B, N>, const N: usize> Outlined for Piece<'_, B, W, N> {
+        type Output = Corrected<B, N>;
+        #[inline(always)]
+        fn work(self) -> Corrected<B, N> {
+            let Piece(wheel, unknowns, [rack, travel]) = self;
+            wheel.corrected(&unknowns, rack, travel)
+        }
+    }
+    travel.outlined(Piece(wheel, *unknowns, [rack, travel]))
 }
 
 /// `yes` where the mask is set, else `no`.

@@ -93,11 +93,8 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     /// From the wheel centre to the contact point.
     #[inline(always)]
     pub fn contact_lever(&self) -> Vector3<T> {
-        outlined!(
-            [T: Real] self.ground.sine;
-            ground: Ground<T> = self.ground, axis: Vector3<T> = self.reading.spin_axis(), radius: f64 = self.radius
-                => Vector3<T> { ground.contact_lever(axis, radius) }
-        )
+        self.ground
+            .contact_lever(self.reading.spin_axis(), self.radius)
     }
 
     /// The contact point C.

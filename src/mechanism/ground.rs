@@ -10,7 +10,7 @@
 //! In the kernel's frame of the right wheel, the mirror image, phi is -phi and e points outboard again. So
 //! every formula of a wheel is written once, with n and the outboard direction of the ground.
 
-use crate::number::{Real, Vector3};
+use crate::number::{Real, Vector3, outlined};
 
 /// The tilt of the ground at one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,15 @@ impl<T: Real> Ground<T> {
     /// radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
     #[inline(always)]
     pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
+        outlined!(
+            [T: Real] a.x; ground: Ground<T> = self, a: Vector3<T> = a, radius: f64 = radius => Vector3<T> {
+                ground.contact_lever_here(a, radius)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn contact_lever_here(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         let n = self.normal();
         let along = n.dot(a);
         let down = Vector3::new(along * a.x - n.x, along * a.y - n.y, along * a.z - n.z);

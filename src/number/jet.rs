@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Outlined, Real, Scalar, called, outlined};
+use super::{Outlined, Real, Scalar, apart, called, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -96,9 +96,9 @@ macro_rules! by_coefficients {
             #[inline(always)]
             fn $operation(mut self, other: Self) -> Self {
                 self.0[0] = self.0[0] $operator other.0[0];
-                if N == 2 {
+                if Self::IS_PAIR {
                     self.0[1] = self.0[1] $operator other.0[1];
-                } else if N > 2 {
+                } else if Self::IS_LONG {
                     let mut k = 1;
                     while k < N {
                         self.0[k] = self.0[k] $operator other.0[k];
@@ -153,7 +153,11 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
+/// Constants, since a comparison of `N` where it is needed would leave both branches to the compiler.
 impl<T: Real, const N: usize> Jet<T, N> {
+    const IS_SINGLE: bool = N == 1;
+    const IS_PAIR: bool = N == 2;
+    const IS_LONG: bool = N > 2;
     /// Whether products, quotients and roots are calls (see [`called`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
@@ -170,9 +174,9 @@ impl<T: Real, const N: usize> Jet<T, N> {
         let (a, b) = (self.0, other.0);
         let mut product = a;
         product[0] = a[0] * b[0];
-        if N == 2 {
+        if Self::IS_PAIR {
             product[1] = a[0] * b[1] + a[1] * b[0];
-        } else if N > 2 {
+        } else if Self::IS_LONG {
             let mut k = 1;
             while k < N {
                 let mut sum = a[0] * b[k];
@@ -256,7 +260,10 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        self.0[0].outlined(piece)
+        match T::IN_REGISTERS {
+            true => self.0[0].outlined(piece),
+            false => apart(piece),
+        }
     }
 
     #[inline(always)]
@@ -283,18 +290,20 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline(always)]
     fn asin(self) -> Self {
-        if N == 1 {
+        if Self::IS_SINGLE {
             return Jet::constant(self.0[0].asin());
         }
         match Self::IS_NESTED {
-            true => outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.arc_sine() }),
+            true => {
+                outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.arc_sine() })
+            }
             false => self.arc_sine(),
         }
     }
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        if N == 1 {
+        if Self::IS_SINGLE {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
         match Self::IS_NESTED {

@@ -88,7 +88,7 @@ pub trait Real:
     /// what is inlined into one function all takes the compiler long.
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        called(piece, P::work)
+        apart(piece)
     }
 
     /// The same number, known in another way as well: an interval is narrowed to what both contain, any other number
@@ -126,6 +126,12 @@ pub trait Outlined {
     type Output;
     /// Does it. To be marked `#[inline(always)]`.
     fn work(self) -> Self::Output;
+}
+
+/// Does a piece of work in a function of its own, compiled for no instruction set.
+#[inline(never)]
+fn apart<P: Outlined>(piece: P) -> P::Output {
+    piece.work()
 }
 
 /// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long

@@ -46,6 +46,11 @@ impl<T> From<[T; 3]> for Vector3<T> {
     }
 }
 
+impl<T: Real> Vector3<T> {
+    /// Of a few registers, sums are shorter than calls.
+    const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
+}
+
 /// The arithmetic itself. What runs in SIMD registers must be inlined, and closures are not by themselves: there these
 /// are what is done, and calls of them only for nested derivatives.
 impl<T: Real> Vector3<T> {
@@ -162,7 +167,9 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn normalised(self) -> Self {
         match T::IS_NESTED {
-            true => outlined!([T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() }),
+            true => {
+                outlined!([T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() })
+            }
             false => self.normalised_here(),
         }
     }
@@ -189,7 +196,7 @@ impl<T: Real> Add for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        match T::IS_NESTED && !T::IN_REGISTERS {
+        match Self::ADDS_IN_CALLS {
             true => called((self, other), |(a, b)| a.plus_here(b)),
             false => self.plus_here(other),
         }
@@ -200,7 +207,7 @@ impl<T: Real> Sub for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        match T::IS_NESTED && !T::IN_REGISTERS {
+        match Self::ADDS_IN_CALLS {
             true => called((self, other), |(a, b)| a.minus_here(b)),
             false => self.minus_here(other),
         }

@@ -34,7 +34,7 @@ use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Tracked, Visit, weighted, within_half,
+    Tracked, VisitPoses, weighted, within_half,
 };
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
@@ -45,7 +45,7 @@ use crate::mechanism::{Configuration, Pose, Twist, Wrench};
 use crate::model::{Drive, Mechanism};
 use crate::number::Jet;
 use crate::number::Real;
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Matrix3, Vector3, outlined};
 use crate::number::{Outlined, SimdReal};
 use std::array::from_fn;
 use std::cell::{Cell, Ref, RefCell};
@@ -252,6 +252,13 @@ impl<B: Real> Blocks<B> {
     /// The twist (v, w) with J (v, w) = f.
     #[inline(always)]
     fn solve(&self, f: [B; 6]) -> Twist<B> {
+        outlined!(
+            [B: Real] f[0]; blocks: &'p Blocks<B> = self, f: [B; 6] = f => Twist<B> { blocks.solve_here(f) }
+        )
+    }
+
+    #[inline(always)]
+    fn solve_here(&self, f: [B; 6]) -> Twist<B> {
         let (above, below) = (
             three(&f, &self.order.rows, 0),
             three(&f, &self.order.rows, 3),
@@ -334,7 +341,7 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
-    travel: B,
+    pub(super) travel: B,
     /// Room for the equations about the pose; whether they are there.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
@@ -671,7 +678,7 @@ impl ByLinkage {
         tolerance: f64,
         start: Acceptance<B>,
         history: &mut [B],
-        visit: &mut impl Visit<B>,
+        visit: &mut dyn VisitPoses<B>,
     ) -> Tracked<B> {
         let zero = linkage.design[0].x.zero();
         let tolerance = zero.lit(tolerance);
@@ -775,7 +782,7 @@ impl ByLinkage {
                         linear: &room,
                         is_linear: Cell::new(false),
                     };
-                    visit.pose(station, &pose, accepted);
+                    visit.linkage(station, &pose, &accepted);
                 }
                 break;
             }

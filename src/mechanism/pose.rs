@@ -314,16 +314,6 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// For SIMD lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
-        outlined!(
-            [T: Real] self.rack;
-            at: &'p Configuration<'p, T> = self, id: PointId = id, motion: &'p Twist<T> = motion => [Vector3<T>; 2] {
-                at.moving_below_rockers_here(id, motion)
-            }
-        )
-    }
-
-    #[inline(always)]
-    fn moving_below_rockers_here(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
         match self.mechanism.body(id) {
             Body::Knuckle => self.moving_carried(id, motion),
             Body::StrutRod(top) => {
@@ -335,20 +325,29 @@ impl<'a, T: Real> Configuration<'a, T> {
             }
             Body::Arm(arm) => {
                 let arm = self.mechanism.arms[arm.0];
-                let now = self.on_arm(arm, id);
-                let front = self.designed(arm.front);
-                let axis = self.designed(arm.rear) - front;
-                let [outer, outer_rate] = self.moving_carried(arm.outer, motion);
-                // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
-                let across = axis.cross(outer - front);
-                let turn = across.dot(outer_rate) / across.norm_squared();
-                [now, axis.cross(now - front) * turn]
+                outlined!(
+                    [T: Real] self.rack;
+                    at: &'p Configuration<'p, T> = self, arm: Arm = arm, id: PointId = id, motion: &'p Twist<T> = motion
+                        => [Vector3<T>; 2] { at.moving_on_arm(arm, id, motion) }
+                )
             }
             Body::Chassis | Body::Rack | Body::Rocker(_) => {
                 let now = self.grounded(id);
                 [now, now.zero()]
             }
         }
+    }
+
+    #[inline(always)]
+    fn moving_on_arm(&self, arm: Arm, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
+        let now = arm_point(self.arm_inputs(arm, id));
+        let front = self.designed(arm.front);
+        let axis = self.designed(arm.rear) - front;
+        let [outer, outer_rate] = self.moving_carried(arm.outer, motion);
+        // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
+        let across = axis.cross(outer - front);
+        let turn = across.dot(outer_rate) / across.norm_squared();
+        [now, axis.cross(now - front) * turn]
     }
 
     #[inline(always)]

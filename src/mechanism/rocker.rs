@@ -241,16 +241,6 @@ impl<B: SimdReal> Configuration<'_, B> {
     /// Present position and velocity of a point.
     #[inline(always)]
     pub fn moving_point(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
-        outlined!(
-            [B: SimdReal] self.rack;
-            at: &'p Configuration<'p, B> = self, id: PointId = id, motion: &'p Twist<B> = motion => MovingPoint<B> {
-                at.moving_point_here(id, motion)
-            }
-        )
-    }
-
-    #[inline(always)]
-    fn moving_point_here(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
         match self.mechanism.body(id) {
             Body::Rocker(rocker) => {
                 let Turning {

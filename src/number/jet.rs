@@ -2,8 +2,8 @@
 //!
 //! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
 //! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops, `while` in what is used everywhere, and the
-//! shortest series written out: what a closure or an iterator is to the compiler, thousands of copies of it are, too.
+//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
+//! the compiler ten times as much. The shortest series are written out, of which there are thousands of products.
 
 #![allow(
     clippy::needless_range_loop,
@@ -95,14 +95,14 @@ macro_rules! by_coefficients {
         impl<T: Real, const N: usize> Jet<T, N> {
             #[inline(always)]
             fn $operation(mut self, other: Self) -> Self {
-                self.0[0] = self.0[0] $operator other.0[0];
-                if Self::IS_PAIR {
-                    self.0[1] = self.0[1] $operator other.0[1];
-                } else if Self::IS_LONG {
-                    let mut k = 1;
-                    while k < N {
-                        self.0[k] = self.0[k] $operator other.0[k];
-                        k += 1;
+                if Self::IS_LONG {
+                    for (own, other) in self.0.iter_mut().zip(other.0) {
+                        *own = *own $operator other;
+                    }
+                } else {
+                    self.0[0] = self.0[0] $operator other.0[0];
+                    if Self::IS_PAIR {
+                        self.0[1] = self.0[1] $operator other.0[1];
                     }
                 }
                 self
@@ -133,10 +133,8 @@ impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(mut self) -> Self {
-        let mut k = 0;
-        while k < N {
-            self.0[k] = -self.0[k];
-            k += 1;
+        for c in &mut self.0 {
+            *c = -*c;
         }
         self
     }
@@ -158,6 +156,8 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;
     const IS_LONG: bool = N > 2;
+    /// Whether angles are calls. Of a series in registers often the slope alone is wanted: inlined, the rest is left out.
+    const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
     /// Whether products, quotients and roots are calls (see [`called`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
@@ -173,20 +173,17 @@ impl<T: Real, const N: usize> Jet<T, N> {
     fn times(self, other: Self) -> Self {
         let (a, b) = (self.0, other.0);
         let mut product = a;
-        product[0] = a[0] * b[0];
-        if Self::IS_PAIR {
-            product[1] = a[0] * b[1] + a[1] * b[0];
-        } else if Self::IS_LONG {
-            let mut k = 1;
-            while k < N {
-                let mut sum = a[0] * b[k];
-                let mut i = 1;
-                while i <= k {
-                    sum = sum + a[i] * b[k - i];
-                    i += 1;
+        if Self::IS_LONG {
+            for (k, p) in product.iter_mut().enumerate() {
+                *p = a[0] * b[k];
+                for i in 1..=k {
+                    *p = *p + a[i] * b[k - i];
                 }
-                product[k] = sum;
-                k += 1;
+            }
+        } else {
+            product[0] = a[0] * b[0];
+            if Self::IS_PAIR {
+                product[1] = a[0] * b[1] + a[1] * b[0];
             }
         }
         Jet(product)
@@ -306,7 +303,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if Self::IS_SINGLE {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
-        match Self::IS_NESTED {
+        match Self::ANGLES_IN_CALLS {
             true => outlined!(
                 [T: Real; N] self; y: Jet<T, N> = self, x: Jet<T, N> = x => Jet<T, N> { y.angle_from(x) }
             ),
@@ -321,10 +318,8 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline(always)]
     fn scaled(mut self, factor: f64) -> Self {
-        let mut k = 0;
-        while k < N {
-            self.0[k] = self.0[k].scaled(factor);
-            k += 1;
+        for c in &mut self.0 {
+            *c = c.scaled(factor);
         }
         self
     }

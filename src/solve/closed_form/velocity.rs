@@ -26,7 +26,7 @@
 use super::circle::Circle;
 use super::upper::Upper;
 use super::{Carried, ClosedForm, State};
-use crate::number::{Real, outlined};
+use crate::number::Real;
 use crate::number::Vector3;
 
 /// How a pose changes, at a rate of its own.
@@ -62,16 +62,6 @@ impl<T: Real> ClosedForm<T> {
     /// How a state changes, the arm's angle given by the tangent of its half.
     #[inline(always)]
     pub(crate) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
-        outlined!(
-            [T: Real] tangent;
-            form: &'p ClosedForm<T> = self, state: &'p State<T> = state, tangent: T = tangent => Velocity<T> {
-                form.velocity_here(state, tangent)
-            }
-        )
-    }
-
-    #[inline(always)]
-    fn velocity_here(&self, state: &State<T>, tangent: T) -> Velocity<T> {
         let (d, g) = (state.d, state.g);
         let (free, lever) = self.upper.free(state, &self.line);
         let tie_rod_lever = state.ga * state.gram;

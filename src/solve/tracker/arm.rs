@@ -4,7 +4,7 @@ use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Tracked, VisitPoses, weighted, within_half,
+    Tracked, Visit, weighted, within_half,
 };
 use crate::derive::Gradient;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -51,7 +51,7 @@ pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
     state: State<B>,
-    pub(super) tangent: B,
+    tangent: B,
     drive: Drive,
 }
 
@@ -245,7 +245,7 @@ impl ByArm {
         tolerance: f64,
         start: Acceptance<B>,
         history: &mut [B],
-        visit: &mut dyn VisitPoses<B>,
+        visit: &mut impl Visit<B>,
     ) -> Tracked<B> {
         let form = &design.form;
         let like = form.like();
@@ -339,7 +339,7 @@ impl ByArm {
                         tangent,
                         drive,
                     };
-                    visit.arm(station, &pose, &accepted);
+                    visit.pose(station, &pose, accepted);
                 }
                 break;
             }

@@ -34,7 +34,7 @@ use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Tracked, VisitPoses, weighted, within_half,
+    Tracked, Visit, weighted, within_half,
 };
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
@@ -341,7 +341,7 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
-    pub(super) travel: B,
+    travel: B,
     /// Room for the equations about the pose; whether they are there.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
@@ -678,7 +678,7 @@ impl ByLinkage {
         tolerance: f64,
         start: Acceptance<B>,
         history: &mut [B],
-        visit: &mut dyn VisitPoses<B>,
+        visit: &mut impl Visit<B>,
     ) -> Tracked<B> {
         let zero = linkage.design[0].x.zero();
         let tolerance = zero.lit(tolerance);
@@ -782,7 +782,7 @@ impl ByLinkage {
                         linear: &room,
                         is_linear: Cell::new(false),
                     };
-                    visit.linkage(station, &pose, &accepted);
+                    visit.pose(station, &pose, accepted);
                 }
                 break;
             }

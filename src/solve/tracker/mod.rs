@@ -34,12 +34,12 @@ use super::path::StationOrder;
 use crate::derive::Gradient;
 use crate::mechanism::{Closure, Configuration, Pose, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
-use crate::number::{Jet, MOST_LANES, Matrix3, Outlined, SimdReal, Vector3, outlined};
+use crate::number::{Jet, MOST_LANES, Matrix3, SimdReal, Vector3, outlined};
 pub use acceptance::{Acceptance, Rejection};
-use arm::{ArmDesign, ArmPose, ByArm};
+use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
 pub(crate) use linkage::SeriesAdjoint;
-use linkage::{ByLinkage, LinkageDesign, LinkagePose};
+use linkage::{ByLinkage, LinkageDesign};
 pub use pair::{PairBatch, PairDrive, PairStations, Stand, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
 use route::{Leg, Route, Stencil};
@@ -71,34 +71,6 @@ pub trait Visit<B: SimdReal> {
     /// A pose. Lanes that are not accepted hold anything, NaN included. Stations that no lane is accepted at
     /// are not visited.
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
-}
-
-/// A visitor as the tracker knows it, one for all: what is done in a pose is a function of its own, compiled for the
-/// lanes, and the tracker is compiled once.
-pub(crate) trait VisitPoses<B: SimdReal> {
-    fn arm(&mut self, station: usize, at: &ArmPose<'_, B>, accepted: &Acceptance<B>);
-    fn linkage(&mut self, station: usize, at: &LinkagePose<'_, '_, B>, accepted: &Acceptance<B>);
-}
-
-impl<B: SimdReal, V: Visit<B>> VisitPoses<B> for V {
-    fn arm(&mut self, station: usize, at: &ArmPose<'_, B>, accepted: &Acceptance<B>) {
-        at.tangent.outlined(Visiting(self, station, at, accepted));
-    }
-
-    fn linkage(&mut self, station: usize, at: &LinkagePose<'_, '_, B>, accepted: &Acceptance<B>) {
-        at.travel.outlined(Visiting(self, station, at, accepted));
-    }
-}
-
-struct Visiting<'v, B: SimdReal, V, P>(&'v mut V, usize, &'v P, &'v Acceptance<B>);
-
-impl<B: SimdReal, V: Visit<B>, P: LanePose<B>> Outlined for Visiting<'_, B, V, P> {
-    type Output = ();
-    #[inline(always)]
-    fn work(self) {
-        let Visiting(visitor, station, at, accepted) = self;
-        visitor.pose(station, at, *accepted);
-    }
 }
 
 /// What the tracker says at the end of its way.
@@ -391,23 +363,6 @@ impl<'a> Batch<'a> {
         history: &mut [B],
         visit: &mut impl Visit<B>,
     ) -> Tracked<B> {
-        design.origin.x.outlined(Solving {
-            batch: self,
-            design,
-            rack,
-            history,
-            visit,
-        })
-    }
-
-    #[inline(always)]
-    fn solve_here<B: SimdReal>(
-        &self,
-        design: &LaneDesign<'_, B>,
-        rack: usize,
-        history: &mut [B],
-        visit: &mut dyn VisitPoses<B>,
-    ) -> Tracked<B> {
         let places = &self.routes[rack].places;
         let mut accepted = Acceptance::everywhere(design.origin.x);
         accepted.require(design.distinct, Rejection::NoLength);
@@ -426,23 +381,6 @@ impl<'a> Batch<'a> {
             }
             _ => unreachable!("a design of another batch"),
         }
-    }
-}
-
-struct Solving<'s, 'a, B: SimdReal> {
-    batch: &'s Batch<'a>,
-    design: &'s LaneDesign<'s, B>,
-    rack: usize,
-    history: &'s mut [B],
-    visit: &'s mut dyn VisitPoses<B>,
-}
-
-impl<B: SimdReal> Outlined for Solving<'_, '_, B> {
-    type Output = Tracked<B>;
-    #[inline(always)]
-    fn work(self) -> Tracked<B> {
-        self.batch
-            .solve_here(self.design, self.rack, self.history, self.visit)
     }
 }
 
@@ -572,7 +510,7 @@ impl Batch<'_> {
                         tangent,
                         rack,
                         #[inline(always)]
-                        |pose| visit.arm(group, pose, &acceptance),
+                        |pose| visit.pose(group, pose, acceptance),
                     );
                 }
                 (Method::Linkage(way), Form::Linkage(form)) => {
@@ -586,7 +524,7 @@ impl Batch<'_> {
                         value,
                         rack,
                         #[inline(always)]
-                        |pose| visit.linkage(group, pose, &acceptance),
+                        |pose| visit.pose(group, pose, acceptance),
                     );
                 }
                 _ => unreachable!("a design of another batch"),

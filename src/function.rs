@@ -11,13 +11,13 @@ mod axle;
 use self::axle::{AxleCourse, AxleEvaluator};
 use crate::characteristics::Quantity;
 use crate::evaluate::{Evaluated, GradientEvaluator, Unsolved};
-use crate::mechanism::{DesignFault, Failure};
+use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
 use crate::optimise::{Way, moved_design, ways};
 use crate::plan::{Output, Plan};
 use crate::study::{Designs, Formulation, Study, SweepVariable, Variable, nearest};
-use crate::sweep::{BLOCK, Block, Evaluator, Stations};
+use crate::sweep::{BLOCK, Block, Evaluator, StationFailure, Stations};
 use nalgebra::DVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -574,7 +574,7 @@ impl<'f> Evaluation<'f> {
 
     /// Why a station of the designs whose values were last asked for has no pose: (design, station of the motion,
     /// reason).
-    pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &Failure)> {
+    pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &StationFailure)> {
         let f = self.function;
         let failures = self.values.iter().flat_map(|v| v.block.failures());
         failures.filter_map(|failure| {

@@ -161,13 +161,18 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
         for design in 0..BLOCK {
             for (k, quantity) in quantities.iter().enumerate() {
                 let scale = scale_of(*quantity, suspension.size(), unit_of_drive);
+                let arm = swing_arm(*quantity);
+                let arm = quantities.iter().position(|q| Some(*q) == arm);
                 let pairs = block.values(design, k).zip(wanted.values(design, k));
                 for (station, (a, b)) in pairs.enumerate() {
                     assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
                     if !a.is_nan() {
                         // A swing arm has poles, where the wheel does not turn: its inverse is what
-                        // is as smooth as the rest.
-                        let pole = b * b / suspension.size();
+                        // is as smooth as the rest. The height of its centre, h = v/w, is a quotient by the
+                        // same turn w: |dh| <= |1/w| (|dv| + |h dw|), |1/w| being about the arm.
+                        let size = suspension.size();
+                        let arm = arm.map_or(b, |arm| wanted.value(design, arm, station));
+                        let pole = (arm * b / size).abs().max(arm.abs()).max(b * b / size);
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
                         // What comes so near to a fold or toggle that it is left to be solved one by one
                         // is at the mercy of its own condition, which the continuation feels as well.
@@ -247,6 +252,20 @@ fn rounded(
     evaluator.evaluate(design, &mut found);
     let slopes = found.gradient(0, 0, station).iter().map(|by| by.norm());
     OFF * suspension.size() * slopes.sum::<f64>()
+}
+
+/// The swing arm at the end of which a centre is, of which this is the height.
+fn swing_arm(quantity: Quantity) -> Option<Quantity> {
+    let arm = match quantity {
+        Quantity::Characteristic(Characteristic::FrontViewCentreHeight) => {
+            Characteristic::FrontViewSwingArm
+        }
+        Quantity::Characteristic(Characteristic::SideViewCentreHeight) => {
+            Characteristic::SideViewSwingArm
+        }
+        _ => return None,
+    };
+    Some(Quantity::Characteristic(arm))
 }
 
 /// What a quantity is measured in; an angular velocity is by the drive itself.

@@ -1,13 +1,13 @@
 //! Curves of an axle: every quantity at every station.
 
-use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead};
+use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
 use super::{
     Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, Course, Of, Quantity, Void,
     WheelMotion,
 };
 use crate::curves::{Loads, Status};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, PointId, Side};
+use crate::model::{Axis, PointId, Rod, Side};
 use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 
@@ -116,6 +116,8 @@ pub struct AxleStation {
     pub status: &'static str,
     /// A value for each column, or why there is none.
     pub values: Vec<Result<f64, Void>>,
+    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    pub toggles: [Option<Rod>; 2],
     /// Condition number of the worse wheel.
     pub condition: Option<f64>,
     /// What is proved, where that is asked for.
@@ -130,6 +132,7 @@ impl AxleStation {
             placed: Err(failure),
             status: failure.word(),
             values: Vec::new(),
+            toggles: [None; 2],
             condition: None,
             proof: None,
         }
@@ -311,7 +314,7 @@ impl Curves {
                 .as_ref()
                 .map_err(|failure| *failure)
         };
-        solver.pair([wheel(0)?, wheel(1)?], rack, on_plane)
+        solver.pair(both(wheel(0), wheel(1))?, rack, on_plane)
     }
 }
 
@@ -347,6 +350,7 @@ fn values(
             _ => Status::Ok.word(),
         },
         values,
+        toggles: read.toggles,
         condition: Some(read.condition),
         proof: None,
     }

@@ -14,7 +14,7 @@ use super::{Axle, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
-use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
+use crate::model::{Axis, Drive, LengthUnit, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -78,14 +78,18 @@ impl std::fmt::Display for Placement {
                 let roll = roll.to_degrees();
                 write!(
                     f,
-                    "roll {roll:.6} deg, heave {heave}, rack {rack} to the left"
+                    "roll {roll:.6} deg, heave {}, rack {} to the left",
+                    heave + 0.0,
+                    rack + 0.0
                 )
             }
             Placement::AtLoad { heave, roll, rack } => {
                 let roll = roll.to_degrees();
                 write!(
                     f,
-                    "roll {roll:.6} deg at the load of heave {heave}, rack {rack} to the left"
+                    "roll {roll:.6} deg at the load of heave {}, rack {} to the left",
+                    heave + 0.0,
+                    rack + 0.0
                 )
             }
             Placement::Travels {
@@ -93,7 +97,13 @@ impl std::fmt::Display for Placement {
                 rack,
                 ..
             } => {
-                write!(f, "travels {left} and {right}, rack {rack} to the left")
+                write!(
+                    f,
+                    "travels {} and {}, rack {} to the left",
+                    left + 0.0,
+                    right + 0.0,
+                    rack + 0.0
+                )
             }
         }
     }
@@ -130,6 +140,39 @@ impl AxleFailure {
         }
     }
 
+    /// The reason in words, with lengths in this unit. Where the rack ends, the wheel's travel says nothing.
+    pub fn describe(&self, unit: LengthUnit) -> String {
+        match self {
+            AxleFailure::Wheel {
+                side,
+                failure: failure @ Failure::RackUnreachable { .. },
+                ..
+            } => format!("{} wheel: {}", side.name(), failure.describe(unit)),
+            AxleFailure::Wheel {
+                side,
+                travel,
+                failure,
+            } => format!(
+                "{} wheel at travel {travel:.6} {}: {}",
+                side.name(),
+                unit.symbol(),
+                failure.describe(unit)
+            ),
+            other => other.to_string(),
+        }
+    }
+
+    /// How far the rack goes, where it ends.
+    fn rack_end(&self) -> Option<f64> {
+        match self {
+            AxleFailure::Wheel {
+                failure: Failure::RackUnreachable { limit, .. },
+                ..
+            } => Some(limit.abs()),
+            _ => None,
+        }
+    }
+
     /// Whether there is a position, but no proof of it.
     pub fn is_unproven(&self) -> bool {
         match self {
@@ -162,6 +205,22 @@ impl std::fmt::Display for AxleFailure {
                 "both poses are proved, but not that the ground under them is the only one there"
             ),
         }
+    }
+}
+
+/// What was found of both wheels. Where neither can follow the rack, the failure is that of the wheel that ends it first.
+pub(super) fn both<T>(
+    left: Result<T, AxleFailure>,
+    right: Result<T, AxleFailure>,
+) -> Result<[T; 2], AxleFailure> {
+    match (left, right) {
+        (Ok(left), Ok(right)) => Ok([left, right]),
+        (Err(left), Err(right)) => {
+            let ends = left.rack_end().zip(right.rack_end());
+            let right_is_first = ends.is_some_and(|(left, right)| right < left);
+            Err(if right_is_first { right } else { left })
+        }
+        (Err(failure), _) | (_, Err(failure)) => Err(failure),
     }
 }
 
@@ -768,7 +827,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     let rack = rack * corner.rack_sign;
                     corner.at(travels[side as usize], rack, |_, _, _, pose| Ok(*pose))
                 };
-                let poses = [pose(Side::Left)?, pose(Side::Right)?];
+                let poses = both(pose(Side::Left), pose(Side::Right))?;
                 let roll = match on_plane {
                     false => 0.0,
                     true => self.tilted(&poses)?,
@@ -803,14 +862,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let [left, right] = &mut self.corners;
-            let found = left
-                .height(heave + half, rack, ground, radius)
-                .and_then(|l| {
-                    let r = right.height(heave - half, rack, ground.mirrored(), radius)?;
-                    Ok((l, r))
-                });
+            let found = both(
+                left.height(heave + half, rack, ground, radius),
+                right.height(heave - half, rack, ground.mirrored(), radius),
+            );
             // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
-            let found = found.and_then(|(l, r)| match l.height[1] > 0.0 && r.height[1] > 0.0 {
+            let found = found.and_then(|[l, r]| match l.height[1] > 0.0 && r.height[1] > 0.0 {
                 true => Ok((l, r)),
                 false => Err(AxleFailure::NoGround),
             });

@@ -1,6 +1,7 @@
 //! `hardpoint compare`
 
 use super::TableFormat;
+use super::axle;
 use super::exit::{Exit, Stop};
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::curves::curves;
@@ -140,6 +141,8 @@ type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
 
 fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
     let mut study = Study::read(path, &[])?;
+    let why = "it compares curves over one travel and one place of the rack";
+    axle::refuse(&study, path, "compare", why)?;
     let unit = study.suspension.length_unit;
     let motion = &mut study.motion;
     if motion.drive == Drive::Travel && motion.time.is_none() {

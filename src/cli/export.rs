@@ -76,6 +76,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
         ));
     }
     let source = Source::read(arguments)?;
+    source.say_what_is_left_out(arguments.to)?;
     let bytes = match arguments.to {
         Target::Csv => csv(&point_rows(source.study()?, &source.design)),
         Target::Xlsx => workbook(&source.pages()?),
@@ -180,6 +181,40 @@ impl Source {
             source.design = rounded.design;
         }
         Ok(source)
+    }
+
+    /// Of an axle the left wheel is written, of which the right one need not be the mirror image. A file in which the
+    /// two are one is refused then.
+    fn say_what_is_left_out(&self, to: Target) -> Result<(), Stop> {
+        let axle = self.study.as_ref().and_then(|study| study.axle.as_ref());
+        let Some((left, right)) = axle.and_then(|a| Some((&a.axle.left, a.axle.right.as_ref()?)))
+        else {
+            return Ok(());
+        };
+        let points = left
+            .mechanism
+            .points
+            .iter()
+            .zip(left.design.iter().zip(&right.design));
+        let own = points.filter(|(_, (left, right))| left != right);
+        let own: Vec<&str> = own.map(|(point, _)| point.name.as_str()).collect();
+        if own.is_empty() {
+            return Ok(());
+        }
+        let words = format!(
+            "{}: axle.right: the right wheel's own hardpoints are not exported yet: {}",
+            self.path.display(),
+            own.join(", ")
+        );
+        match to {
+            Target::Adams => Err(Stop::wrong_input(format!(
+                "{words}; the file would have the mirror image of the left ones"
+            ))),
+            _ => {
+                note(&format!("warning: {words}\n"));
+                Ok(())
+            }
+        }
     }
 
     fn study(&self) -> Result<&Study, Stop> {

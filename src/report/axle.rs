@@ -7,8 +7,8 @@ use super::{Cell, Table, shortest};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
 };
-use crate::curves::Proof;
-use crate::model::{Axis, Side};
+use crate::curves::{Proof, Status};
+use crate::model::{Axis, Rod, Side};
 use serde::{Deserialize, Serialize};
 
 /// Names and values of the columns that say where a station is.
@@ -248,9 +248,9 @@ pub struct AxleSummary {
     /// For the words of the certificate.
     #[serde(skip)]
     length_unit: String,
-    /// Where nothing carries the loads, in a sentence.
+    /// Where nothing carries the loads, and where rockers come to a toggle, a sentence each.
     #[serde(skip)]
-    unsupported: Option<String>,
+    lacking: Vec<String>,
 }
 
 /// As of a corner: empty cells by reason.
@@ -302,7 +302,7 @@ impl AxleSummary {
                 station: number,
                 at: place.words(number, station),
                 status: station.status.to_owned(),
-                reason: failure.to_string(),
+                reason: failure.describe(axle.left.length_unit),
             })
         });
         let failed: Vec<_> = failed.collect();
@@ -349,7 +349,10 @@ impl AxleSummary {
             failed,
             certificate: certificate(&place, curves),
             length_unit: axle.left.length_unit.symbol().to_owned(),
-            unsupported: unsupported(&place, curves),
+            lacking: unsupported(&place, curves)
+                .into_iter()
+                .chain(toggled(&place, curves))
+                .collect(),
         }
     }
 
@@ -384,7 +387,7 @@ impl AxleSummary {
     pub fn remarks(&self) -> Vec<String> {
         let certificate = self.certificate.iter();
         let certificate = certificate.map(|c| c.remark(self.stations, &self.length_unit));
-        let mut said: Vec<_> = certificate.chain(self.unsupported.clone()).collect();
+        let mut said: Vec<_> = certificate.chain(self.lacking.clone()).collect();
         for cells in &self.completeness.empty {
             let EmptyCells {
                 columns: [column],
@@ -418,6 +421,38 @@ fn unsupported(place: &Place<'_>, curves: &AxleCurves) -> Option<String> {
         place.words(number, first),
         Void::Unsupported.reason(),
     ))
+}
+
+/// Where a rod of a rocker comes to a toggle, a sentence for each rod.
+fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
+    let mut said = Vec::new();
+    for side in [Side::Left, Side::Right] {
+        for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
+            let stations = curves.stations.iter().enumerate();
+            let stuck = stations.filter(|(_, s)| {
+                s.status == Status::Toggle(rod).word() && s.toggles[side as usize] == Some(rod)
+            });
+            let stuck: Vec<_> = stuck.collect();
+            let travel = |s: &AxleStation| {
+                s.placed
+                    .map_or(f64::INFINITY, |p| p.travels[side as usize].abs())
+            };
+            let nearest = stuck
+                .iter()
+                .min_by(|a, b| travel(a.1).total_cmp(&travel(b.1)));
+            said.extend(nearest.map(|(number, station)| {
+                format!(
+                    "warning: the {} wheel's {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: \
+                     there it turns {} no further, and what moves with that has no values",
+                    side.name(),
+                    stations_in_words(stuck.len()),
+                    place.words(*number, station),
+                    rod.turns()
+                )
+            }));
+        }
+    }
+    said
 }
 
 /// What was proved of some curves, where that was asked for: of the worse wheel.

@@ -79,6 +79,23 @@ impl Comparison {
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
+        // Their stations have more numbers than a travel and a place of the rack.
+        let is_of_axle = |table: &CurveTable| {
+            table
+                .header
+                .iter()
+                .any(|name| name.starts_with("travel_left_"))
+        };
+        if let Some((_, axle)) = tables
+            .iter()
+            .zip(designs)
+            .find(|(table, _)| is_of_axle(table))
+        {
+            return Err(format!(
+                "{}: curves of an axle are not yet compared: only those over one travel and one place of the rack",
+                axle.label
+            ));
+        }
         let drive = tables[0].header.first().cloned().unwrap_or_default();
         let unit = first.unit.symbol();
         let rack = format!("rack_{unit}");

@@ -46,8 +46,32 @@ pub fn wheel_doubts(axle: &Axle) -> Result<Vec<String>, (Side, DesignFault)> {
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
         let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
         found.extend(new.iter().map(named).collect::<Vec<_>>());
+        found.extend(across(&axle.left, own));
     }
     Ok(found)
+}
+
+/// Hardpoints of a right wheel that stand where the left wheel has them, well off the centre plane: as if their y had not
+/// changed its sign. Designs are each in the kernel's frame of a wheel at its own side.
+fn across(left: &Suspension, right: &Suspension) -> Option<String> {
+    let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
+    let off = 0.1 * centre(left);
+    let points = left
+        .mechanism
+        .points
+        .iter()
+        .zip(left.design.iter().zip(&right.design));
+    let across = points.filter(|(_, (left, right))| left.y > off && right.y < -off);
+    let names: Vec<&str> = across.map(|(point, _)| point.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
+            match names.as_slice() {
+                [one] => format!("{one} is"),
+                _ => format!("{} are", names.join(", ")),
+            }
+        )
+    })
 }
 
 /// What is doubtful of a study, a line each: of its wheel, or of its axle over the motion, and of its variables.

@@ -6,14 +6,14 @@
 use super::Stations;
 use super::axle_gains::{AxleGains, axle_gains};
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{Block, FailedStation};
+use super::evaluate::{Block, FailedStation, StationFailure};
 use super::lanes::NotInLanes;
 use crate::axle::{
     Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion,
 };
 use crate::curves::Column;
-use crate::mechanism::{DesignFault, Failure, LimitCause};
-use crate::model::{Drive, Side};
+use crate::mechanism::{DesignFault, Failure};
+use crate::model::Side;
 use crate::number::{Vector3, Width};
 use std::borrow::Cow;
 
@@ -237,14 +237,14 @@ impl<const N: usize> OneByOne<'_, N> {
         solver.prepare(wheels)?;
         let placed = solver.place_all(&stations.placements);
         for (station, placed) in placed.into_iter().enumerate() {
-            let read = placed.and_then(|placed| solver.read(&placed));
-            let read = match read {
-                Ok(read) => read,
+            let read = placed.and_then(|placed| Ok((placed, solver.read(&placed)?)));
+            let (placed, read) = match read {
+                Ok(found) => found,
                 Err(failure) => {
                     block.failures.push(FailedStation {
                         design: number,
                         station,
-                        failure: of_one_wheel(failure),
+                        failure: StationFailure::Axle(failure),
                     });
                     continue;
                 }
@@ -257,28 +257,19 @@ impl<const N: usize> OneByOne<'_, N> {
                     block.put(number, k, station, value);
                 }
             }
-            if let Some(rod) = read.toggles.into_iter().flatten().next() {
+            let stuck = [Side::Left, Side::Right].into_iter().zip(read.toggles);
+            if let Some((side, rod)) = stuck.filter_map(|(side, rod)| Some((side, rod?))).next() {
                 block.failures.push(FailedStation {
                     design: number,
                     station,
-                    failure: Failure::Toggle(rod),
+                    failure: StationFailure::Axle(AxleFailure::Wheel {
+                        side,
+                        travel: placed.travels[side as usize],
+                        failure: Failure::Toggle(rod),
+                    }),
                 });
             }
         }
         Ok(())
-    }
-}
-
-/// The failure of the wheel that failed.
-fn of_one_wheel(failure: AxleFailure) -> Failure {
-    match failure {
-        AxleFailure::Wheel { failure, .. } => failure,
-        AxleFailure::NoGround | AxleFailure::NoLoad | AxleFailure::Unproven => {
-            Failure::Unreachable {
-                drive: Drive::Travel,
-                limit: 0.0,
-                cause: LimitCause::Unresolved,
-            }
-        }
     }
 }

@@ -8,7 +8,9 @@ use super::Stations;
 use super::aligned::Aligned;
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;
+use crate::axle::AxleFailure;
 use crate::characteristics::Quantity;
+use crate::curves::Status;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
@@ -28,7 +30,35 @@ pub struct FailedStation {
     /// Number of the station.
     pub station: usize,
     /// Why it has no pose.
-    pub failure: Failure,
+    pub failure: StationFailure,
+}
+
+/// Why a station of a design has no pose, or none of what a rocker moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StationFailure {
+    /// Of a single wheel.
+    Wheel(Failure),
+    /// Of an axle.
+    Axle(AxleFailure),
+}
+
+impl StationFailure {
+    /// The word in the `status` column.
+    pub fn word(&self) -> &'static str {
+        match self {
+            StationFailure::Wheel(failure) => Status::Failed(*failure).word(),
+            StationFailure::Axle(failure) => failure.word(),
+        }
+    }
+}
+
+impl std::fmt::Display for StationFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StationFailure::Wheel(failure) => failure.fmt(f),
+            StationFailure::Axle(failure) => failure.fmt(f),
+        }
+    }
 }
 
 /// The values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN where

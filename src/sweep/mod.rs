@@ -29,7 +29,7 @@ mod tally;
 
 pub(crate) use axle::{AxleEvaluator, AxleStations};
 pub use effects::{Effect, Effects};
-pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
+pub use evaluate::{BLOCK, Block, Evaluator, FailedStation, StationFailure};
 pub use front::{Candidate, Front};
 pub use gradients::{Deviations, Gradients, Jacobians, Slopes, Wanted};
 pub use in_order::in_order;

@@ -1,7 +1,7 @@
 //! Designs one at a time, with every check on the way.
 
 use super::Stations;
-use super::evaluate::{Block, FailedStation};
+use super::evaluate::{Block, FailedStation, StationFailure};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
@@ -134,7 +134,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     block.failures.push(FailedStation {
                         design: number,
                         station,
-                        failure,
+                        failure: StationFailure::Wheel(failure),
                     });
                 }
                 ControlFlow::Continue(())

@@ -1,6 +1,7 @@
 //! What is kept of the designs of a block: a row for each.
 
-use crate::curves::Status;
+use super::evaluate::StationFailure;
+use crate::axle::AxleFailure;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::{Drive, Mechanism};
 
@@ -52,10 +53,16 @@ impl Rows {
 
 impl Failing {
     /// Of stations without a pose; this is the one nearest to the design position.
-    pub(super) fn stations(failure: &Failure, at: f64) -> Self {
+    pub(super) fn stations(failure: &StationFailure, at: f64) -> Self {
         Failing {
-            status: Status::Failed(*failure).word().to_owned(),
-            reason: reason(failure),
+            status: failure.word().to_owned(),
+            reason: match failure {
+                StationFailure::Wheel(failure) => reason(failure),
+                StationFailure::Axle(AxleFailure::Wheel { side, failure, .. }) => {
+                    format!("{} wheel: {}", side.name(), reason(failure))
+                }
+                StationFailure::Axle(failure) => failure.to_string(),
+            },
             stations: 0,
             at: Some(at),
         }

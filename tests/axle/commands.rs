@@ -375,6 +375,163 @@ fn axles_are_swept() {
     }
 }
 
+/// The sentences a run says, on one line.
+fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = arguments.iter().copied().chain(sets).collect();
+    let (out, err) = run(&arguments, code);
+    let words = format!("{out} {err}");
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A station is not complete without a word on it, and the word names the wheel: at a toggle the rod, beyond the rack's
+/// end the wheel that ends it first, as `limits` has it.
+#[test]
+fn what_an_axle_lacks_is_said_with_the_wheel() {
+    let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));
+    let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
+    let solved = |sets: &[&str]| said(&["solve", path, "--out", out], sets, 1);
+    let few = "outputs.characteristics=[\"camber\", \"roll_stiffness\"]";
+    let stuck = solved(&[few, "motion={ roll = [0.0, -20.0, 20.0, 25.0] }"]);
+    for side in ["left", "right"] {
+        let warning = format!(
+            "warning: the {side} wheel's drop link is at toggle, or would be beyond it, at "
+        );
+        assert!(stuck.contains(&warning), "{stuck}");
+    }
+    assert!(
+        stuck.contains("there it turns the anti-roll bar no further"),
+        "{stuck}"
+    );
+    // Both wheels' tie rods end on the same way of the rack, mirrored: the nearer end is of either wheel.
+    let few = "outputs.characteristics=[\"camber\"]";
+    for motion in ["heave = 0.0", "roll = 1.0"] {
+        for (rack, side) in [("-300.0", "left"), ("300.0", "right")] {
+            let motion = format!("motion={{ {motion}, rack = [0.0, {rack}] }}");
+            let end =
+                format!("rack_mm {rack}: {side} wheel: the rack moves no further than 113.32");
+            let found = solved(&[few, &motion]);
+            assert!(found.contains(&end) && found.contains(" mm: "), "{found}");
+        }
+    }
+    let found = solved(&[few, "motion={ travel_left = 500.0, travel_right = 0.0 }"]);
+    let end = "left wheel at travel 500.000000 mm: the wheel travel ends at 349.667807 mm: ";
+    assert!(found.contains(end), "{found}");
+
+    // A sweep gives the reasons without the numbers, and says what keeps the effects back.
+    let swept = |sets: &[&str]| {
+        let variable =
+            "{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0], steps = 16 }";
+        let sweep = format!("sweep={{ method = \"grid\", variables = [{variable}] }}");
+        said(
+            &["sweep", path, "--out", out, "--force"],
+            &[sets, &[&sweep]].concat(),
+            1,
+        )
+    };
+    let found = swept(&[few, "motion={ heave = 0.0, rack = [0.0, 300.0] }"]);
+    assert!(
+        found.contains("right wheel: the rack moves no further:"),
+        "{found}"
+    );
+    let found = swept(&[few, "motion={ roll = [0.0, 60.0] }"]);
+    assert!(
+        found.contains("no difference of travels puts both wheels on the ground"),
+        "{found}"
+    );
+    let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
+    let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
+    let why = "What matters is not known: it is told from designs that have every output, and none has; \
+               it would be known without ackermann.";
+    assert!(found.contains(why), "{found}");
+}
+
+/// What would show one wheel, or one place of many, as if it were the axle, is refused or said.
+#[test]
+fn what_knows_one_wheel_does_not_pass_for_the_axle() {
+    let path = study("five_link_axle.toml");
+    let (path, out) = (path.to_str().unwrap(), folder("one_wheel"));
+    let out = out.to_str().unwrap();
+    let of_studies = said(&["compare", path, path], &[], 2);
+    assert!(
+        of_studies.contains("`hardpoint compare` is not yet there for an axle"),
+        "{of_studies}"
+    );
+    run(&["solve", path, "--out", out], 0);
+    let of_runs = said(&["compare", out, out], &[], 2);
+    assert!(
+        of_runs.contains("curves of an axle are not yet compared"),
+        "{of_runs}"
+    );
+    let words = "axle.right: the right wheel's own hardpoints are not exported yet: toe_link_inner";
+    let adams = said(&["export", path, "--to", "adams"], &[], 2);
+    assert!(adams.contains(words), "{adams}");
+    let table = said(&["export", path, "--to", "csv"], &[], 0);
+    assert!(
+        table.contains(words) && table.contains("toe_link_inner,-180.0,345.0"),
+        "{table}"
+    );
+    let path = study("macpherson_axle.toml");
+    let (_, mirrored) = run(&["export", path.to_str().unwrap(), "--to", "adams"], 0);
+    assert!(!mirrored.contains("not exported"), "{mirrored}");
+}
+
+/// A point of the right wheel with the left wheel's y is not the axle that was meant.
+#[test]
+fn a_right_hardpoint_at_the_left_is_doubted() {
+    let path = study("five_link_axle.toml");
+    let path = path.to_str().unwrap();
+    let doubt = "doubtful: right wheel: toe_link_inner is at the left wheel's side";
+    let own = said(&["check", path], &[], 0);
+    assert!(!own.contains("doubtful"), "{own}");
+    let set = "axle.right.hardpoints.toe_link_inner=[-180.0, 347.0, 262.0]";
+    let own = said(&["check", path], &[set], 0);
+    assert!(own.contains(doubt), "{own}");
+}
+
+/// Parts made to one tolerance scatter both wheels alike, in mirror image; what one side has more shows there alone.
+#[test]
+fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
+    let out = folder("tolerance");
+    fs::create_dir_all(&out).unwrap();
+    let text = fs::read_to_string(study("five_link_axle_tolerance.toml")).unwrap();
+    let is_common = |line: &&str| !line.contains("side = \"right\"");
+    let alike: Vec<&str> = text.lines().filter(is_common).collect();
+    // First-order standard deviations of left and right wheel, in mirror image.
+    let sigmas = |text: &str, quantity: &str, roll: f64| -> [f64; 2] {
+        let path = out.join("study.toml");
+        fs::write(&path, text).unwrap();
+        let path = path.to_str().unwrap();
+        let (csv, _) = run(
+            &[
+                "tolerance",
+                path,
+                "--out",
+                "-",
+                "--set",
+                "tolerance.builds=100",
+            ],
+            0,
+        );
+        let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+        let column = rows[0].iter().position(|c| *c == "sigma_linear").unwrap();
+        [("left", roll), ("right", -roll)].map(|(side, roll)| {
+            let is_it = |row: &&Vec<&str>| {
+                row[0] == format!("{side}_{quantity}_deg") && row[1].parse() == Ok(roll)
+            };
+            rows.iter().find(is_it).unwrap()[column].parse().unwrap()
+        })
+    };
+    for roll in [-3.0, 0.0, 2.0] {
+        let [left, right] = sigmas(&text, "toe", roll);
+        assert!(right > 1.1 * left, "{left} {right}");
+        for quantity in ["toe", "camber"] {
+            let [left, right] = sigmas(&alike.join("\n"), quantity, roll);
+            assert!((left - right).abs() < 1e-12, "{quantity}: {left} {right}");
+        }
+    }
+}
+
 #[test]
 fn mistakes_in_targets_of_an_axle_are_named() {
     let path = study("macpherson_axle_front.toml");

@@ -1,8 +1,6 @@
 //! The curves of every design as CSV: a row for each design and station of the motion.
 
 use super::rows_csv::{append_number, append_whole};
-use crate::curves::Status;
-use crate::mechanism::Failure;
 use crate::model::Axis;
 use crate::report::axle::Place;
 use crate::study::{AxleStudy, Study};
@@ -80,7 +78,6 @@ impl CurvesCsv {
     /// Adds the curves of a block whose first design has this number.
     pub(super) fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
         let mut words: Vec<&'static str> = Vec::new();
-        let word = |failure: Failure| Status::Failed(failure).word();
         for design in 0..block.designs() {
             let degenerate = block.faults().iter().any(|(d, _)| *d == design);
             words.clear();
@@ -91,7 +88,7 @@ impl CurvesCsv {
             let failures = block.failures();
             let from = failures.partition_point(|f| f.design < design);
             for failed in failures[from..].iter().take_while(|f| f.design == design) {
-                words[failed.station] = word(failed.failure);
+                words[failed.station] = failed.failure.word();
             }
             for (station, cells) in &self.stations {
                 append_whole(first + design as u64, to);

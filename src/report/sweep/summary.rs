@@ -305,6 +305,19 @@ fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
             designs - drawn
         ));
     }
+    if count == 0 && tally.solved > 0 {
+        let lacking = record.outputs.iter().zip(&tally.ranges);
+        let lacking = lacking.filter(|(_, range)| range.is_none());
+        let mut names: Vec<&str> = lacking.map(|(o, _)| o.output.as_str()).collect();
+        names.dedup();
+        let without = match names.is_empty() {
+            true => String::new(),
+            false => format!("; it would be known without {}", names.join(", ")),
+        };
+        notes.push(format!(
+            "What matters is not known: it is told from designs that have every output, and none has{without}."
+        ));
+    }
     if count > 0 && count < drawn && record.method != "file" {
         notes.push(format!(
             "Percentages are of the {count} of {drawn} designs that have every output. In these the variables are not \

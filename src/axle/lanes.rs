@@ -2,12 +2,12 @@
 
 use super::formulas::{roll, steering};
 use super::reading::{
-    BAR_ANGLE, CENTRE, DESIGN_CENTRE, DESIGN_SPIN_AXIS, ROCKER_ANGLE, SPIN_AXIS, SPRING,
+    ALWAYS, BAR_ANGLE, CENTRE, DESIGN_CENTRE, DESIGN_SPIN_AXIS, ROCKER_ANGLE, SPIN_AXIS, SPRING,
     SPRING_LENGTH, STEERING_DIRECTION, STEERING_POINT, STRUT_UPPER, WheelParts,
 };
 use super::state::{Hold, State};
 use super::{AxleQuantity, Need, Quantity, Void, WheelQuantity};
-use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slot, Slots};
+use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slots};
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3};
 
@@ -157,11 +157,10 @@ impl Quantity {
 
     /// What it reads of a wheel in lanes.
     pub fn lane_slots(self, side: Side) -> Slots {
-        const BOTH: &[Slot] = &[Slot::SpinAxis, Slot::Centre];
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),
             Quantity::Corner(_, c) => Slots::default().with(c.info().reads),
-            Quantity::Wheel(..) | Quantity::Axle(_) => Slots::default().with(BOTH),
+            Quantity::Wheel(..) | Quantity::Axle(_) => Slots::default().with(ALWAYS),
         }
     }
 

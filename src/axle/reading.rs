@@ -67,7 +67,7 @@ const SEEDED: [(Slot, usize); 12] = [
 ];
 
 /// What every axle reads of its wheels.
-const ALWAYS: &[Slot] = &[
+pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
     Slot::Turn,

@@ -5,7 +5,8 @@
 //! by wheel travel whatever drives the mechanism.
 
 use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
-use crate::number::{Jet, Matrix3, Real, Vector3};
+use crate::number::{Jet, Matrix3, Outlined, Real, Vector3};
+use std::marker::PhantomData;
 
 #[inline(always)]
 fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
@@ -114,7 +115,37 @@ pub(super) fn by_direction_along<T: Real>(
     inputs: &Inputs<T>,
 ) -> Option<Vector3<Jet<T, 2>>> {
     let rate = &inputs.rate;
-    by_direction(c, &moving(inputs, rate.spin_axis, rate.steering_direction))
+    let along = moving(inputs, rate.spin_axis, rate.steering_direction);
+    let [x, y, z] = Matrix3::identity(along.turn.x).columns;
+    of_angle!(c, Angle => Vector3::new(
+        slope_apart::<Angle, _>(&along, x),
+        slope_apart::<Angle, _>(&along, y),
+        slope_apart::<Angle, _>(&along, z),
+    ))
+}
+
+/// How an angle changes with the direction it reads, in a function of its own.
+#[inline(always)]
+fn slope_apart<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
+    inputs.turn.x.outlined(Slope::<F, T> {
+        inputs,
+        direction,
+        of: PhantomData,
+    })
+}
+
+struct Slope<'i, F, T> {
+    inputs: &'i Inputs<T>,
+    direction: Vector3<T>,
+    of: PhantomData<F>,
+}
+
+impl<F: Formula, T: Real> Outlined for Slope<'_, F, T> {
+    type Output = T;
+    #[inline(always)]
+    fn work(self) -> T {
+        slope::<F, T>(self.inputs, self.direction, self.direction)
+    }
 }
 
 /// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.

@@ -13,29 +13,36 @@ mod angles;
 mod anti;
 mod attia;
 mod carried;
+mod constants;
 mod gains;
 mod instant_centre;
 mod lanes;
 mod measure;
+mod quantity;
+mod reading;
+mod seeds;
 mod spring;
 mod steering;
 mod track;
 mod undefined;
 mod unit;
-mod view;
 mod wheel;
+mod wheel_reading;
 
 pub use carried::CarriedForce;
+pub use constants::Constants;
 pub use instant_centre::{InstantCentres, instant_centres_of};
 pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
+pub use quantity::Quantity;
 pub use unit::Unit;
-pub use view::{Quantity, WheelReading};
-pub use wheel::{Constants, Inputs, Slot, Slots, Wheel};
+pub use wheel::{Inputs, Slot, Slots, Wheel};
+pub use wheel_reading::WheelReading;
 
 use crate::model::{AxlePosition, Suspension};
-use crate::number::{Dual, Real, Vector3};
+use crate::number::{Dual, Outlined, Real, Vector3};
+use std::marker::PhantomData;
 
 /// A figure beyond the hardpoints that a characteristic cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +184,7 @@ macro_rules! catalogue {
             #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
-                    $(Characteristic::$variant => <$formula as Formula>::evaluate(inputs),)*
+                    $(Characteristic::$variant => value_of::<$formula, T>(inputs),)*
                 }
             }
 
@@ -243,6 +250,22 @@ impl Characteristic {
     pub fn available(suspension: &Suspension) -> impl Iterator<Item = Characteristic> {
         let all = Self::ALL.iter().copied();
         all.filter(|c| c.info().needs.iter().all(|need| need.met_by(suspension)))
+    }
+}
+
+/// The value of a formula, in a function of its own.
+#[inline(always)]
+fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
+    inputs.turn.x.outlined(ValueOf::<F, T>(inputs, PhantomData))
+}
+
+struct ValueOf<'i, F, T>(&'i Inputs<T>, PhantomData<F>);
+
+impl<F: Formula, T: Real> Outlined for ValueOf<'_, F, T> {
+    type Output = T;
+    #[inline(always)]
+    fn work(self) -> T {
+        F::evaluate(self.0)
     }
 }
 

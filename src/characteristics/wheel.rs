@@ -1,7 +1,8 @@
 //! What the formulas read: the wheel, its steering axis and their rates.
 
+use super::Constants;
 use crate::mechanism::Ground;
-use crate::number::{Dual, Real, Vector3};
+use crate::number::{Dual, Jet, Real, Vector3};
 
 /// Wheel and steering axis in one position, or their rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,28 +25,6 @@ pub struct Wheel<T> {
     pub bar_angle: T,
     /// The upper of the two knuckle points that give a strut its axis; zero where the study gives none.
     pub strut_upper: Vector3<T>,
-}
-
-/// Plain figures of the study that formulas read. Zero where the study does not give them; the plan
-/// sees to it that no formula is asked for without its [`super::Need`]s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Constants {
-    /// Loaded radius of the wheel.
-    pub wheel_radius: f64,
-    /// Distance between the axles.
-    pub wheelbase: f64,
-    /// Height of the centre of gravity.
-    pub cg_height: f64,
-    /// Whether the axle is the front one.
-    pub is_front: bool,
-    /// This axle's share of the braking force.
-    pub brake_share: f64,
-    /// This axle's share of the drive force.
-    pub drive_share: f64,
-    /// 1 where the carrier takes the torque of the brakes, 0 where a shaft does.
-    pub brake_torque_by_carrier: f64,
-    /// The same of the torque of the drive.
-    pub drive_torque_by_carrier: f64,
 }
 
 /// Everything a formula may read.
@@ -124,10 +103,12 @@ impl Slots {
     }
 
     /// Whether they need the steering axis.
+    #[inline]
     pub fn contain_steering_axis(self) -> bool {
-        Slot::ALL
-            .iter()
-            .any(|slot| slot.is_of_steering_axis() && self.contains(*slot))
+        const PARTS: u32 = 1 << Slot::SteeringPoint as u32
+            | 1 << Slot::SteeringDirection as u32
+            | 1 << Slot::SteeringDirectionRate as u32;
+        self.0 & PARTS != 0
     }
 
     /// All that several things read.
@@ -186,10 +167,7 @@ impl Slot {
 
     /// Whether the slot is a part of the steering axis.
     pub fn is_of_steering_axis(self) -> bool {
-        matches!(
-            self,
-            Slot::SteeringPoint | Slot::SteeringDirection | Slot::SteeringDirectionRate
-        )
+        Slots::default().with(&[self]).contain_steering_axis()
     }
 
     /// Makes this slot of `inputs` the independent variables.
@@ -252,6 +230,22 @@ impl<T: Real> Wheel<T> {
             rocker_angle: f(self.rocker_angle),
             bar_angle: f(self.bar_angle),
             strut_upper: self.strut_upper.map(&mut f),
+        }
+    }
+
+    /// The wheel as a series, from its derivatives.
+    pub(super) fn with_rate(&self, rate: &Wheel<T>) -> Wheel<Jet<T, 2>> {
+        let pair = |value: T, rate: T| Jet([value, rate]);
+        Wheel {
+            spin_axis: self.spin_axis.with_rate(rate.spin_axis),
+            centre: self.centre.with_rate(rate.centre),
+            steering_point: self.steering_point.with_rate(rate.steering_point),
+            steering_direction: self.steering_direction.with_rate(rate.steering_direction),
+            spring_length: pair(self.spring_length, rate.spring_length),
+            spring: self.spring.with_rate(rate.spring),
+            rocker_angle: pair(self.rocker_angle, rate.rocker_angle),
+            bar_angle: pair(self.bar_angle, rate.bar_angle),
+            strut_upper: self.strut_upper.with_rate(rate.strut_upper),
         }
     }
 

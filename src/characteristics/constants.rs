@@ -1,0 +1,52 @@
+//! Figures of a study that formulas read.
+
+use crate::model::{AxlePosition, Suspension, TorquePath};
+
+/// Plain figures of the study that formulas read. Zero where the study does not give them; the plan
+/// sees to it that no formula is asked for without its [`super::Need`]s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Constants {
+    /// Loaded radius of the wheel.
+    pub wheel_radius: f64,
+    /// Distance between the axles.
+    pub wheelbase: f64,
+    /// Height of the centre of gravity.
+    pub cg_height: f64,
+    /// Whether the axle is the front one.
+    pub is_front: bool,
+    /// This axle's share of the braking force.
+    pub brake_share: f64,
+    /// This axle's share of the drive force.
+    pub drive_share: f64,
+    /// 1 where the carrier takes the torque of the brakes, 0 where a shaft does.
+    pub brake_torque_by_carrier: f64,
+    /// The same of the torque of the drive.
+    pub drive_torque_by_carrier: f64,
+}
+
+impl Constants {
+    /// The figures of a suspension.
+    pub fn of(suspension: &Suspension) -> Self {
+        let vehicle = suspension.vehicle;
+        let is_front = vehicle.position == Some(AxlePosition::Front);
+        let share = |of_front: Option<f64>| match (of_front, is_front) {
+            (None, _) => 0.0,
+            (Some(share), true) => share,
+            (Some(share), false) => 1.0 - share,
+        };
+        let by_carrier = |path: Option<TorquePath>| match path {
+            Some(TorquePath::Carrier) => 1.0,
+            _ => 0.0,
+        };
+        Constants {
+            wheel_radius: suspension.wheel_radius.unwrap_or(0.0),
+            wheelbase: vehicle.wheelbase.unwrap_or(0.0),
+            cg_height: vehicle.cg_height.unwrap_or(0.0),
+            is_front,
+            brake_share: share(vehicle.brake_share_front),
+            drive_share: share(vehicle.drive_share_front),
+            brake_torque_by_carrier: by_carrier(vehicle.brakes),
+            drive_torque_by_carrier: by_carrier(vehicle.drive_torque),
+        }
+    }
+}

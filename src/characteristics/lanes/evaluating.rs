@@ -1,0 +1,142 @@
+//! Values of quantities and their derivatives by the drive, from what has been read.
+
+use super::{Evaluation, LaneInputs, LaneReader};
+use crate::characteristics::gains::{by_drive, is_angle};
+use crate::characteristics::{Characteristic, Inputs, Quantity, Wheel};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal};
+use std::hint::black_box;
+
+impl LaneReader<'_> {
+    /// Writes the values of all quantities, from what has been read, each `stride` numbers after the one
+    /// before; NaN where one is not finite.
+    #[inline(always)]
+    pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
+        read.inputs.turn.x.outlined(Evaluating {
+            evaluations: &self.evaluations,
+            read,
+            to,
+            stride,
+        });
+    }
+
+    /// Writes the derivatives of all quantities by the drive, as [`LaneReader::values`] does, from what has been
+    /// read with its rates. NaN for what is made of velocities: it would take accelerations.
+    #[inline(always)]
+    pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
+        let inputs = &read.inputs;
+        let unknown = inputs.turn.x.lit(f64::NAN);
+        let mut takes_series = false;
+        for (number, evaluation) in self.evaluations.iter().enumerate() {
+            let slope = match (evaluation, self.quantities[number]) {
+                (Evaluation::Coordinate(point, axis), _) => read.points[*point][1][*axis],
+                (_, Quantity::Characteristic(c)) if is_angle(c) => {
+                    let sloping = Sloping {
+                        characteristic: c,
+                        inputs,
+                    };
+                    unknown.outlined(sloping).unwrap_or(unknown)
+                }
+                (_, quantity) => {
+                    takes_series = takes_series || quantity.rate_order() == 0;
+                    unknown
+                }
+            };
+            slope.finite().store(&mut to[number * stride..]);
+        }
+        if !takes_series {
+            return;
+        }
+        // All formulas as series in one function would take the compiler too long.
+        for lane in 0..B::LANES {
+            let series = series(inputs, lane);
+            for (k, quantity) in self.quantities.iter().enumerate() {
+                if let Quantity::Characteristic(c) = quantity
+                    && !is_angle(*c)
+                {
+                    to[k * stride + lane] = c.slope(&series).finite();
+                }
+            }
+        }
+    }
+}
+
+/// Evaluates quantities.
+struct Evaluating<'i, B> {
+    evaluations: &'i [Evaluation],
+    read: &'i LaneInputs<B>,
+    to: &'i mut [f64],
+    stride: usize,
+}
+
+impl<B: SimdReal> Outlined for Evaluating<'_, B> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let mut first = 0;
+        for evaluation in self.evaluations {
+            // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
+            // and roots of every formula there is, for any one of them.
+            let read = black_box(self.read);
+            let value = match evaluation {
+                Evaluation::Formula(c) => c.evaluate(&read.inputs),
+                Evaluation::Slope(angle) => by_drive(*angle, &read.inputs).expect("it is an angle"),
+                Evaluation::Coordinate(point, axis) => read.points[*point][0][*axis],
+                Evaluation::AngularVelocity(axis) => read.inputs.turn[*axis],
+            };
+            value.finite().store(&mut self.to[first..]);
+            first += self.stride;
+        }
+    }
+}
+
+/// The slope of an angle.
+struct Sloping<'i, B> {
+    characteristic: Characteristic,
+    inputs: &'i Inputs<B>,
+}
+
+impl<B: SimdReal> Outlined for Sloping<'_, B> {
+    type Output = Option<B>;
+    #[inline(always)]
+    fn work(self) -> Option<B> {
+        by_drive(self.characteristic, self.inputs)
+    }
+}
+
+/// What one lane holds.
+#[inline(always)]
+pub(super) fn of_lane<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<f64> {
+    inputs.map(
+        #[inline(always)]
+        |number| {
+            let mut lanes = [0.0; MOST_LANES];
+            number.store(&mut lanes);
+            lanes[lane]
+        },
+    )
+}
+
+/// The same as series in the drive.
+#[inline(always)]
+fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
+    let one = of_lane(inputs, lane);
+    let nothing = Wheel::filled(Jet([f64::NAN; 2]));
+    Inputs {
+        now: one.now.with_rate(&one.rate),
+        rate: nothing,
+        turn: nothing.centre,
+        design: one.design.map(Jet::constant),
+        constants: one.constants,
+    }
+}
+
+impl Characteristic {
+    /// The slope by the drive in one lane, from inputs as series.
+    #[inline(never)]
+    fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
+        match self.info().reads_rates() {
+            true => f64::NAN,
+            false => self.evaluate(inputs)[1],
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Gradients of quantities by the hardpoints: what seeds an adjoint in lanes.
+
+use super::evaluating::of_lane;
+use super::{LaneInputs, LaneReader, LaneWheels};
+use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along, is_angle};
+use crate::characteristics::{Characteristic, Inputs, Quantity, Slot};
+use crate::derive::{Gradient, Seeds};
+use crate::mechanism::Configuration;
+use crate::model::{Axis, PointId, SteeringAxis};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
+
+impl LaneReader<'_> {
+    /// Whether the derivatives by the hardpoints can be had in lanes: not of an instantaneous steering axis, nor of what
+    /// is made of velocities of springs and rockers.
+    pub fn has_gradients(&self) -> bool {
+        let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
+        let can_be_had = |q: &Quantity| {
+            let is_of_wheel = |slot: &Slot| {
+                !matches!(
+                    slot,
+                    Slot::SpringLength
+                        | Slot::SpringLengthRate
+                        | Slot::Spring
+                        | Slot::RockerAngle
+                        | Slot::BarAngle
+                        | Slot::BarAngleRate
+                        | Slot::StrutUpper
+                )
+            };
+            q.rate_order() == 0 || q.reads().iter().all(is_of_wheel)
+        };
+        self.quantities.iter().all(can_be_had)
+            && !(self.slots.contain_steering_axis() && instantaneous)
+    }
+
+    /// Whether the quantity of this number is made of velocities: [`LaneReader::differentiate_rates`] is for those.
+    #[inline(always)]
+    pub fn is_of_rates(&self, number: usize) -> bool {
+        self.quantities[number].rate_order() > 0
+    }
+
+    /// As [`LaneReader::differentiate`] of a quantity y(u, u') made of velocities, at a configuration along the travel: the
+    /// gradient by the hardpoints is the derivative by the travel, the coefficient 1, of what the seeds come to.
+    ///
+    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed
+    /// S = g + h e, g and h taken as constants.
+    #[inline(always)]
+    pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
+        &self,
+        number: usize,
+        weight: B,
+        read: &LaneInputs<B>,
+        at: &Configuration<'_, Jet<B, 2>>,
+        seeds: &mut Seeds<'_, '_, Jet<B, 2>, G>,
+    ) {
+        weight.outlined(SeedingRates {
+            quantity: self.quantities[number],
+            weight,
+            inputs: &read.inputs,
+            at,
+            seeds,
+        });
+    }
+
+    /// Adds, times `weight`, how the quantity of this number depends on the configuration that it has been read
+    /// in: of an angle to `by`, of anything else to `seeds`.
+    #[inline(always)]
+    pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
+        &self,
+        number: usize,
+        weight: B,
+        read: &LaneInputs<B>,
+        by: &mut ByDirections<B>,
+        at: &Configuration<'_, B>,
+        seeds: &mut Seeds<'_, '_, B, G>,
+    ) {
+        match self.quantities[number] {
+            Quantity::Characteristic(c) if is_angle(c) => {
+                let differentiating = Differentiating {
+                    characteristic: c,
+                    inputs: &read.inputs,
+                };
+                if let Some(gradient) = weight.outlined(differentiating) {
+                    let sum = match c.info().reads {
+                        [Slot::SpinAxis] => &mut by.spin_axis,
+                        _ => &mut by.steering_axis,
+                    };
+                    let before = sum.unwrap_or(gradient.zero());
+                    *sum = Some(before.plus_scaled(gradient, weight));
+                }
+            }
+            Quantity::Characteristic(c) => weight.outlined(Seeding {
+                characteristic: c,
+                weight,
+                inputs: &read.inputs,
+                at,
+                seeds,
+            }),
+            Quantity::Coordinate(id, axis) => weight.outlined(SeedingPoint {
+                id,
+                axis,
+                weight,
+                seeds,
+            }),
+            // It is a velocity.
+            Quantity::AngularVelocity(_) => {}
+        }
+    }
+}
+
+/// A derivative by the two directions that the angles read; none where it depends on neither.
+#[derive(Clone, Copy, Debug)]
+pub struct ByDirections<B> {
+    spin_axis: Option<Vector3<B>>,
+    steering_axis: Option<Vector3<B>>,
+}
+
+impl<B> Default for ByDirections<B> {
+    fn default() -> Self {
+        ByDirections {
+            spin_axis: None,
+            steering_axis: None,
+        }
+    }
+}
+
+impl<B: SimdReal> ByDirections<B> {
+    /// What that makes of the configuration that the inputs have been read in.
+    #[inline(always)]
+    pub fn seed<G: Gradient<B> + ?Sized>(
+        &self,
+        wheels: &LaneWheels<B>,
+        read: &LaneInputs<B>,
+        seeds: &mut Seeds<'_, '_, B, G>,
+    ) {
+        if let Some(gradient) = self.spin_axis {
+            seeds.moved_spin_axis(
+                &wheels.designed_spin_axis,
+                read.inputs.now.spin_axis,
+                gradient,
+            );
+        }
+        if let Some(gradient) = self.steering_axis {
+            seeds.steering_axis(gradient.zero(), gradient);
+        }
+    }
+}
+
+/// Seeds an adjoint with what a characteristic reads.
+struct Seeding<'i, 'c, 's, 'a, B, G: ?Sized> {
+    characteristic: Characteristic,
+    weight: B,
+    inputs: &'i Inputs<B>,
+    at: &'i Configuration<'c, B>,
+    seeds: &'i mut Seeds<'s, 'a, B, G>,
+}
+
+impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let by_slot = gradient(self.characteristic, self.inputs);
+        for (slot, by) in self.characteristic.info().reads.iter().zip(by_slot) {
+            slot.push(by * self.weight, self.at, self.seeds);
+        }
+    }
+}
+
+/// Seeds an adjoint along the travel with what a quantity made of velocities reads.
+struct SeedingRates<'i, 'c, 's, 'a, B, G: ?Sized> {
+    quantity: Quantity,
+    weight: B,
+    inputs: &'i Inputs<B>,
+    at: &'i Configuration<'c, Jet<B, 2>>,
+    seeds: &'i mut Seeds<'s, 'a, Jet<B, 2>, G>,
+}
+
+impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_, '_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let zero = self.weight.zero();
+        if let Quantity::Characteristic(c) = self.quantity
+            && let Some(angle) = angle_of_gain(c)
+            && let Some(by) = by_direction_along(angle, self.inputs)
+        {
+            // The slope of the angle along the travel, by which the wheel centre rises evenly.
+            for slot in angle.info().reads {
+                slot.push(by * Jet::constant(self.weight), self.at, self.seeds);
+            }
+            return;
+        }
+        let mut by_slot = [Vector3::new(zero, zero, zero); Slot::MOST];
+        match self.quantity {
+            Quantity::Characteristic(c) => by_slot = gradient(c, self.inputs),
+            Quantity::AngularVelocity(axis) => by_slot[0][axis] = zero.one(),
+            Quantity::Coordinate(..) => {}
+        }
+        for by in &mut by_slot {
+            *by = *by * self.weight;
+        }
+        Slot::push_rates(
+            self.quantity.reads(),
+            &by_slot,
+            self.inputs.turn,
+            #[inline(always)]
+            |h| h.zero().with_rate(h),
+            #[inline(always)]
+            |g| g.with_rate(g.zero()),
+            self.at,
+            self.seeds,
+        );
+    }
+}
+
+/// The derivatives of a characteristic by the slots it reads. Lane by lane: all formulas over dual numbers in one function
+/// would take the compiler too long.
+#[inline(always)]
+fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
+    let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
+    for lane in 0..B::LANES {
+        let gradient = c.gradient(&of_lane(inputs, lane));
+        for (slot, by) in lanes.iter_mut().zip(gradient) {
+            slot[0][lane] = by.x;
+            slot[1][lane] = by.y;
+            slot[2][lane] = by.z;
+        }
+    }
+    let like = inputs.turn.x;
+    let mut gradient = [inputs.turn; Slot::MOST];
+    for (by, [x, y, z]) in gradient.iter_mut().zip(&lanes) {
+        *by = Vector3::new(like.load(x), like.load(y), like.load(z));
+    }
+    gradient
+}
+
+/// Seeds an adjoint with a coordinate of a point.
+struct SeedingPoint<'i, 's, 'a, B, G: ?Sized> {
+    id: PointId,
+    axis: Axis,
+    weight: B,
+    seeds: &'i mut Seeds<'s, 'a, B, G>,
+}
+
+impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for SeedingPoint<'_, '_, '_, B, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let zero = self.weight.zero();
+        let mut along = Vector3::new(zero, zero, zero);
+        along[self.axis] = self.weight;
+        self.seeds.point(self.id, along);
+    }
+}
+
+/// The derivative of an angle by the direction it reads.
+struct Differentiating<'i, B> {
+    characteristic: Characteristic,
+    inputs: &'i Inputs<B>,
+}
+
+impl<B: SimdReal> Outlined for Differentiating<'_, B> {
+    type Output = Option<Vector3<B>>;
+    #[inline(always)]
+    fn work(self) -> Option<Vector3<B>> {
+        by_direction(self.characteristic, self.inputs)
+    }
+}

@@ -1,0 +1,254 @@
+//! Quantities of many designs at a time, one in each lane.
+//!
+//! Only what is asked for is formed; which that is has been decided when the reader is made, by the [`Slot`]s of
+//! the formulas. What is not read is NaN, so that a formula which reads more than it declares has no value.
+
+mod evaluating;
+mod gradients;
+mod pose;
+mod watching;
+
+pub use gradients::ByDirections;
+
+use super::gains::angle_of_gain;
+use super::reading::Asked;
+use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots};
+use crate::derive::DesignedSpinAxis;
+use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId};
+use crate::number::{SimdReal, Vector3};
+use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign};
+use watching::RodsOnTheirWay;
+
+/// Reads quantities off poses in lanes.
+#[derive(Clone, Debug)]
+pub struct LaneReader<'a> {
+    mechanism: &'a Mechanism,
+    quantities: Vec<Quantity>,
+    /// How each of them is evaluated.
+    evaluations: Vec<Evaluation>,
+    constants: Constants,
+    slots: Slots,
+    /// The points whose coordinates are read.
+    points: Vec<PointId>,
+    /// Of all points that are read, those that the knuckle carries, and the place of each in that list.
+    carried: Vec<PointId>,
+    place: Vec<Option<usize>>,
+    /// Whether there are others.
+    reads_others: bool,
+    /// The rockers that what is read moves with, and those that turn them: their places take velocities.
+    rockers: Vec<RockerId>,
+    rates: bool,
+    /// Derivatives by the rack as well.
+    by_rack: bool,
+}
+
+/// How a quantity is evaluated.
+#[derive(Clone, Copy, Debug)]
+enum Evaluation {
+    /// By its own formula.
+    Formula(Characteristic),
+    /// As the slope of this angle by the drive: driven by the travel, that is what its gain is.
+    Slope(Characteristic),
+    /// A coordinate of one of the points.
+    Coordinate(usize, Axis),
+    /// A component of the angular velocity.
+    AngularVelocity(Axis),
+}
+
+/// What has been read of poses in lanes.
+#[derive(Clone, Debug)]
+pub struct LaneInputs<B> {
+    inputs: Inputs<B>,
+    /// Where the points are, and their velocities.
+    points: Vec<[Vector3<B>; 2]>,
+    /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
+    by_rack: [Vector3<B>; 2],
+    rods: RodsOnTheirWay<B>,
+}
+
+impl<B> LaneInputs<B> {
+    /// Makes ready for the stations with the rack in another place, outward from the design position.
+    #[inline(always)]
+    pub fn begin(&mut self) {
+        self.rods.begin();
+    }
+
+    /// What formulas read.
+    #[inline(always)]
+    pub fn inputs(&self) -> &Inputs<B> {
+        &self.inputs
+    }
+
+    /// Velocity of the wheel centre and angular velocity by the rack, the travel held; NaN where it was not asked for.
+    #[inline(always)]
+    pub fn by_rack(&self) -> &[Vector3<B>; 2] {
+        &self.by_rack
+    }
+}
+
+/// The designs whose characteristics are read.
+pub struct LaneWheels<B: SimdReal> {
+    spin_axis: KnuckleVector<B>,
+    designed_spin_axis: DesignedSpinAxis<B>,
+    /// The points that the knuckle carries.
+    carried: Vec<KnucklePoint<B>>,
+    /// Nothing is read yet but what is of the design.
+    unread: Inputs<B>,
+}
+
+impl<'a> LaneReader<'a> {
+    /// A reader of these quantities; `None` if one of them cannot be read in lanes.
+    pub fn new(
+        mechanism: &'a Mechanism,
+        batch: &Batch<'_>,
+        constants: Constants,
+        quantities: Vec<Quantity>,
+    ) -> Option<Self> {
+        let mut points: Vec<PointId> = Vec::new();
+        let mut evaluation = |quantity: &Quantity| match *quantity {
+            Quantity::Characteristic(c) => match angle_of_gain(c) {
+                Some(angle) if batch.drive() == Drive::Travel => Evaluation::Slope(angle),
+                _ => Evaluation::Formula(c),
+            },
+            Quantity::Coordinate(id, axis) => {
+                let number = points.iter().position(|p| *p == id).unwrap_or_else(|| {
+                    points.push(id);
+                    points.len() - 1
+                });
+                Evaluation::Coordinate(number, axis)
+            }
+            Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
+        };
+        let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
+        let rates = quantities.iter().any(|q| q.rate_order() > 0);
+        let slots = Slots::of(evaluations.iter().map(|evaluation| match evaluation {
+            Evaluation::Formula(c) | Evaluation::Slope(c) => c.info().reads,
+            Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => &[],
+        }));
+        let reader = LaneReader::reading(mechanism, batch, constants, slots, points, rates)?;
+        Some(LaneReader {
+            quantities,
+            evaluations,
+            ..reader
+        })
+    }
+
+    /// A reader of slots, with their velocities if so wanted, for formulas that are evaluated elsewhere.
+    pub fn of_slots(
+        mechanism: &'a Mechanism,
+        batch: &Batch<'_>,
+        constants: Constants,
+        slots: Slots,
+        rates: bool,
+    ) -> Option<Self> {
+        LaneReader::reading(mechanism, batch, constants, slots, Vec::new(), rates)
+    }
+
+    /// Of slots and points.
+    fn reading(
+        mechanism: &'a Mechanism,
+        batch: &Batch<'_>,
+        constants: Constants,
+        slots: Slots,
+        points: Vec<PointId>,
+        rates: bool,
+    ) -> Option<Self> {
+        let mut asked = Asked::by(mechanism, slots);
+        if asked.steering_axis && !batch.steers_about(mechanism.steering_axis) {
+            return None;
+        }
+        asked.points.extend(&points);
+        let mut rockers: Vec<RockerId> = asked
+            .rockers(mechanism)
+            .flat_map(|id| mechanism.rockers_moving(mechanism.rocker(id).inner))
+            .collect();
+        rockers.sort_unstable_by_key(|id| id.0);
+        rockers.dedup();
+        let is_carried = |id: &PointId| mechanism.body(*id) == Body::Knuckle;
+        let reads_others = !rockers.is_empty() || !asked.points.iter().all(is_carried);
+        let mut carried = asked.points;
+        carried.retain(is_carried);
+        carried.sort_unstable_by_key(|id| id.0);
+        carried.dedup();
+        let all = (0..mechanism.points.len()).map(PointId);
+        Some(LaneReader {
+            mechanism,
+            quantities: Vec::new(),
+            evaluations: Vec::new(),
+            constants,
+            slots,
+            points,
+            place: all
+                .map(|id| carried.iter().position(|carried| *carried == id))
+                .collect(),
+            carried,
+            reads_others,
+            rockers,
+            rates,
+            by_rack: false,
+        })
+    }
+
+    /// With the velocities by the rack; needs those by the drive, and the wheel centre.
+    #[must_use]
+    pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
+        let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);
+        self.by_rack = is_wanted && self.rates && knows_centre;
+        self
+    }
+
+    /// Whether poses have to be read in the order of the march: rods of rockers are watched from station to station.
+    pub(crate) fn watches_rods(&self) -> bool {
+        !self.rockers.is_empty()
+    }
+
+    /// The mechanism that is read.
+    pub(crate) fn mechanism(&self) -> &'a Mechanism {
+        self.mechanism
+    }
+
+    /// The quantities, in the order of the values.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    /// Whether the quantities read velocities.
+    pub fn reads_rates(&self) -> bool {
+        self.rates
+    }
+
+    /// What is to be read off the poses of designs, given as their points.
+    #[inline(always)]
+    pub fn wheels<B: SimdReal>(
+        &self,
+        lanes: &LaneDesign<'_, B>,
+        design: &[Vector3<B>],
+    ) -> LaneWheels<B> {
+        let designed_spin_axis = DesignedSpinAxis::of(self.mechanism, design);
+        let mut carried = Vec::with_capacity(self.carried.len());
+        for id in &self.carried {
+            carried.push(lanes.point(design[id.0]));
+        }
+        let spin_axis = designed_spin_axis.direction;
+        let mut unread = Inputs::unknown(spin_axis.x.lit(f64::NAN), self.constants);
+        unread.read_design(self.mechanism, design, self.slots);
+        LaneWheels {
+            spin_axis: lanes.vector(spin_axis),
+            designed_spin_axis,
+            carried,
+            unread,
+        }
+    }
+
+    /// Room for what is read; nothing is yet.
+    #[inline(always)]
+    pub fn inputs<B: SimdReal>(&self, wheels: &LaneWheels<B>) -> LaneInputs<B> {
+        let nothing = wheels.unread.turn;
+        LaneInputs {
+            inputs: wheels.unread,
+            points: vec![[nothing; 2]; self.points.len()],
+            by_rack: [nothing; 2],
+            rods: RodsOnTheirWay::of(self.rockers.len(), nothing.x),
+        }
+    }
+}

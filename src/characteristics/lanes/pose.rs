@@ -1,0 +1,192 @@
+//! What poses in lanes tell of their parts.
+
+use super::{LaneInputs, LaneReader, LaneWheels};
+use crate::characteristics::reading::{Moving, Posed};
+use crate::mechanism::{Configuration, Twist};
+use crate::model::{PointId, RockerId};
+use crate::number::{Outlined, SimdReal, Vector3};
+use crate::solve::{LanePose, LaneRates};
+
+/// The least squared leverage of a rocker. A toggle is far then, and the rocker turns no more than four
+/// times as fast as with all of it.
+const LEAST_LEVERAGE: f64 = 0.0625;
+
+/// The most vertical a spin axis may be, as the sine of its inclination. Beyond, the wheel all but lies on its
+/// side, where neither camber nor toe can be told well.
+const STEEPEST_SPIN_AXIS: f64 = 0.9;
+
+impl LaneReader<'_> {
+    /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
+    /// Says which lanes are right: those where all of it is well known (the module of [`Batch`](crate::solve::Batch) has the
+    /// list), and no rod can have come to a toggle since the station before.
+    #[inline(always)]
+    pub fn read<B: SimdReal>(
+        &self,
+        wheels: &LaneWheels<B>,
+        at: &impl LanePose<B>,
+        rack: B,
+        rates: bool,
+        into: &mut LaneInputs<B>,
+    ) -> B::Mask {
+        rack.outlined(ReadingPose {
+            reader: self,
+            wheels,
+            at,
+            rack,
+            rates,
+            into,
+        })
+    }
+}
+
+/// In a function of its own, which all that visit poses share.
+struct ReadingPose<'r, 'm, B: SimdReal, P> {
+    reader: &'r LaneReader<'m>,
+    wheels: &'r LaneWheels<B>,
+    at: &'r P,
+    rack: B,
+    rates: bool,
+    into: &'r mut LaneInputs<B>,
+}
+
+impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
+    type Output = B::Mask;
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let ReadingPose {
+            reader, wheels, at, ..
+        } = self;
+        let LaneInputs {
+            inputs,
+            points,
+            by_rack,
+            rods,
+        } = self.into;
+        let mut right = self.rack.everywhere();
+        let rates = match self.rates || reader.watches_rods() {
+            true => Some(at.rates()),
+            false => None,
+        };
+        let configuration = match reader.reads_others {
+            true => Some(at.configuration(self.rack)),
+            false => None,
+        };
+        if let Some(rates) = &rates {
+            right = at.knows(rates);
+            inputs.turn = rates.turn();
+            if let (true, Some(at)) = (reader.watches_rods(), &configuration) {
+                right = right & rods.watch(&reader.rockers, at, &rates.twist());
+            }
+        }
+        let mut pose = PoseInLanes {
+            reader,
+            wheels,
+            at,
+            rates: rates.as_ref(),
+            configuration: configuration.as_ref(),
+            right,
+        };
+        inputs.read(&mut pose, reader.mechanism, reader.slots);
+        for ([now, rate], id) in points.iter_mut().zip(&reader.points) {
+            pose.point(*id).put(now, rate);
+        }
+        let right = pose.right;
+        if let (true, Some(rates)) = (reader.by_rack, &rates) {
+            let Twist { shift, turn } = at.by_rack(rates);
+            *by_rack = [shift + turn.cross(inputs.now.centre - at.origin()), turn];
+        }
+        right
+    }
+}
+
+/// A pose that is being read.
+struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
+    reader: &'r LaneReader<'m>,
+    wheels: &'r LaneWheels<B>,
+    at: &'r P,
+    /// Velocities, where they are wanted.
+    rates: Option<&'r LaneRates<B>>,
+    /// Where something is read that the knuckle does not carry.
+    configuration: Option<&'r Configuration<'c, B>>,
+    /// Lanes where all that has been told is well known.
+    right: B::Mask,
+}
+
+impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
+    #[inline(always)]
+    fn beyond_the_knuckle(&self) -> &Configuration<'_, B> {
+        match self.configuration {
+            Some(configuration) => configuration,
+            None => unreachable!("a part that nobody has asked for"),
+        }
+    }
+
+    /// Lanes are right where a rocker is far from its toggle.
+    #[inline(always)]
+    fn require_leverage(&mut self, squared: B) {
+        self.right = self.right & squared.lit(LEAST_LEVERAGE).less(squared);
+    }
+}
+
+impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
+    #[inline(always)]
+    fn spin_axis(&mut self) -> Moving<Vector3<B>> {
+        let now = self.at.vector(&self.wheels.spin_axis);
+        self.right = self.right & now.z.abs().less(now.z.lit(STEEPEST_SPIN_AXIS));
+        let mut axis = Moving::standing(now);
+        if let Some(rates) = self.rates {
+            axis.rate = Some(rates.vector(now));
+        }
+        axis
+    }
+
+    #[inline(always)]
+    fn point(&mut self, id: PointId) -> Moving<Vector3<B>> {
+        if let Some(place) = self.reader.place[id.0] {
+            let now = self.at.point(&self.wheels.carried[place]);
+            let mut point = Moving::standing(now);
+            if let Some(rates) = self.rates {
+                point.rate = Some(rates.point(self.at, now));
+            }
+            return point;
+        }
+        let at = self.beyond_the_knuckle();
+        match self.rates {
+            Some(rates) => {
+                let point = at.moving_point(id, &rates.twist());
+                self.require_leverage(point.leverage_squared);
+                Moving {
+                    now: point.now,
+                    rate: Some(point.rate),
+                }
+            }
+            // None stands on a rocker: those take velocities.
+            None => Moving::standing(at.place(id)),
+        }
+    }
+
+    #[inline(always)]
+    fn steering_axis(&mut self) -> Option<[Moving<Vector3<B>>; 2]> {
+        let (point, along, is_known) = self.at.steering_axis();
+        self.right = self.right & is_known;
+        let mut axis = [Moving::standing(point), Moving::standing(along)];
+        if let Some(rates) = self.rates {
+            let (point, along) = self.at.steering_axis_rates(rates);
+            (axis[0].rate, axis[1].rate) = (Some(point), Some(along));
+        }
+        Some(axis)
+    }
+
+    #[inline(always)]
+    fn rocker_angle(&mut self, id: RockerId) -> Moving<B> {
+        let (at, Some(rates)) = (self.beyond_the_knuckle(), self.rates) else {
+            unreachable!("rockers take velocities")
+        };
+        let angle = at.moving_rocker(id, &rates.twist());
+        self.require_leverage(angle.leverage_squared);
+        Moving {
+            now: angle.now,
+            rate: Some(angle.rate),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The rods of rockers on their way from station to station.
+
+use crate::mechanism::{Configuration, RodReach, Twist};
+use crate::model::RockerId;
+use crate::number::{Outlined, SimdReal};
+
+/// Where the rods of rockers were.
+#[derive(Clone, Debug)]
+pub(super) struct RodsOnTheirWay<B> {
+    /// At the first station and at the last.
+    rods: Vec<[RodReach<B>; 2]>,
+    /// Whether there has been a station with the rack in its place.
+    has_begun: bool,
+}
+
+impl<B> RodsOnTheirWay<B> {
+    /// Makes ready for stations with the rack in another place.
+    #[inline(always)]
+    pub(super) fn begin(&mut self) {
+        self.has_begun = false;
+    }
+}
+
+impl<B: SimdReal> RodsOnTheirWay<B> {
+    /// Of so many rockers; `nothing` is not a number.
+    #[inline(always)]
+    pub(super) fn of(rockers: usize, nothing: B) -> Self {
+        RodsOnTheirWay {
+            rods: vec![[RodReach::filled(nothing); 2]; rockers],
+            has_begun: false,
+        }
+    }
+
+    /// Goes on to a pose, from how the knuckle moves there. Says in which lanes no rod can have come to a toggle since the
+    /// station before.
+    #[inline(always)]
+    pub(super) fn watch(
+        &mut self,
+        rockers: &[RockerId],
+        at: &Configuration<'_, B>,
+        motion: &Twist<B>,
+    ) -> B::Mask {
+        let watching = Watching {
+            rockers,
+            at,
+            motion,
+            on_their_way: self,
+        };
+        at.rack.outlined(watching)
+    }
+}
+
+struct Watching<'i, B: SimdReal> {
+    rockers: &'i [RockerId],
+    at: &'i Configuration<'i, B>,
+    motion: &'i Twist<B>,
+    on_their_way: &'i mut RodsOnTheirWay<B>,
+}
+
+impl<B: SimdReal> Outlined for Watching<'_, B> {
+    type Output = B::Mask;
+    #[inline(always)]
+    fn work(self) -> B::Mask {
+        let mut right = self.at.rack.everywhere();
+        let RodsOnTheirWay { rods, has_begun } = self.on_their_way;
+        for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
+            let rod = self.at.moving_rod(*id, self.motion);
+            let before = match *has_begun {
+                // The rack has gone to its place in between.
+                false => {
+                    *first = rod;
+                    self.at.designed_rod(*id)
+                }
+                // The march may have turned to the other side of where it began.
+                true => rod.nearer(first, last),
+            };
+            right = right & before.keeps_leverage_to(&rod);
+            *last = rod;
+        }
+        *has_begun = true;
+        right
+    }
+}

@@ -1,0 +1,62 @@
+//! Something that has a value in every pose.
+
+use super::gains::angle_of_gain;
+use super::reading::Asked;
+use super::{Characteristic, Slot, Slots};
+use crate::model::{Axis, Mechanism, PointId, RockerId};
+
+/// Something that has a value in every pose. In the kernel's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// A wheel characteristic.
+    Characteristic(Characteristic),
+    /// A coordinate of a point.
+    Coordinate(PointId, Axis),
+    /// A component of the knuckle's angular velocity by the drive. Its first derivative is the angular
+    /// acceleration.
+    AngularVelocity(Axis),
+}
+
+impl Quantity {
+    /// Derivatives by the drive that the value itself takes: 1 for what is made of velocities, else 0.
+    pub fn rate_order(self) -> usize {
+        match self {
+            Quantity::Characteristic(c) => c.info().reads_rates() as usize,
+            Quantity::Coordinate(..) => 0,
+            Quantity::AngularVelocity(_) => 1,
+        }
+    }
+
+    /// What the value is made of; coordinates are read off the configuration directly.
+    pub fn reads(self) -> &'static [Slot] {
+        match self {
+            Quantity::Characteristic(c) => c.info().reads,
+            Quantity::Coordinate(..) => &[],
+            Quantity::AngularVelocity(_) => &[Slot::Turn],
+        }
+    }
+
+    /// The rockers the quantity moves with directly. At a toggle of one of them, or of one that turns it,
+    /// the quantity has no value.
+    pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
+        let mut asked = Asked::by(mechanism, Slots::default().with(self.reads()));
+        if let Quantity::Coordinate(point, _) = self {
+            asked.points.push(point);
+        }
+        asked.rockers(mechanism).collect()
+    }
+
+    /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
+    /// changes its value. (Characteristics made of velocities are ratios of them.)
+    pub fn is_rate(self) -> bool {
+        matches!(self, Quantity::AngularVelocity(_))
+    }
+
+    /// Whether the quantity is how an angle changes with travel.
+    pub fn is_gain(self) -> bool {
+        match self {
+            Quantity::Characteristic(c) => angle_of_gain(c).is_some(),
+            _ => false,
+        }
+    }
+}

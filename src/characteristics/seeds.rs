@@ -1,0 +1,114 @@
+//! How what formulas read depends on a configuration: the seeds of an adjoint.
+
+use super::Slot;
+use crate::derive::{Gradient, Seeds};
+use crate::mechanism::Configuration;
+use crate::number::{Outlined, Real, Vector3};
+
+impl Slot {
+    /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
+    #[inline(always)]
+    pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
+        self,
+        seed: Vector3<T>,
+        at: &Configuration<T>,
+        seeds: &mut Seeds<'_, '_, T, G>,
+    ) {
+        seed.x.outlined(Pushing {
+            slot: self,
+            seed,
+            at,
+            seeds,
+        });
+    }
+
+    /// Seeds y(u, u'), which is made of velocities, for the series of its derivatives by the hardpoints. `gradient` are
+    /// its derivatives slot by slot and `turn` is the angular velocity.
+    ///
+    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p'. An adjoint pass yields the series of S.u_p for
+    /// any seed series S; with S_i = h_(i-1) + (j+1-i) g_i its coefficient j+1 is the coefficient j of dy/dp:
+    /// sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` makes its share of S of h, `by_rate` of g.
+    #[inline(always)]
+    pub(super) fn push_rates<V: Real, T: Real, G: Gradient<T> + ?Sized>(
+        slots: &[Slot],
+        gradient: &[Vector3<V>],
+        turn: Vector3<V>,
+        shifted: impl Fn(Vector3<V>) -> Vector3<T>,
+        by_rate: impl Fn(Vector3<V>) -> Vector3<T>,
+        at: &Configuration<T>,
+        seeds: &mut Seeds<'_, '_, T, G>,
+    ) {
+        for (slot, by) in slots.iter().zip(gradient) {
+            if *slot == Slot::Turn {
+                // dw = d(turn)' + d(turn) x w, so g.dw has the part d(turn).(w x g).
+                seeds.turn(shifted(turn.cross(*by)));
+            }
+            let seed = match slot.is_rate() {
+                true => by_rate(*by),
+                false => shifted(*by),
+            };
+            slot.push(seed, at, seeds);
+        }
+    }
+}
+
+/// In a function of its own: it is large, and many seed.
+struct Pushing<'i, 'c, 's, 'a, T, G: ?Sized> {
+    slot: Slot,
+    seed: Vector3<T>,
+    at: &'i Configuration<'c, T>,
+    seeds: &'i mut Seeds<'s, 'a, T, G>,
+}
+
+impl<T: Real, G: Gradient<T> + ?Sized> Outlined for Pushing<'_, '_, '_, '_, T, G> {
+    type Output = ();
+    #[inline(always)]
+    fn work(self) {
+        let Pushing {
+            slot,
+            seed,
+            at,
+            seeds,
+        } = self;
+        let mechanism = at.mechanism;
+        match slot {
+            Slot::SpinAxis | Slot::SpinAxisRate => seeds.spin_axis(seed),
+            Slot::Centre | Slot::CentreRate => seeds.point(mechanism.wheel_centre, seed),
+            Slot::SteeringPoint => seeds.steering_axis(seed, seed.zero()),
+            Slot::SteeringDirection | Slot::SteeringDirectionRate => {
+                seeds.steering_axis(seed.zero(), seed);
+            }
+            Slot::SpringLength | Slot::SpringLengthRate | Slot::Spring => {
+                if let Some(spring) = mechanism.spring {
+                    let by = match slot {
+                        Slot::Spring => seed,
+                        _ => {
+                            let along = at.point(spring.upper) - at.point(spring.lower);
+                            along.normalised() * seed.x
+                        }
+                    };
+                    seeds.point(spring.upper, by);
+                    seeds.point(spring.lower, -by);
+                }
+            }
+            Slot::RockerAngle => {
+                if let Some(rocker) = mechanism.spring_rocker() {
+                    seeds.rocker_angle(rocker, seed.x);
+                }
+            }
+            Slot::BarAngle | Slot::BarAngleRate => {
+                if let Some(bar) = mechanism.anti_roll_bar() {
+                    seeds.rocker_angle(bar, seed.x);
+                }
+            }
+            Slot::StrutUpper => {
+                if let Some(upper) = mechanism.strut_upper() {
+                    seeds.point(upper, seed);
+                }
+            }
+            Slot::Turn => seeds.turn(seed),
+            Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
+            Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What can be read off a pose: values along the motion and gradients by the hardpoints.
+
+use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
+use crate::derive::{Linearised, Seeds};
+use crate::mechanism::Configuration;
+use crate::model::{Axis, PointId};
+use crate::number::{Jet, Real, Vector3};
+
+/// A pose, made ready for reading. `N` coefficients of every series are known.
+pub struct WheelReading<const N: usize> {
+    inputs: Inputs<Jet<f64, N>>,
+}
+
+/// The vector with this one component.
+#[inline]
+fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
+    let zero = value.zero();
+    let mut vector = Vector3::new(zero, zero, zero);
+    vector[axis] = value;
+    vector
+}
+
+impl<const N: usize> WheelReading<N> {
+    /// Reads wheel and steering axis off a configuration. `constants` are those of the suspension.
+    #[inline]
+    pub fn of(at: &Configuration<Jet<f64, N>>, constants: Constants) -> Self {
+        WheelReading::reading(at, constants, Slots::ALL)
+    }
+
+    /// As [`WheelReading::of`], for quantities that read no more than these slots. The rest is not computed, and
+    /// is not a number.
+    pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
+        let nothing = Jet([f64::NAN; N]);
+        let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);
+        if N > 1 {
+            inputs.rate = inputs.now.map(Jet::differentiated);
+            if slots.contains(Slot::Turn) {
+                inputs.turn = at.angular_velocity();
+            }
+        }
+        WheelReading { inputs }
+    }
+
+    /// The value along the motion; the last [`Quantity::rate_order`] coefficients are unknown.
+    #[inline]
+    pub fn value(&self, at: &Configuration<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
+        match quantity {
+            Quantity::Characteristic(c) => self.characteristic(c),
+            Quantity::Coordinate(point, axis) => at.point(point)[axis],
+            Quantity::AngularVelocity(axis) => self.inputs.turn[axis],
+        }
+    }
+
+    /// What the formulas read.
+    pub(super) fn inputs(&self) -> &Inputs<Jet<f64, N>> {
+        &self.inputs
+    }
+
+    /// The contact point along the series; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
+    pub fn contact_point(&self) -> Vector3<Jet<f64, N>> {
+        self.inputs.contact_point()
+    }
+
+    /// The value of a characteristic, likewise.
+    #[inline]
+    pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {
+        c.evaluate(&self.inputs)
+    }
+
+    /// The derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every
+    /// hardpoint coordinate. `buffer` has a place for each point; `receive` gets every order and point
+    /// with the gradient.
+    #[inline]
+    pub fn gradients(
+        &self,
+        linearised: &Linearised<'_, N>,
+        quantity: Quantity,
+        highest: usize,
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
+    ) {
+        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        let mut gradient = [zero; Slot::MOST];
+        match quantity {
+            Quantity::Characteristic(c) => gradient = c.gradient(&self.inputs),
+            Quantity::AngularVelocity(axis) => gradient[0] = along(axis, Jet::constant(1.0)),
+            Quantity::Coordinate(..) => {}
+        }
+        if quantity.rate_order() > 0 {
+            let slots = quantity.reads();
+            return self.rate_gradients(linearised, slots, gradient, highest, buffer, receive);
+        }
+        buffer.fill(zero);
+        linearised.gradient(buffer, |seeds: &mut Seeds<'_, '_, _>| {
+            if let Quantity::Coordinate(point, axis) = quantity {
+                seeds.point(point, along(axis, Jet::constant(1.0)));
+            }
+            for (slot, seed) in quantity.reads().iter().zip(gradient) {
+                slot.push(seed, &linearised.at, seeds);
+            }
+        });
+        for order in 0..=highest {
+            for (point, series) in buffer.iter().enumerate() {
+                receive(order, PointId(point), series.map(|c| c.derivative(order)));
+            }
+        }
+    }
+
+    /// The same of a quantity made of velocities, from its derivatives by the slots it reads.
+    fn rate_gradients(
+        &self,
+        linearised: &Linearised<'_, N>,
+        slots: &[Slot],
+        gradient: Gradient<Jet<f64, N>>,
+        highest: usize,
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
+    ) {
+        let (turn, at) = (self.inputs.turn, &linearised.at);
+        for order in 0..=highest {
+            let shifted =
+                |h: Jet<f64, N>| Jet(std::array::from_fn(|i| if i == 0 { 0.0 } else { h[i - 1] }));
+            let by_rate = |g: Jet<f64, N>| {
+                Jet(std::array::from_fn(|i| {
+                    g[i] * (order as f64 + 1.0 - i as f64)
+                }))
+            };
+            buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));
+            linearised.gradient(buffer, |seeds: &mut Seeds<'_, '_, _>| {
+                let shifted = |h: Vector3<_>| h.map(shifted);
+                let by_rate = |g: Vector3<_>| g.map(by_rate);
+                Slot::push_rates(slots, &gradient, turn, shifted, by_rate, at, seeds);
+            });
+            // Coefficient j+1 of the series, as the j-th derivative of the quantity: times j!.
+            let share = 1.0 / (order + 1) as f64;
+            for (point, series) in buffer.iter().enumerate() {
+                let gradient = series.map(|c| c.derivative(order + 1) * share);
+                receive(order, PointId(point), gradient);
+            }
+        }
+    }
+}

@@ -9,7 +9,7 @@ use super::state::{Hold, State};
 use super::{AxleQuantity, Need, Quantity, Void, WheelQuantity};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slots};
 use crate::model::Side;
-use crate::number::{Outlined, SimdReal, Vector3};
+use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
 /// What is read of a wheel in lanes: its parts and their first derivatives, by the rack those of the carrier alone.
 #[derive(Clone, Copy, Debug)]
@@ -37,20 +37,26 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 
     #[inline(always)]
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
-        self.inputs.turn.x.outlined(Coefficient {
-            wheel: self,
-            part,
-            powers,
-        })
+        outlined!(
+            [B: SimdReal] self.inputs.turn.x;
+            wheel: &'p LaneWheel<'p, B> = self, part: usize = part, powers: [usize; 2] = powers => B {
+                wheel.read(part, powers)
+            }
+        )
     }
 
     #[inline(always)]
     fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<B> {
-        self.inputs.turn.x.outlined(Coefficients {
-            wheel: self,
-            first,
-            powers,
-        })
+        outlined!(
+            [B: SimdReal] self.inputs.turn.x;
+            wheel: &'p LaneWheel<'p, B> = self, first: usize = first, powers: [usize; 2] = powers => Vector3<B> {
+                Vector3::new(
+                    wheel.read(first, powers),
+                    wheel.read(first + 1, powers),
+                    wheel.read(first + 2, powers),
+                )
+            }
+        )
     }
 
     #[inline(always)]
@@ -72,43 +78,6 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
             constants,
             ..*self.inputs
         }
-    }
-}
-
-struct Coefficient<'w, 'i, B> {
-    wheel: &'w LaneWheel<'i, B>,
-    part: usize,
-    powers: [usize; 2],
-}
-
-impl<B: SimdReal> Outlined for Coefficient<'_, '_, B> {
-    type Output = B;
-    #[inline(always)]
-    fn work(self) -> B {
-        self.wheel.read(self.part, self.powers)
-    }
-}
-
-struct Coefficients<'w, 'i, B> {
-    wheel: &'w LaneWheel<'i, B>,
-    first: usize,
-    powers: [usize; 2],
-}
-
-impl<B: SimdReal> Outlined for Coefficients<'_, '_, B> {
-    type Output = Vector3<B>;
-    #[inline(always)]
-    fn work(self) -> Vector3<B> {
-        let Coefficients {
-            wheel,
-            first,
-            powers,
-        } = self;
-        Vector3::new(
-            wheel.read(first, powers),
-            wheel.read(first + 1, powers),
-            wheel.read(first + 2, powers),
-        )
     }
 }
 
@@ -169,32 +138,17 @@ impl Quantity {
     pub fn value_in_lanes<B: SimdReal>(self, state: &State<B, LaneWheel<B>>) -> B {
         let like = state.like();
         let value = match self {
-            Quantity::Corner(side, characteristic) => like.outlined(OfCorner {
-                characteristic,
-                constants: state.setup.constants,
-                wheel: state.readings[side as usize],
-            }),
+            Quantity::Corner(side, characteristic) => outlined!(
+                [B: SimdReal] like;
+                c: Characteristic = characteristic, constants: Constants = state.setup.constants,
+                wheel: LaneWheel<'p, B> = state.readings[side as usize] => B { c.evaluate(&wheel.inputs(constants)) }
+            ),
             _ => like.outlined(OfAxle {
                 quantity: self,
                 state,
             }),
         };
         value.finite()
-    }
-}
-
-struct OfCorner<'i, B> {
-    characteristic: Characteristic,
-    constants: Constants,
-    wheel: LaneWheel<'i, B>,
-}
-
-impl<B: SimdReal> Outlined for OfCorner<'_, B> {
-    type Output = B;
-    #[inline(always)]
-    fn work(self) -> B {
-        self.characteristic
-            .evaluate(&self.wheel.inputs(self.constants))
     }
 }
 

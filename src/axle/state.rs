@@ -18,7 +18,7 @@ use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
 use crate::mechanism::Ground;
 use crate::model::Side;
-use crate::number::{Jet, Outlined, Real, Vector3, outlined};
+use crate::number::{Jet, Real, Vector3, outlined};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -278,11 +278,11 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     /// The state along a motion, as series.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {
-        let finding = FindingRates {
-            state: self,
-            motion,
-        };
-        let Rates { travel, rack, roll } = self.like().outlined(finding);
+        // In a function of its own: most formulas take derivatives along some motion.
+        let Rates { travel, rack, roll } = outlined!(
+            [T: Real, W: WheelParts<T>] self.like();
+            state: &'p State<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
+        );
         let [left, right] = &self.readings;
         let Ground { sine, cosine } = self.ground;
         State {
@@ -298,20 +298,6 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
             hold: self.hold,
             setup: self.setup,
         }
-    }
-}
-
-/// In a function of its own: most formulas take derivatives along some motion.
-struct FindingRates<'s, 'a, T, W> {
-    state: &'s State<'a, T, W>,
-    motion: Motion,
-}
-
-impl<T: Real, W: WheelParts<T>> Outlined for FindingRates<'_, '_, T, W> {
-    type Output = Rates<T>;
-    #[inline(always)]
-    fn work(self) -> Rates<T> {
-        self.state.rates(self.motion)
     }
 }
 

@@ -25,9 +25,7 @@ use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Driver};
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
-use crate::number::Jet;
-use crate::number::Vector3;
-use crate::number::{Outlined, Real};
+use crate::number::{Jet, Real, Vector3, outlined};
 
 /// A series in the drive with its first derivative along the steering motion.
 type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
@@ -144,30 +142,17 @@ pub(crate) fn screw_axis_gradient<T: Real>(
     by_point: Vector3<T>,
     by_direction: Vector3<T>,
 ) -> Twist<T> {
-    by_point.x.outlined(ScrewAxisGradient {
-        twist: *twist,
-        by_point,
-        by_direction,
-    })
-}
-
-struct ScrewAxisGradient<T> {
-    twist: Twist<T>,
-    by_point: Vector3<T>,
-    by_direction: Vector3<T>,
-}
-
-impl<T: Real> Outlined for ScrewAxisGradient<T> {
-    type Output = Twist<T>;
-    #[inline(always)]
-    fn work(self) -> Twist<T> {
-        let Twist { shift, turn } = self.twist;
-        let inverse = turn.x.one() / turn.norm_squared();
-        let along = self.by_point.dot(turn.cross(shift)) * inverse;
-        let by_turn = shift.cross(self.by_point) - turn * (along + along);
-        Twist {
-            shift: self.by_point.cross(turn) * inverse,
-            turn: by_turn * inverse + self.by_direction * turn.z.sign(),
+    outlined!(
+        [T: Real] by_point.x;
+        twist: Twist<T> = *twist, by_point: Vector3<T> = by_point, by_direction: Vector3<T> = by_direction => Twist<T> {
+            let Twist { shift, turn } = twist;
+            let inverse = turn.x.one() / turn.norm_squared();
+            let along = by_point.dot(turn.cross(shift)) * inverse;
+            let by_turn = shift.cross(by_point) - turn * (along + along);
+            Twist {
+                shift: by_point.cross(turn) * inverse,
+                turn: by_turn * inverse + by_direction * turn.z.sign(),
+            }
         }
-    }
+    )
 }

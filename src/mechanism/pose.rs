@@ -175,7 +175,9 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// Present position of a point.
     #[inline(always)]
     pub fn point(&self, id: PointId) -> Vector3<T> {
-        self.rack.outlined(PointNow { at: self, id })
+        outlined!(
+            [T: Real] self.rack; at: &'p Configuration<'p, T> = self, id: PointId = id => Vector3<T> { at.point_here(id) }
+        )
     }
 
     /// As [`Configuration::point`], for one that does not stand on a rocker; inlined.
@@ -284,16 +286,17 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// In a function of its own: it is rare, and large.
     #[inline(always)]
     fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
-        self.rack.outlined(ArmPoint(self.arm_inputs(arm, id)))
+        outlined!([T: Real] self.rack; inputs: arm::Inputs<T> = self.arm_inputs(arm, id) => Vector3<T> { arm_point(inputs) })
     }
 
     /// Likewise.
     #[inline(always)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
-        let by = self.rack.outlined(ArmPointGradient {
-            inputs: self.arm_inputs(arm, id),
-            gradient,
-        });
+        let by = outlined!(
+            [T: Real] self.rack;
+            inputs: arm::Inputs<T> = self.arm_inputs(arm, id), gradient: Vector3<T> = gradient
+                => arm::Inputs<T> { arm_point_gradient(inputs, gradient) }
+        );
         for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
             sink.hardpoint(hardpoint, by);
         }
@@ -357,42 +360,6 @@ impl<'a, T: Real> Configuration<'a, T> {
             self.designed(id),
             self.carried(arm.outer),
         ]
-    }
-}
-
-struct ArmPoint<T>(arm::Inputs<T>);
-
-impl<T: Real> Outlined for ArmPoint<T> {
-    type Output = Vector3<T>;
-    #[inline(always)]
-    fn work(self) -> Vector3<T> {
-        arm_point(self.0)
-    }
-}
-
-struct ArmPointGradient<T> {
-    inputs: arm::Inputs<T>,
-    gradient: Vector3<T>,
-}
-
-impl<T: Real> Outlined for ArmPointGradient<T> {
-    type Output = arm::Inputs<T>;
-    #[inline(always)]
-    fn work(self) -> arm::Inputs<T> {
-        arm_point_gradient(self.inputs, self.gradient)
-    }
-}
-
-struct PointNow<'c, 'd, T> {
-    at: &'c Configuration<'d, T>,
-    id: PointId,
-}
-
-impl<T: Real> Outlined for PointNow<'_, '_, T> {
-    type Output = Vector3<T>;
-    #[inline(always)]
-    fn work(self) -> Vector3<T> {
-        self.at.point_here(self.id)
     }
 }
 

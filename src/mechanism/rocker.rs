@@ -41,7 +41,7 @@ use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
 use crate::number::Scalar;
-use crate::number::{Outlined, Real, SimdReal, Vector3, outlined};
+use crate::number::{Real, SimdReal, Vector3, outlined};
 
 /// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
 /// position, and the outer end now.
@@ -337,18 +337,24 @@ impl<T: Real> Configuration<'_, T> {
     /// Present position of a point of a rocker. In a function of its own: it is rare, and large.
     #[inline(always)]
     pub(crate) fn rocker_point(&self, id: RockerId, designed: Vector3<T>) -> Vector3<T> {
-        self.rack.outlined(RockerPoint {
-            at: self,
-            id,
-            designed,
-        })
+        outlined!(
+            [T: Real] self.rack;
+            at: &'p Configuration<'p, T> = self, id: RockerId = id, designed: Vector3<T> = designed => Vector3<T> {
+                Turn::of(at.ends(at.mechanism.rocker(id))).moved(designed)
+            }
+        )
     }
 
     /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
     /// it. NaN beyond a toggle.
     #[inline(always)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
-        self.rack.outlined(RockerAngle { at: self, id })
+        outlined!(
+            [T: Real] self.rack; at: &'p Configuration<'p, T> = self, id: RockerId = id => T {
+                let rocker = at.mechanism.rocker(id);
+                Turn::of(at.ends(rocker)).angle(rocker.rod)
+            }
+        )
     }
 
     /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, but for that by the place of
@@ -377,8 +383,11 @@ impl<T: Real> Configuration<'_, T> {
         seed: RockerSeed<T>,
         sink: &mut impl Sink<T>,
     ) -> Vector3<T> {
-        let differentiating = RockerGradient { at: self, id, seed };
-        let (by, by_point) = self.rack.outlined(differentiating);
+        let (by, by_point) = outlined!(
+            [T: Real] self.rack;
+            at: &'p Configuration<'p, T> = self, id: RockerId = id, seed: RockerSeed<T> = seed
+                => (Ends<T>, Vector3<T>) { at.rocker_gradient(id, seed) }
+        );
         let rocker = self.mechanism.rocker(id);
         let designed = [rocker.first, rocker.second, rocker.inner, rocker.outer];
         for (id, gradient) in designed.into_iter().zip(by) {
@@ -387,34 +396,23 @@ impl<T: Real> Configuration<'_, T> {
         self.push_point(rocker.outer, by[4], sink);
         by_point
     }
-}
 
-struct RockerPoint<'c, 'd, T> {
-    at: &'c Configuration<'d, T>,
-    id: RockerId,
-    designed: Vector3<T>,
-}
-
-impl<T: Real> Outlined for RockerPoint<'_, '_, T> {
-    type Output = Vector3<T>;
+    /// The derivatives by the rod's ends, and that by the point in the design.
     #[inline(always)]
-    fn work(self) -> Vector3<T> {
-        let rocker = self.at.mechanism.rocker(self.id);
-        Turn::of(self.at.ends(rocker)).moved(self.designed)
-    }
-}
-
-struct RockerAngle<'c, 'd, T> {
-    at: &'c Configuration<'d, T>,
-    id: RockerId,
-}
-
-impl<T: Real> Outlined for RockerAngle<'_, '_, T> {
-    type Output = T;
-    #[inline(always)]
-    fn work(self) -> T {
-        let rocker = self.at.mechanism.rocker(self.id);
-        Turn::of(self.at.ends(rocker)).angle(rocker.rod)
+    fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
+        let rocker = self.mechanism.rocker(id);
+        let ends = self.ends(rocker);
+        let turn = Turn::of(ends);
+        let zero = self.rack.zero();
+        let (designed, gradient, moment) = match seed {
+            RockerSeed::Point { designed, gradient } => (designed, gradient, zero),
+            // Any point, with no gradient: the axis.
+            RockerSeed::Angle(gradient) => {
+                let none = Vector3::new(zero, zero, zero);
+                (ends[0], none, gradient * turn.sense(rocker.rod))
+            }
+        };
+        turn.gradient(ends, designed, gradient, moment)
     }
 }
 
@@ -425,33 +423,6 @@ enum RockerSeed<T> {
         gradient: Vector3<T>,
     },
     Angle(T),
-}
-
-/// The derivatives by the rod's ends, and that by the point in the design.
-struct RockerGradient<'c, 'd, T> {
-    at: &'c Configuration<'d, T>,
-    id: RockerId,
-    seed: RockerSeed<T>,
-}
-
-impl<T: Real> Outlined for RockerGradient<'_, '_, T> {
-    type Output = (Ends<T>, Vector3<T>);
-    #[inline(always)]
-    fn work(self) -> (Ends<T>, Vector3<T>) {
-        let rocker = self.at.mechanism.rocker(self.id);
-        let ends = self.at.ends(rocker);
-        let turn = Turn::of(ends);
-        let zero = self.at.rack.zero();
-        let (designed, gradient, moment) = match self.seed {
-            RockerSeed::Point { designed, gradient } => (designed, gradient, zero),
-            // Any point, with no gradient: the axis.
-            RockerSeed::Angle(gradient) => {
-                let none = Vector3::new(zero, zero, zero);
-                (ends[0], none, gradient * turn.sense(rocker.rod))
-            }
-        };
-        turn.gradient(ends, designed, gradient, moment)
-    }
 }
 
 impl Configuration<'_, f64> {

@@ -15,7 +15,7 @@
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{Motion, State};
 use crate::model::{AxlePosition, Side};
-use crate::number::{Outlined, Real, Vector3};
+use crate::number::{Real, Vector3, outlined};
 use std::f64::consts::PI;
 
 /// Mean steer below which percentages, quotients of two small angles, are left empty (rad).
@@ -85,22 +85,15 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
     ]
 }
 
-/// The turn of a state.
-struct Turning<'s, 'a, T, W>(&'s State<'a, T, W>);
-
-impl<T: Real, W: WheelParts<T>> Outlined for Turning<'_, '_, T, W> {
-    type Output = Turn<T>;
-    #[inline(always)]
-    fn work(self) -> Turn<T> {
-        Turn::seen_from_above(self.0)
-    }
-}
-
 impl<T: Real> Turn<T> {
     /// In a function of its own: several formulas are made of it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &State<T, W>) -> Self {
-        state.like().outlined(Turning(state))
+        outlined!(
+            [T: Real, W: WheelParts<T>] state.like(); state: &'p State<'p, T, W> = state => Turn<T> {
+                Turn::seen_from_above(state)
+            }
+        )
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::{Evaluation, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Wheel};
-use crate::number::{Jet, MOST_LANES, Outlined, SimdReal};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, outlined};
 use std::hint::black_box;
 
 impl LaneReader<'_> {
@@ -30,11 +30,11 @@ impl LaneReader<'_> {
             let slope = match (evaluation, self.quantities[number]) {
                 (Evaluation::Coordinate(point, axis), _) => read.points[*point][1][*axis],
                 (_, Quantity::Characteristic(c)) if is_angle(c) => {
-                    let sloping = Sloping {
-                        characteristic: c,
-                        inputs,
-                    };
-                    unknown.outlined(sloping).unwrap_or(unknown)
+                    let slope = outlined!(
+                        [B: SimdReal] unknown; c: Characteristic = c, inputs: &'p Inputs<B> = inputs
+                            => Option<B> { by_drive(c, inputs) }
+                    );
+                    slope.unwrap_or(unknown)
                 }
                 (_, quantity) => {
                     takes_series = takes_series || quantity.rate_order() == 0;
@@ -86,20 +86,6 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
             value.finite().store(&mut self.to[first..]);
             first += self.stride;
         }
-    }
-}
-
-/// The slope of an angle.
-struct Sloping<'i, B> {
-    characteristic: Characteristic,
-    inputs: &'i Inputs<B>,
-}
-
-impl<B: SimdReal> Outlined for Sloping<'_, B> {
-    type Output = Option<B>;
-    #[inline(always)]
-    fn work(self) -> Option<B> {
-        by_drive(self.characteristic, self.inputs)
     }
 }
 

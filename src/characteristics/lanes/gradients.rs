@@ -7,7 +7,7 @@ use crate::characteristics::{Characteristic, Inputs, Quantity, Slot};
 use crate::derive::{Gradient, Seeds};
 use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId, SteeringAxis};
-use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3, outlined};
 
 impl LaneReader<'_> {
     /// Whether the derivatives by the hardpoints can be had in lanes: not of an instantaneous steering axis, nor of what
@@ -76,11 +76,11 @@ impl LaneReader<'_> {
     ) {
         match self.quantities[number] {
             Quantity::Characteristic(c) if is_angle(c) => {
-                let differentiating = Differentiating {
-                    characteristic: c,
-                    inputs: &read.inputs,
-                };
-                if let Some(gradient) = weight.outlined(differentiating) {
+                let gradient = outlined!(
+                    [B: SimdReal] weight; c: Characteristic = c, inputs: &'p Inputs<B> = &read.inputs
+                        => Option<Vector3<B>> { by_direction(c, inputs) }
+                );
+                if let Some(gradient) = gradient {
                     let sum = match c.info().reads {
                         [Slot::SpinAxis] => &mut by.spin_axis,
                         _ => &mut by.steering_axis,
@@ -250,19 +250,5 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for SeedingPoint<'_, '_, '_,
         let mut along = Vector3::new(zero, zero, zero);
         along[self.axis] = self.weight;
         self.seeds.point(self.id, along);
-    }
-}
-
-/// The derivative of an angle by the direction it reads.
-struct Differentiating<'i, B> {
-    characteristic: Characteristic,
-    inputs: &'i Inputs<B>,
-}
-
-impl<B: SimdReal> Outlined for Differentiating<'_, B> {
-    type Output = Option<Vector3<B>>;
-    #[inline(always)]
-    fn work(self) -> Option<Vector3<B>> {
-        by_direction(self.characteristic, self.inputs)
     }
 }

@@ -139,6 +139,16 @@ impl<T: Real> Wrench<T> {
         }
     }
 
+    /// This wrench and another.
+    #[inline(always)]
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Wrench {
+            force: self.force + other.force,
+            moment: self.moment + other.moment,
+            rack: self.rack + other.rack,
+        }
+    }
+
     pub(crate) fn to_row(self) -> [T; 6] {
         let (f, m) = (self.force, self.moment);
         [f.x, f.y, f.z, m.x, m.y, m.z]

@@ -14,7 +14,7 @@ use crate::characteristics::{
     ByDirections, Constants, LaneInputs, LaneReader, LaneWheels, Quantity,
 };
 use crate::derive::{Gradient, Seeds};
-use crate::mechanism::Configuration;
+use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
@@ -509,8 +509,6 @@ struct Differentiating<'r, 't, B: SimdReal> {
     series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
     inputs: LaneInputs<B>,
-    /// How much the quantities count in the pose at hand.
-    weights: Vec<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
@@ -550,7 +548,6 @@ impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
             wheels,
             members,
             inputs: reader.inputs(wheels),
-            weights: vec![zero; reader.quantities().len()],
             rack: zero,
             right: like.everywhere(),
             count,
@@ -626,46 +623,39 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
                 true => (angle, angles),
                 false => (angle, angle + 1),
             };
+            let mut by = ByDirections::default();
+            let mut is_posed = false;
             if !is_sum {
                 self.found.jacobian[angle * length..][..length].fill(0.0);
             }
             let mut number = first;
+            let mut wrench = Wrench::zero(self.rack);
             while number < end {
-                self.weights[number] = self.weight(number, station);
-                number += 1;
-            }
-            let mut by = ByDirections::default();
-            let mut is_posed = false;
-            let row = &mut Row(self.found.row(is_sum, first));
-            let mut seeds = Seeds::new(&configuration, row);
-            number = first;
-            while number < end {
-                if !self.reader.is_of_rates(number) {
+                let weight = self.weight(number, station);
+                if self.reader.is_of_rates(number) {
+                    self.add_gradient_of_rates(number, weight, &configuration, &rates);
+                } else {
                     is_posed = true;
-                    let weight = self.weights[number];
-                    let inputs = &self.inputs;
+                    let row = &mut Row(self.found.row(is_sum, first));
+                    let mut seeds = Seeds::new(&configuration, row);
                     self.reader.differentiate(
                         number,
                         weight,
-                        inputs,
+                        &self.inputs,
                         &mut by,
                         &configuration,
                         &mut seeds,
                     );
+                    wrench = wrench.plus(&seeds.wrench());
                 }
                 number += 1;
             }
             if is_posed {
+                let row = &mut Row(self.found.row(is_sum, first));
+                let mut seeds = Seeds::new(&configuration, row);
                 by.seed(self.wheels, &self.inputs, &mut seeds);
-                let wrench = seeds.wrench();
+                let wrench = wrench.plus(&seeds.wrench());
                 adjoint.subtract(&wrench, row);
-            }
-            number = first;
-            while number < end {
-                if self.reader.is_of_rates(number) {
-                    self.add_gradient_of_rates(number, &configuration, &rates);
-                }
-                number += 1;
             }
             if let Task::Slopes { along, .. } = self.task {
                 let Found {
@@ -690,18 +680,18 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
-    /// Adds the gradient of a quantity made of velocities, times its weight, to its row.
+    /// Adds the gradient of a quantity made of velocities, times a weight, to its row.
     #[inline(always)]
     fn add_gradient_of_rates(
         &mut self,
         number: usize,
+        weight: B,
         configuration: &Configuration<'_, B>,
         rates: &LaneRates<B>,
     ) {
         let Some((along, design)) = self.series else {
             return;
         };
-        let weight = self.weights[number];
         let at = design.along(configuration, rates);
         let adjoint = along.adjoint(design, &at);
         let gradient = &mut self.series_gradient[..];

@@ -5,7 +5,7 @@
 //! by wheel travel whatever drives the mechanism.
 
 use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
-use crate::number::{Jet, Matrix3, Outlined, Real, Vector3};
+use crate::number::{Jet, Matrix3, Real, Vector3, outlined};
 use std::marker::PhantomData;
 
 #[inline(always)]
@@ -127,25 +127,11 @@ pub(super) fn by_direction_along<T: Real>(
 /// How an angle changes with the direction it reads, in a function of its own.
 #[inline(always)]
 fn slope_apart<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
-    inputs.turn.x.outlined(Slope::<F, T> {
-        inputs,
-        direction,
-        of: PhantomData,
-    })
-}
-
-struct Slope<'i, F, T> {
-    inputs: &'i Inputs<T>,
-    direction: Vector3<T>,
-    of: PhantomData<F>,
-}
-
-impl<F: Formula, T: Real> Outlined for Slope<'_, F, T> {
-    type Output = T;
-    #[inline(always)]
-    fn work(self) -> T {
-        slope::<F, T>(self.inputs, self.direction, self.direction)
-    }
+    outlined!(
+        [F: Formula, T: Real] inputs.turn.x;
+        _angle: PhantomData<F> = PhantomData::<F>, inputs: &'p Inputs<T> = inputs, direction: Vector3<T> = direction
+            => T { slope::<F, T>(inputs, direction, direction) }
+    )
 }
 
 /// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.

@@ -41,7 +41,7 @@ pub use wheel::{Inputs, Slot, Slots, Wheel};
 pub use wheel_reading::WheelReading;
 
 use crate::model::{AxlePosition, Suspension};
-use crate::number::{Dual, Outlined, Real, Vector3};
+use crate::number::{Dual, Real, Vector3, outlined};
 use std::marker::PhantomData;
 
 /// A figure beyond the hardpoints that a characteristic cannot do without.
@@ -256,17 +256,10 @@ impl Characteristic {
 /// The value of a formula, in a function of its own.
 #[inline(always)]
 fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
-    inputs.turn.x.outlined(ValueOf::<F, T>(inputs, PhantomData))
-}
-
-struct ValueOf<'i, F, T>(&'i Inputs<T>, PhantomData<F>);
-
-impl<F: Formula, T: Real> Outlined for ValueOf<'_, F, T> {
-    type Output = T;
-    #[inline(always)]
-    fn work(self) -> T {
-        F::evaluate(self.0)
-    }
+    outlined!(
+        [F: Formula, T: Real] inputs.turn.x;
+        _formula: PhantomData<F> = PhantomData::<F>, inputs: &'p Inputs<T> = inputs => T { F::evaluate(inputs) }
+    )
 }
 
 /// The derivatives of a formula by everything it reads, slot by slot.

@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Outlined, Real, Scalar};
+use super::{Outlined, Real, Scalar, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -118,23 +118,17 @@ impl<T: Real, const N: usize> Dual<T, N> {
 /// Does an operation where it stands, or on large numbers in a function of its own, which for numbers in registers is
 /// compiled for them.
 macro_rules! perform {
-    ($operation:ident($($operand:ident),*) if $is_large:expr) => {{
-        struct Operands<T, const N: usize>($(#[doc = stringify!($operand)] Dual<T, N>),*);
-        impl<T: Real, const N: usize> Outlined for Operands<T, N> {
-            type Output = Dual<T, N>;
-            #[inline(always)]
-            fn work(self) -> Dual<T, N> {
-                let Operands($($operand),*) = self;
-                Dual::$operation($($operand),*)
-            }
+    ($operation:ident($number:ident $(, $other:ident)?) if $is_large:expr) => {
+        match $is_large {
+            true => outlined!(
+                [T: Real; N] $number.value;
+                $number: Dual<T, N> = $number $(, $other: Dual<T, N> = $other)? => Dual<T, N> {
+                    Dual::$operation($number $(, $other)?)
+                }
+            ),
+            false => Dual::$operation($number $(, $other)?),
         }
-        if $is_large {
-            let operands = Operands($($operand),*);
-            operands.0.value.outlined(operands)
-        } else {
-            Dual::$operation($($operand),*)
-        }
-    }};
+    };
 }
 
 macro_rules! operator {

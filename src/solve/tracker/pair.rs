@@ -24,7 +24,7 @@ use super::{
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
 use crate::model::{Drive, Mechanism};
-use crate::number::{Outlined, SimdReal, Vector3};
+use crate::number::{SimdReal, Vector3, outlined};
 use crate::solve::StationOrder;
 
 /// Corrections a lane may take to settle.
@@ -445,16 +445,11 @@ fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     [rack, travel]: [B; 2],
     settled: B::Mask,
 ) -> Linear<B> {
-    struct Piece<'w, B: SimdReal, W, const N: usize>(&'w mut W, [B; N], [B; 2], B::Mask);
-    impl<B: SimdReal, W: Wheel<B, N>, const N: usize> Outlined for Piece<'_, B, W, N> {
-        type Output = Linear<B>;
-        #[inline(always)]
-        fn work(self) -> Linear<B> {
-            let Piece(wheel, unknowns, [rack, travel], settled) = self;
-            wheel.linear(&unknowns, rack, travel, settled)
-        }
-    }
-    travel.outlined(Piece(wheel, *unknowns, [rack, travel], settled))
+    outlined!(
+        [B: SimdReal, W: Wheel<B, N>; N] travel;
+        wheel: &'p mut W = wheel, unknowns: [B; N] = *unknowns, rack: B = rack, travel: B = travel,
+        settled: B::Mask = settled => Linear<B> { wheel.linear(&unknowns, rack, travel, settled) }
+    )
 }
 
 /// [`Wheel::corrected`] likewise.
@@ -464,16 +459,11 @@ fn corrected<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     unknowns: &[B; N],
     [rack, travel]: [B; 2],
 ) -> Corrected<B, N> {
-    struct Piece<'w, B, W, const N: usize>(&'w mut W, [B; N], [B; 2]);
-    impl<B: SimdReal, W: Wheel<B, N>, const N: usize> Outlined for Piece<'_, B, W, N> {
-        type Output = Corrected<B, N>;
-        #[inline(always)]
-        fn work(self) -> Corrected<B, N> {
-            let Piece(wheel, unknowns, [rack, travel]) = self;
-            wheel.corrected(&unknowns, rack, travel)
-        }
-    }
-    travel.outlined(Piece(wheel, *unknowns, [rack, travel]))
+    outlined!(
+        [B: SimdReal, W: Wheel<B, N>; N] travel;
+        wheel: &'p mut W = wheel, unknowns: [B; N] = *unknowns, rack: B = rack, travel: B = travel
+            => Corrected<B, N> { wheel.corrected(&unknowns, rack, travel) }
+    )
 }
 
 /// `yes` where the mask is set, else `no`.

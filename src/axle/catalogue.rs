@@ -9,7 +9,7 @@ use super::state::State;
 use super::unit::Unit;
 use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
 use crate::model::Side;
-use crate::number::{Scalar, outlined};
+use crate::number::{Scalar, called};
 
 /// What a study must give for a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,10 +137,7 @@ macro_rules! catalogue {
             /// The value at one wheel; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>, side: Side) -> T {
                 match self {
-                    $(WheelQuantity::$wheel => outlined!(
-                        [T: Scalar, W: WheelParts<T>] state.like();
-                        state: &'p State<'p, T, W> = state, side: Side = side => T { $wfunction(state, side) }
-                    ),)*
+                    $(WheelQuantity::$wheel => called((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
             }
         }
@@ -163,9 +160,7 @@ macro_rules! catalogue {
             /// The value; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
                 match self {
-                    $(AxleQuantity::$axle => outlined!(
-                        [T: Scalar, W: WheelParts<T>] state.like(); state: &'p State<'p, T, W> = state => T { $function(state) }
-                    ),)*
+                    $(AxleQuantity::$axle => called(state, $function),)*
                 }
             }
 

@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Outlined, Real, Scalar, apart, outlined};
+use super::{Outlined, Real, Scalar, apart, called, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -158,15 +158,13 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const IS_LONG: bool = N > 2;
     /// Whether angles are calls. Of a series in registers often the slope alone is wanted: inlined, the rest is left out.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
-    /// Whether products, quotients and roots are calls (see [`Real::outlined`]).
+    /// Whether products, quotients and roots are calls (see [`called`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]
     fn times_apart(self, other: Self) -> Self {
         match Self::LARGE {
-            true => {
-                outlined!([T: Real; N] self; a: Jet<T, N> = self, b: Jet<T, N> = other => Jet<T, N> { a.times(b) })
-            }
+            true => called((self, other), |(a, b)| a.times(b)),
             false => self.times(other),
         }
     }
@@ -197,7 +195,7 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         if Self::LARGE {
-            outlined!([T: Real; N] self; a: Jet<T, N> = self, b: Jet<T, N> = other => Jet<T, N> { a.over(b) })
+            called((self, other), |(a, b)| a.over(b))
         } else {
             self.over(other)
         }
@@ -281,7 +279,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         if Self::LARGE {
-            outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.root() })
+            called(self, Self::root)
         } else {
             self.root()
         }

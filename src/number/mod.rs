@@ -45,7 +45,7 @@ pub trait Real:
     const IN_REGISTERS: bool = false;
     /// Whether it is more than a plain number: what is made of several of it does its arithmetic in calls.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see [`Real::outlined`]).
+    /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see `called`).
     const IS_NESTED: bool = false;
     /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would
     /// take the other with it.
@@ -128,11 +128,19 @@ pub trait Outlined {
     fn work(self) -> Self::Output;
 }
 
-/// Does a piece of work in a function of its own, compiled for no instruction set: inlined everywhere, the arithmetic of
-/// long series and of derivatives of series would make the crate take minutes to compile.
+/// Does a piece of work in a function of its own, compiled for no instruction set.
 #[inline(never)]
 fn apart<P: Outlined>(piece: P) -> P::Output {
     piece.work()
+}
+
+/// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
+/// series and of derivatives of series would make the crate take minutes to compile. It is compiled for no instruction
+/// set: numbers in registers have [`Real::outlined`]. Products of series by that took a quarter longer: their operands are
+/// copied once more.
+#[inline(never)]
+pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
+    operation(operands)
 }
 
 /// A block in a function of its own by [`Real::outlined`], for a number of the type named first:

@@ -3,7 +3,7 @@
 //! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
 //! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
 
-use super::{Jet, Real, outlined};
+use super::{Jet, Real, called, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector of three numbers.
@@ -197,9 +197,7 @@ impl<T: Real> Add for Vector3<T> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
-            true => outlined!(
-                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.plus_here(b) }
-            ),
+            true => called((self, other), |(a, b)| a.plus_here(b)),
             false => self.plus_here(other),
         }
     }
@@ -210,9 +208,7 @@ impl<T: Real> Sub for Vector3<T> {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
-            true => outlined!(
-                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.minus_here(b) }
-            ),
+            true => called((self, other), |(a, b)| a.minus_here(b)),
             false => self.minus_here(other),
         }
     }

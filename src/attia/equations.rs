@@ -6,12 +6,12 @@
 use super::Moving;
 use super::drive::Driver;
 use crate::number::Vector3;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 /// One number for each equation, or one for each unknown: x, y, z of 5, then of 6, 7, 8, 9.
 pub(crate) type Column = SVector<f64, 15>;
 /// A row for each equation, a column for each unknown.
-pub(crate) type Jacobian = SMatrix<f64, 15, 15>;
+pub(crate) type Jacobian = [[f64; 15]; 15];
 
 /// The pairs of points whose distance equations (1) to (10) fix.
 pub(crate) const DISTANCES: [[usize; 2]; 10] = [
@@ -90,7 +90,7 @@ fn axis_vectors(fixed: &Fixed, moving: &Moving) -> [[Vector3<f64>; 2]; 2] {
 
 /// Partial derivatives of equations (1) to (15) by the unknowns.
 pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacobian {
-    let mut out = Jacobian::zeros();
+    let mut out = [[0.0; 15]; 15];
     let points = fixed.all(moving);
     for (row, [i, j]) in DISTANCES.into_iter().enumerate() {
         let twice = (points[i - 1] - points[j - 1]) * 2.0;
@@ -123,7 +123,7 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
 fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>) {
     let column = 3 * (point - 5);
     for (k, g) in gradient.to_array().into_iter().enumerate() {
-        jacobian[(row, column + k)] += g;
+        jacobian[row][column + k] += g;
     }
 }
 
@@ -181,7 +181,8 @@ mod tests {
             };
             let difference = (value(&moved(1.0)) - value(&moved(-1.0))) / 2.0;
             // Values of order 10, a handful of roundings each.
-            assert!((difference - by_hand.column(column)).amax() < 64.0 * f64::EPSILON);
+            let by_hand = Column::from(by_hand.map(|row| row[column]));
+            assert!((difference - by_hand).amax() < 64.0 * f64::EPSILON);
         }
         // And the second difference along any direction is the quadratic term.
         let direction: Moving = std::array::from_fn(|_| vector());

@@ -61,10 +61,7 @@ impl PointCoordinates {
         let lu = self
             .factorised(self.jacobian(pose))
             .ok_or_else(|| Refusal::Singular(self.diagnosis(pose)))?;
-        let solve = |mut right: Column| {
-            lu.solve_mut(&mut right);
-            moving_of(&right)
-        };
+        let solve = |right: Column| moving_of(&Column::from(lu.solve(right.into())));
 
         let slope = self.driving.rate(station.value, points);
         let mut right = rack_column(&fixed, points, rates.rack);

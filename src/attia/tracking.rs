@@ -6,9 +6,9 @@ use super::equations::{
     Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, quadratic, residual,
 };
 use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
+use crate::linear::lu::Lu;
 use crate::mechanism::{Work, WorkCounter};
 use crate::number::Vector3;
-use nalgebra::{Const, LU};
 
 /// The largest condition number at which half of the digits are left: 1/sqrt(2^-52).
 const WORST_CONDITION: f64 = (1_u64 << 26) as f64;
@@ -111,7 +111,8 @@ impl PointCoordinates {
             let what = mechanism.diagnosis(&mechanism.design);
             return Err(Refusal::Singular(what));
         }
-        mechanism.smallest_spread = spread(&jacobian.lu()) * condition / WORST_CONDITION;
+        let spread = Lu::of(jacobian, 1.0).map_or(0.0, |lu| spread(&lu));
+        mechanism.smallest_spread = spread * condition / WORST_CONDITION;
         Ok(mechanism)
     }
 
@@ -220,7 +221,7 @@ impl PointCoordinates {
                 w.newton_iterations += 1;
                 w.right_hand_sides += 1;
             });
-            lu.solve_mut(&mut left);
+            left = Column::from(lu.solve(left.into()));
             let length = left.amax();
             if length.is_nan() || length > CONTRACTION * last {
                 return None;
@@ -247,22 +248,15 @@ impl PointCoordinates {
     /// Kantorovich's h. Asked for is 1/4.
     fn is_clear_of_rounding(&self, factors: &Factors) -> bool {
         // Where J is nearly singular, what solves it for any right-hand side is nearly v.
-        let mut v = Column::repeat(1.0);
-        if !factors.solve_mut(&mut v) {
-            return false;
-        }
-        v.normalize_mut();
-        let Some(w) = solve_transposed(factors, &v) else {
-            return false;
-        };
+        let v = Column::from(factors.solve([1.0; 15])).normalize();
+        let w = Column::from(factors.solve_transposed(v.into()));
         let curvature = w.dot(&quadratic(0.0, &moving_of(&v)));
         curvature.abs() * self.rounding * w.lp_norm(1) <= 0.25
     }
 
     /// The factors of a Jacobian, unless too few digits would be left.
     pub(crate) fn factorised(&self, jacobian: Jacobian) -> Option<Factors> {
-        let lu = jacobian.lu();
-        (spread(&lu) > self.smallest_spread).then_some(lu)
+        Lu::of(jacobian, 1.0).filter(|lu| spread(lu) > self.smallest_spread)
     }
 
     /// The Jacobian at a pose.
@@ -276,31 +270,25 @@ impl PointCoordinates {
     pub(crate) fn diagnosis(&self, pose: &Pose) -> Singular {
         let fixed = self.fixed.with_rack(pose.station.rack);
         let arm = self.driving.along_the_arm(&pose.moving);
-        let mut velocity = Column::zeros();
-        velocity[DRIVE] = self.driving.arm_share();
-        let solvable = jacobian(&fixed, &pose.moving, &arm)
-            .lu()
-            .solve_mut(&mut velocity);
-        let travel = solvable.then(|| self.wheel_centre.of(&moving_of(&velocity)).z);
+        let mut right = [0.0; 15];
+        right[DRIVE] = self.driving.arm_share();
+        let factors = Lu::of(jacobian(&fixed, &pose.moving, &arm), 1.0);
+        let velocity = factors.map(|lu| moving_of(&Column::from(lu.solve(right))));
+        let travel = velocity.map(|velocity| self.wheel_centre.of(&velocity).z);
         nearest_singularity(&self.driving, &fixed, &pose.moving, travel)
     }
 }
 
-/// LU factors with partial pivoting.
-type Factors = LU<f64, Const<15>, Const<15>>;
-
-/// The solution of the transposed equations, unless they are singular.
-fn solve_transposed(lu: &Factors, right: &Column) -> Option<Column> {
-    let middle = lu.u().tr_solve_upper_triangular(right)?;
-    let mut solution = lu.l().tr_solve_lower_triangular(&middle)?;
-    lu.p().inv_permute_rows(&mut solution);
-    Some(solution)
-}
+type Factors = Lu<f64, 15>;
 
 /// The smallest pivot over the largest.
 fn spread(lu: &Factors) -> f64 {
-    let pivots = lu.lu_internal().diagonal().abs();
-    pivots.min() / pivots.max()
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for pivot in lu.pivots() {
+        least = least.min(pivot.abs());
+        most = most.max(pivot.abs());
+    }
+    least / most
 }
 
 /// Condition number in the Frobenius norm; infinite (or not a number) where singular.
@@ -308,8 +296,15 @@ fn spread(lu: &Factors) -> f64 {
 /// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
 /// the rows would hide two points that coincide: what is left of their row is rounding.
 fn condition(jacobian: &Jacobian) -> f64 {
-    let inverse = jacobian.try_inverse();
-    inverse.map_or(f64::INFINITY, |inverse| inverse.norm() * jacobian.norm())
+    let norm = |rows: &Jacobian| {
+        rows.as_flattened()
+            .iter()
+            .map(|c| c * c)
+            .sum::<f64>()
+            .sqrt()
+    };
+    let factors = Lu::of(*jacobian, 1.0);
+    factors.map_or(f64::INFINITY, |lu| norm(&lu.inverse()) * norm(jacobian))
 }
 
 /// A bound on what rounding leaves of the equations at their solution.
@@ -341,26 +336,4 @@ pub fn solve_travel(strut: &Strut, travel: f64, rack: f64) -> Result<Moving, Ref
         rack,
     };
     Ok(mechanism.track(&mechanism.design, to)?.moving)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A matrix whose rows pivoting exchanges: back to the right-hand side within a few roundings.
-    #[test]
-    fn transposed_equations_are_solved() {
-        let mut seed = 0.3_f64;
-        let mut next = || {
-            seed = (seed * 1013.7 + 0.41).fract();
-            seed - 0.5
-        };
-        let matrix = Jacobian::from_fn(|_, _| next());
-        let right = Column::from_fn(|_, _| next());
-        let lu = matrix.lu();
-        assert!(lu.p().len() > 5);
-        let solution = solve_transposed(&lu, &right).unwrap();
-        let rounding = 64.0 * f64::EPSILON * condition(&matrix);
-        assert!((matrix.transpose() * solution - right).amax() < rounding);
-    }
 }

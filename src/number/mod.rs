@@ -143,6 +143,17 @@ pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
+/// As `array.map(f)`, in place: the standard library's is no small function, and a call wherever it is not compiled
+/// together with its caller.
+#[inline(always)]
+pub(crate) fn each<T: Copy, U: Copy, const N: usize>(array: &[T; N], f: impl Fn(T) -> U) -> [U; N] {
+    let mut mapped = [f(array[0]); N];
+    for k in 1..N {
+        mapped[k] = f(array[k]);
+    }
+    mapped
+}
+
 /// A block in a function of its own by [`Real::outlined`], for a number of the type named first:
 /// `outlined!([T: Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live
 /// for `'p`; the length of a series may follow the types, as in `[T: Real; N]`.

@@ -17,6 +17,7 @@
 //! since q is stationary there, its value is exact to rounding.
 
 use crate::derive::{DesignSeries, MotionPoint};
+use crate::linear::lu::Lu;
 use crate::mechanism::Closure;
 use crate::mechanism::GOOD_PREDICTION;
 use crate::mechanism::{Configuration, Pose};
@@ -59,7 +60,7 @@ pub(crate) struct CurvePoint {
     pub moved: Jet<f64, 3>,
     /// Tangent: shift, turn, moving quantity, in sizes.
     tangent: [f64; 7],
-    factors: Lu7,
+    factors: Lu<f64, 7>,
     /// Sign given to the determinant of the matrix with the tangent as its last row.
     orientation: f64,
     /// What the rounding of the equations makes of the point, in sizes.
@@ -242,7 +243,7 @@ impl Curve<'_> {
         let matrix = self.matrix(pose, value);
         let mut tangent = null_vector(matrix)?;
         let turned = match orientation {
-            Some(orientation) => Lu7::bordered(&matrix, &tangent)?.determinant * orientation < 0.0,
+            Some(orientation) => bordered(&matrix, &tangent)?.determinant() * orientation < 0.0,
             None => tangent[6] * direction < 0.0,
         };
         if turned {
@@ -252,7 +253,7 @@ impl Curve<'_> {
             w.factorisations += 2;
             w.right_hand_sides += 2;
         });
-        let factors = Lu7::bordered(&matrix, &tangent)?;
+        let factors = bordered(&matrix, &tangent)?;
         let mut series = pose.map(Jet::constant);
         let mut moved = Jet::constant(value);
         for k in 1..3 {
@@ -279,8 +280,8 @@ impl Curve<'_> {
             series,
             moved,
             tangent,
-            orientation: factors.determinant.signum(),
-            noise: self.rounding * factors.inverse_norm().max(1.0),
+            orientation: factors.determinant().signum(),
+            noise: self.rounding * inverse_norm(&factors).max(1.0),
             factors,
         })
     }
@@ -302,7 +303,7 @@ impl Curve<'_> {
             };
             let residuals = self.closure.residuals(&at, motion.driver());
             self.work.note(Work::note_newton);
-            let factors = Lu7::bordered(&self.matrix(&pose, value), &from.tangent)?;
+            let factors = bordered(&self.matrix(&pose, value), &from.tangent)?;
             let y = factors.solve(std::array::from_fn(|i| match i {
                 0..6 => -residuals[i] / self.size,
                 _ => 0.0,
@@ -454,96 +455,17 @@ fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
     Some(null)
 }
 
-/// Factors of a 7x7 matrix, with partial pivoting.
-#[derive(Clone, Copy, Debug)]
-struct Lu7 {
-    factors: [[f64; 7]; 7],
-    order: [usize; 7],
-    determinant: f64,
+/// Of six rows and a last one below them; `None` where that is singular.
+fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
+    let square = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
+    Lu::of(square, 1.0)
 }
 
-impl Lu7 {
-    /// Of six rows and a last one below them; `None` where it is singular.
-    fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Self> {
-        let mut a: [[f64; 7]; 7] = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
-        let mut order: [usize; 7] = std::array::from_fn(|i| i);
-        let mut determinant = 1.0;
-        for k in 0..7 {
-            let mut pivot = k;
-            for i in k + 1..7 {
-                if a[i][k].abs() > a[pivot][k].abs() {
-                    pivot = i;
-                }
-            }
-            if pivot != k {
-                a.swap(k, pivot);
-                order.swap(k, pivot);
-                determinant = -determinant;
-            }
-            let pivot_row = a[k];
-            determinant *= pivot_row[k];
-            for line in a.iter_mut().skip(k + 1) {
-                let factor = line[k] / pivot_row[k];
-                line[k] = factor;
-                for j in k + 1..7 {
-                    line[j] -= factor * pivot_row[j];
-                }
-            }
-        }
-        (determinant.is_finite() && determinant != 0.0).then_some(Lu7 {
-            factors: a,
-            order,
-            determinant,
-        })
-    }
-
-    /// The largest row sum of the inverse.
-    fn inverse_norm(&self) -> f64 {
-        let mut sums = [0.0; 7];
-        for k in 0..7 {
-            let column = self.solve(std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
-            for (sum, c) in sums.iter_mut().zip(column) {
-                *sum += c.abs();
-            }
-        }
-        sums.into_iter().fold(0.0, f64::max)
-    }
-
-    fn solve(&self, b: [f64; 7]) -> [f64; 7] {
-        let mut x: [f64; 7] = std::array::from_fn(|i| b[self.order[i]]);
-        for i in 1..7 {
-            for j in 0..i {
-                x[i] -= self.factors[i][j] * x[j];
-            }
-        }
-        for i in (0..7).rev() {
-            for j in i + 1..7 {
-                x[i] -= self.factors[i][j] * x[j];
-            }
-            x[i] /= self.factors[i][i];
-        }
-        x
-    }
-
-    fn solve_transposed(&self, b: [f64; 7]) -> [f64; 7] {
-        let mut y = b;
-        for i in 0..7 {
-            for j in 0..i {
-                y[i] -= self.factors[j][i] * y[j];
-            }
-            y[i] /= self.factors[i][i];
-        }
-        for i in (0..7).rev() {
-            for j in i + 1..7 {
-                y[i] -= self.factors[j][i] * y[j];
-            }
-        }
-        let mut x = y;
-        for i in 0..7 {
-            x[self.order[i]] = y[i];
-        }
-        x
-    }
+/// The largest row sum of the inverse.
+fn inverse_norm(factors: &Lu<f64, 7>) -> f64 {
+    let rows = factors.inverse();
+    let sums = rows.map(|row| row.iter().map(|c| c.abs()).sum());
+    sums.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -571,7 +493,7 @@ mod tests {
     #[test]
     fn solves_both_ways() {
         let last = null_vector(ROWS).unwrap();
-        let lu = Lu7::bordered(&ROWS, &last).unwrap();
+        let lu = bordered(&ROWS, &last).unwrap();
         let matrix: [[f64; 7]; 7] = std::array::from_fn(|i| if i < 6 { ROWS[i] } else { last });
         let x = [1.0, -2.0, 3.0, 0.5, 4.0, -1.0, 2.0];
         let straight = std::array::from_fn(|i| dot(&matrix[i], &x));

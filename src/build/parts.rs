@@ -92,11 +92,11 @@ impl Parts<f64> {
     }
 
     /// The same parts over another kind of number.
-    pub fn map<T>(&self, mut f: impl FnMut(f64) -> T) -> Parts<T> {
+    pub fn map<T>(&self, f: impl Fn(f64) -> T + Copy) -> Parts<T> {
         Parts {
-            points: self.points.iter().map(|p| p.map(&mut f)).collect(),
+            points: self.points.iter().map(|p| p.map(f)).collect(),
             lengths: self.lengths.iter().map(|l| f(*l)).collect(),
-            drawn: self.drawn.iter().map(|p| p.map(&mut f)).collect(),
+            drawn: self.drawn.iter().map(|p| p.map(f)).collect(),
         }
     }
 }

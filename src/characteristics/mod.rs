@@ -142,6 +142,7 @@ pub struct Info {
 
 impl Info {
     /// Whether the formula reads velocities, so that the pose must be known with its rates.
+    #[inline]
     pub fn reads_rates(&self) -> bool {
         self.reads.iter().any(|slot| slot.is_rate())
     }
@@ -174,6 +175,7 @@ macro_rules! catalogue {
             pub const ALL: &'static [Characteristic] = &[$(Characteristic::$variant),*];
 
             /// The catalogue's entry.
+            #[inline]
             pub fn info(self) -> &'static Info {
                 match self {
                     $(Characteristic::$variant => &<$formula as Formula>::INFO,)*
@@ -265,12 +267,13 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
 /// The derivatives of a formula by everything it reads, slot by slot.
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
-    let constant = inputs.map(Dual::<T, 3>::constant);
+    let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
+    let mut seeded = inputs.map(Dual::<T, 3>::constant);
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
     for (place, slot) in gradient.iter_mut().zip(F::INFO.reads) {
-        let mut seeded = constant;
-        slot.seed(&mut seeded);
+        slot.seed(&mut seeded, one);
         *place = Vector3::from(F::evaluate(&seeded).partials);
+        slot.seed(&mut seeded, zero);
     }
     gradient
 }
@@ -304,7 +307,7 @@ mod tests {
             assert!(before.is_finite(), "{}", c.info().name);
             for slot in Slot::ALL {
                 let mut moved = plain.map(Dual::<f64, 3>::constant);
-                slot.seed(&mut moved);
+                slot.seed(&mut moved, 1.0);
                 let partials = c.evaluate(&moved).partials;
                 let depends = partials.iter().any(|p| *p != 0.0);
                 assert_eq!(

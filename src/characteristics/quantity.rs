@@ -19,6 +19,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Derivatives by the drive that the value itself takes: 1 for what is made of velocities, else 0.
+    #[inline]
     pub fn rate_order(self) -> usize {
         match self {
             Quantity::Characteristic(c) => c.info().reads_rates() as usize,
@@ -28,6 +29,7 @@ impl Quantity {
     }
 
     /// What the value is made of; coordinates are read off the configuration directly.
+    #[inline]
     pub fn reads(self) -> &'static [Slot] {
         match self {
             Quantity::Characteristic(c) => c.info().reads,

@@ -153,6 +153,7 @@ impl Slot {
     pub const MOST: usize = 4;
 
     /// Whether the slot is a velocity.
+    #[inline]
     pub fn is_rate(self) -> bool {
         matches!(
             self,
@@ -170,10 +171,10 @@ impl Slot {
         Slots::default().with(&[self]).contain_steering_axis()
     }
 
-    /// Makes this slot of `inputs` the independent variables.
+    /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0, constants again.
     #[inline]
-    pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>) {
-        let number = |n: &mut Dual<T, 3>| n.partials[0] = n.value.one();
+    pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
+        let number = |n: &mut Dual<T, 3>| n.partials[0] = by_itself;
         let vector = match self {
             Slot::SpinAxis => &mut inputs.now.spin_axis,
             Slot::Centre => &mut inputs.now.centre,
@@ -193,9 +194,9 @@ impl Slot {
             Slot::BarAngle => return number(&mut inputs.now.bar_angle),
             Slot::BarAngleRate => return number(&mut inputs.rate.bar_angle),
         };
-        vector.x.partials[0] = vector.x.value.one();
-        vector.y.partials[1] = vector.y.value.one();
-        vector.z.partials[2] = vector.z.value.one();
+        vector.x.partials[0] = by_itself;
+        vector.y.partials[1] = by_itself;
+        vector.z.partials[2] = by_itself;
     }
 }
 
@@ -219,17 +220,17 @@ impl<T: Real> Wheel<T> {
 
     /// The wheel over another kind of number.
     #[inline]
-    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Wheel<U> {
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
         Wheel {
-            spin_axis: self.spin_axis.map(&mut f),
-            centre: self.centre.map(&mut f),
-            steering_point: self.steering_point.map(&mut f),
-            steering_direction: self.steering_direction.map(&mut f),
+            spin_axis: self.spin_axis.map(f),
+            centre: self.centre.map(f),
+            steering_point: self.steering_point.map(f),
+            steering_direction: self.steering_direction.map(f),
             spring_length: f(self.spring_length),
-            spring: self.spring.map(&mut f),
+            spring: self.spring.map(f),
             rocker_angle: f(self.rocker_angle),
             bar_angle: f(self.bar_angle),
-            strut_upper: self.strut_upper.map(&mut f),
+            strut_upper: self.strut_upper.map(f),
         }
     }
 
@@ -285,12 +286,12 @@ impl<T: Real> Wheel<T> {
 impl<T: Real> Inputs<T> {
     /// The inputs over another kind of number.
     #[inline]
-    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Inputs<U> {
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Inputs<U> {
         Inputs {
-            now: self.now.map(&mut f),
-            rate: self.rate.map(&mut f),
-            turn: self.turn.map(&mut f),
-            design: self.design.map(&mut f),
+            now: self.now.map(f),
+            rate: self.rate.map(f),
+            turn: self.turn.map(f),
+            design: self.design.map(f),
             constants: self.constants,
         }
     }

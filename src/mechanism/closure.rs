@@ -8,7 +8,7 @@ use super::constraint::{ArmAngle, Row};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Matrix3, Outlined, Real, Vector3};
+use crate::number::{Matrix3, Outlined, Real, Vector3, each};
 
 /// The sixth equation: what drives the mechanism, with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,7 +179,7 @@ impl<T: Real> Closure<T> {
     /// The Jacobian by the pose.
     #[inline]
     pub(crate) fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
-        self.wrenches(at, driver).map(Wrench::to_row)
+        each(&self.wrenches(at, driver), Wrench::to_row)
     }
 
     /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
@@ -347,7 +347,7 @@ impl<T> Driver<T> {
 impl<T: Real> Driver<T> {
     /// The drive over another kind of number.
     #[inline]
-    pub(crate) fn map<U>(self, mut f: impl FnMut(T) -> U) -> Driver<U> {
+    pub(crate) fn map<U>(self, f: impl Fn(T) -> U + Copy) -> Driver<U> {
         match self {
             Driver::Travel(travel) => Driver::Travel(f(travel)),
             Driver::ArmAngle { sine, cosine } => Driver::ArmAngle {

@@ -369,9 +369,10 @@ impl<T: Real> Matrix3<T> {
 
     /// The matrix with `f` applied to each entry.
     #[inline(always)]
-    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Matrix3<U> {
+    pub fn map<U>(self, f: impl Fn(T) -> U + Copy) -> Matrix3<U> {
+        let [x, y, z] = self.columns;
         Matrix3 {
-            columns: self.columns.map(|column| column.map(&mut f)),
+            columns: [x.map(f), y.map(f), z.map(f)],
         }
     }
 }

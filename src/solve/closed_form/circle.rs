@@ -29,11 +29,11 @@ impl<T: Real> Circle<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Circle<U> {
+    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Circle<U> {
         Circle {
-            centre: self.centre.map(&mut f),
-            radius: self.radius.map(&mut f),
-            turned: self.turned.map(&mut f),
+            centre: self.centre.map(f),
+            radius: self.radius.map(f),
+            turned: self.turned.map(f),
         }
     }
 

@@ -188,19 +188,20 @@ impl<T: Real> ClosedForm<T> {
 
     /// The constants over another kind of number.
     #[inline]
-    pub(crate) fn map<U>(&self, mut f: impl FnMut(T) -> U) -> ClosedForm<U> {
+    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
+        let [x, y, z] = &self.basis;
         ClosedForm {
-            ball_joint: self.ball_joint.map(&mut f),
-            upper: self.upper.map(&mut f),
-            tie_rod_inner: self.tie_rod_inner.map(&mut f),
+            ball_joint: self.ball_joint.map(f),
+            upper: self.upper.map(f),
+            tie_rod_inner: self.tie_rod_inner.map(f),
             tie_squared: f(self.tie_squared),
             tie_by_m: f(self.tie_by_m),
             tie_by_u: f(self.tie_by_u),
             tie_difference: f(self.tie_difference),
             side: f(self.side),
-            wheel_centre: self.wheel_centre.map(&mut f),
-            line: self.line.map(&mut f),
-            basis: self.basis.map(|b| b.map(&mut f)),
+            wheel_centre: self.wheel_centre.map(f),
+            line: self.line.map(f),
+            basis: [x.map(f), y.map(f), z.map(f)],
             wheel_height: f(self.wheel_height),
         }
     }
@@ -473,7 +474,7 @@ impl<T: Real> State<T> {
 
 impl<T: Real> Carried<T> {
     #[inline]
-    fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Carried<U> {
+    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Carried<U> {
         Carried {
             by_m: f(self.by_m),
             by_u: f(self.by_u),

@@ -180,7 +180,7 @@ impl<T: Real> Upper<T> {
     }
 
     #[inline]
-    pub(crate) fn map<U>(&self, f: &mut impl FnMut(T) -> U) -> Upper<U> {
+    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Upper<U> {
         match self {
             Upper::Strut {
                 top,
@@ -189,9 +189,9 @@ impl<T: Real> Upper<T> {
                 foot_squared,
                 scale,
             } => Upper::Strut {
-                top: top.map(&mut *f),
-                foot: foot.map(&mut *f),
-                line: line.map(&mut *f),
+                top: top.map(f),
+                foot: foot.map(f),
+                line: line.map(f),
                 foot_squared: f(*foot_squared),
                 scale: f(*scale),
             },
@@ -201,7 +201,7 @@ impl<T: Real> Upper<T> {
                 side,
                 scale,
             } => Upper::Arm {
-                circle: circle.map(&mut *f),
+                circle: circle.map(f),
                 half_difference: f(*half_difference),
                 side: f(*side),
                 scale: f(*scale),

@@ -111,9 +111,8 @@ pub(super) fn solve(
     output.say(&format!("{}\n\n", summary.headline()))?;
     output.table("outputs", &summary.table())?;
     let remarks = said(path, axle, plan, &curves)?;
-    for remark in remarks.into_iter().chain(summary.remarks()) {
-        output.say(&format!("\n{remark}\n"))?;
-    }
+    let remarks = remarks.into_iter().chain(summary.remarks());
+    output.say_remarks(remarks, curves.are_complete())?;
     for failure in summary.failures() {
         output.say_failure(&format!("\n{failure}\n"))?;
     }
@@ -193,9 +192,8 @@ pub(super) fn optimise(
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
         let curves = AxleSummary::of(&study.name, tuned, &plan, after, &design);
         let remarks = said(path, tuned, &plan, after)?;
-        for remark in remarks.into_iter().chain(curves.remarks()) {
-            output.say(&format!("\n{remark}\n"))?;
-        }
+        let remarks = remarks.into_iter().chain(curves.remarks());
+        output.say_remarks(remarks, after.are_complete())?;
         for failure in curves.failures() {
             output.say_failure(&format!("\n{failure}\n"))?;
         }

@@ -175,8 +175,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     complete &= !summary.falls_short();
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
-    for remark in doubts.chain(after.iter().flat_map(|after| remarks(&study, after))) {
-        output.say(&format!("\n{remark}\n"))?;
+    output.say_remarks(doubts, true)?;
+    if let Some(after) = &after {
+        output.say_remarks(remarks(&study, after), after.are_complete())?;
     }
     complete &= refused.is_none();
     say_openings(&output, &study, &summary, refused)?;

@@ -276,6 +276,23 @@ impl Output {
         Ok(())
     }
 
+    /// Says remarks. Where something that was asked for could not be had, the warnings among them say what: also where
+    /// quiet was asked for.
+    pub(super) fn say_remarks(
+        &self,
+        remarks: impl IntoIterator<Item = String>,
+        is_complete: bool,
+    ) -> Result<(), Stop> {
+        for remark in remarks {
+            let text = format!("\n{remark}\n");
+            match !is_complete && remark.starts_with("warning: ") {
+                true => self.say_failure(&text)?,
+                false => self.say(&text)?,
+            }
+        }
+        Ok(())
+    }
+
     /// Prints a table of the summary; for programs, which know it by its name, at the end.
     pub(super) fn table(&self, name: &'static str, table: &Table) -> Result<(), Stop> {
         match self.is_text() {

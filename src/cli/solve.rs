@@ -63,9 +63,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table("outputs", &summary.table())?;
     output.table_for_programs("not_solved", || summary.failures_table());
     let doubts = doubts(suspension).map_err(|fault| design_fault(&study, path, &fault))?;
-    for remark in doubts.into_iter().chain(remarks(&study, &curves)) {
-        output.say(&format!("\n{remark}\n"))?;
-    }
+    output.say_remarks(doubts, true)?;
+    output.say_remarks(remarks(&study, &curves), curves.are_complete())?;
     for failure in FailureRange::all(&curves, plan.drive, study.suspension.length_unit) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

@@ -56,3 +56,28 @@ fn quiet_leaves_errors() {
     assert_eq!(called.code(), Some(2));
     assert!(called.complained().contains("error"));
 }
+
+/// Whoever wants quiet and gets the exit code 1 is told what is missing, and nothing else.
+#[test]
+fn quiet_says_what_could_not_be_had() {
+    let same = "[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
+    let centre = format!("suspension.hardpoints.wheel_centre={same}");
+    let mount = format!("suspension.hardpoints.strut_upper={same}");
+    let spindle = "suspension.hardpoints.spindle_inner=[1.60607, 0.39391, 0.04829]";
+    let empty = ["-q", "--set", &centre, "--set", &mount, "--set", spindle];
+    let toggle = ["-q", "--set", "motion.travel=[0.0, 100.0, 150.0, 160.0]"];
+    for (name, more, missing) in [
+        ("attia", &empty[..], "attia_camber_deg"),
+        ("double_wishbone_pushrod", &toggle, "is at toggle"),
+    ] {
+        let called = Called::on("solve", name, more);
+        assert_eq!(called.code(), Some(1), "{name}");
+        let complained = called.complained();
+        let lines: Vec<&str> = complained.lines().filter(|line| !line.is_empty()).collect();
+        assert!(complained.contains(missing), "{complained}");
+        assert!(
+            lines.iter().all(|line| line.starts_with("warning: ")),
+            "{complained}"
+        );
+    }
+}

@@ -5,7 +5,7 @@
 //! by wheel travel whatever drives the mechanism.
 
 use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
-use crate::number::{Jet, Matrix3, Real, Vector3, outlined};
+use crate::number::{Dual, Jet, Matrix3, Real, Vector3, outlined};
 use std::marker::PhantomData;
 
 #[inline(always)]
@@ -32,19 +32,32 @@ fn moving<T: Real>(
     spin_axis: Vector3<T>,
     steering_direction: Vector3<T>,
 ) -> Inputs<Jet<T, 2>> {
-    let still = Jet::constant(inputs.turn.x.zero());
-    let nothing = Wheel::filled(still);
     let now = &inputs.now;
+    of_directions(
+        now.spin_axis.with_rate(spin_axis),
+        now.steering_direction.with_rate(steering_direction),
+        Jet::constant(inputs.turn.x.zero()),
+    )
+}
+
+/// What an angle reads; all else is `filling`.
+#[inline(always)]
+fn of_directions<T: Real>(
+    spin_axis: Vector3<T>,
+    steering_direction: Vector3<T>,
+    filling: T,
+) -> Inputs<T> {
+    let nothing = Wheel::filled(filling);
     Inputs {
         now: Wheel {
-            spin_axis: now.spin_axis.with_rate(spin_axis),
-            steering_direction: now.steering_direction.with_rate(steering_direction),
+            spin_axis,
+            steering_direction,
             ..nothing
         },
         rate: nothing,
         turn: nothing.centre,
         design: nothing,
-        constants: inputs.constants,
+        constants: Constants::default(),
     }
 }
 
@@ -74,17 +87,7 @@ impl Characteristic {
     #[inline(always)]
     pub(crate) fn of_spin_axis<T: Real>(self, spin_axis: Vector3<T>) -> T {
         let unknown = spin_axis.x.lit(f64::NAN);
-        let nothing = Wheel::filled(unknown);
-        let inputs = Inputs {
-            now: Wheel {
-                spin_axis,
-                ..nothing
-            },
-            rate: nothing,
-            turn: nothing.centre,
-            design: nothing,
-            constants: Constants::default(),
-        };
+        let inputs = of_directions(spin_axis, spin_axis.map(|_| unknown), unknown);
         of_angle!(self, Angle => Angle::evaluate(&inputs), Camber, Toe).unwrap_or(unknown)
     }
 }
@@ -99,12 +102,13 @@ pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option
 /// The derivative of an angle by the direction it reads; `None` for anything else.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
-    let [x, y, z] = Matrix3::identity(inputs.turn.x).columns;
-    of_angle!(c, Angle => Vector3::new(
-        slope::<Angle, T>(inputs, x, x),
-        slope::<Angle, T>(inputs, y, y),
-        slope::<Angle, T>(inputs, z, z),
-    ))
+    let now = &inputs.now;
+    let moved = of_directions(
+        Dual::inputs(now.spin_axis),
+        Dual::inputs(now.steering_direction),
+        Dual::constant(inputs.turn.x.zero()),
+    );
+    of_angle!(c, Angle => Vector3::from(Angle::evaluate(&moved).partials))
 }
 
 /// The same as a series along the motion: in its second coefficient the derivative of the angle's slope by the direction,

@@ -24,7 +24,7 @@ use crate::model::RockerId;
 use crate::model::{Mechanism, PointId, SpinAxis, SteeringAxis};
 use crate::number::Jet;
 use crate::number::Real;
-use crate::number::Vector3;
+use crate::number::{Vector3, each};
 
 /// Where the derivatives of an output by the hardpoints gather.
 pub trait Gradient<T> {
@@ -160,7 +160,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
             self.rows,
             &self.at,
             self.driver,
-            &multipliers.map(|m| -m),
+            &each(&multipliers, |m| -m),
             &mut HardpointGradient(gradient),
         );
     }
@@ -178,12 +178,19 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
     /// For an output of a configuration; what it depends on directly is added to `gradient`.
     #[inline(always)]
     pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
+        Seeds::continuing(at, Wrench::zero(at.rack), gradient)
+    }
+
+    /// For one output more: to a wrench that others have come to.
+    #[inline(always)]
+    pub fn continuing(
+        at: &'s Configuration<'a, T>,
+        wrench: Wrench<T>,
+        gradient: &'s mut G,
+    ) -> Self {
         Seeds {
             at,
-            adjoint: Adjoint {
-                wrench: Wrench::zero(at.rack),
-                gradient,
-            },
+            adjoint: Adjoint { wrench, gradient },
             by_twist: None,
         }
     }

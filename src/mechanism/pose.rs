@@ -17,10 +17,10 @@ pub struct Pose<T> {
 impl<T: Real> Pose<T> {
     /// The pose over another kind of number.
     #[inline]
-    pub fn map<U>(&self, mut f: impl FnMut(T) -> U) -> Pose<U> {
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Pose<U> {
         Pose {
-            origin: self.origin.map(&mut f),
-            rotation: self.rotation.map(&mut f),
+            origin: self.origin.map(f),
+            rotation: self.rotation.map(f),
         }
     }
 
@@ -136,16 +136,6 @@ impl<T: Real> Wrench<T> {
             force: zero,
             moment: zero,
             rack: zero.x,
-        }
-    }
-
-    /// This wrench and another.
-    #[inline(always)]
-    pub(crate) fn plus(&self, other: &Self) -> Self {
-        Wrench {
-            force: self.force + other.force,
-            moment: self.moment + other.moment,
-            rack: self.rack + other.rack,
         }
     }
 

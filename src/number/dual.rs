@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Outlined, Real, Scalar, outlined};
+use super::{Outlined, Real, Scalar, Vector3, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -14,7 +14,7 @@ pub struct Dual<T, const N: usize> {
 
 impl<T: Real, const N: usize> Dual<T, N> {
     /// A constant: it depends on none of the inputs.
-    #[inline]
+    #[inline(always)]
     pub fn constant(value: T) -> Self {
         Dual {
             value,
@@ -23,20 +23,32 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 
     /// Input number `index`, at `value`.
-    #[inline]
+    #[inline(always)]
     pub fn input(value: T, index: usize) -> Self {
         let mut input = Dual::constant(value);
         input.partials[index] = value.one();
         input
     }
 
-    #[inline]
+    #[inline(always)]
     fn chain(self, value: T, slope: T) -> Self {
         let mut partials = self.partials;
         for p in &mut partials {
             *p = *p * slope;
         }
         Dual { value, partials }
+    }
+}
+
+impl<T: Real> Dual<T, 3> {
+    /// The components of a vector, the inputs.
+    #[inline(always)]
+    pub fn inputs(at: Vector3<T>) -> Vector3<Self> {
+        Vector3::new(
+            Dual::input(at.x, 0),
+            Dual::input(at.y, 1),
+            Dual::input(at.z, 2),
+        )
     }
 }
 
@@ -94,13 +106,13 @@ impl<T: Real, const N: usize> Dual<T, N> {
         self.chain(root, root.lit(0.5) / root)
     }
 
-    #[inline]
+    #[inline(always)]
     fn arc_sine(self) -> Self {
         let slope = self.value.one() / (self.value.one() - self.value.squared()).sqrt();
         self.chain(self.value.asin(), slope)
     }
 
-    #[inline]
+    #[inline(always)]
     fn angle_from(self, x: Self) -> Self {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
@@ -187,12 +199,12 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     #[inline(always)]
     fn asin(self) -> Self {
         let number = self;
-        perform!(arc_sine(number) if true)
+        perform!(arc_sine(number) if !T::IN_REGISTERS)
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         let y = self;
-        perform!(angle_from(y, x) if true)
+        perform!(angle_from(y, x) if !T::IN_REGISTERS)
     }
     #[inline(always)]
     fn sign(self) -> Self {

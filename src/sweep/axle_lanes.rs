@@ -158,6 +158,8 @@ impl SimdTask for Evaluation<'_, '_> {
         let mut history = batch.history(like);
         let mut group_left = vec![Vector3::new(like, like, like); points];
         let mut group_right = group_left.clone();
+        let mut left_inputs = readers[0].inputs(like);
+        let mut right_inputs = readers[1].inputs(like);
         let count = designs.len() / points;
         let mut first = 0;
         while first < count {
@@ -168,11 +170,13 @@ impl SimdTask for Evaluation<'_, '_> {
             let right_design = batch.wheel(1).design(&group_right);
             let left_wheels = readers[0].wheels(&left_design, &group_left);
             let right_wheels = readers[1].wheels(&right_design, &group_right);
+            readers[0].read_designs(&group_left, &mut left_inputs);
+            readers[1].read_designs(&group_right, &mut right_inputs);
             let (values, _) = block.from(first);
             let mut reading = Reading {
                 solver,
-                left_inputs: readers[0].inputs(&left_wheels),
-                right_inputs: readers[1].inputs(&right_wheels),
+                left_inputs: &mut left_inputs,
+                right_inputs: &mut right_inputs,
                 wheels: [&left_wheels, &right_wheels],
                 numbers: &[],
                 rack: like,
@@ -211,8 +215,8 @@ impl SimdTask for Evaluation<'_, '_> {
 struct Reading<'r, 'a, B: SimdReal> {
     solver: &'r AxleLanes<'a>,
     wheels: [&'r LaneWheels<B>; 2],
-    left_inputs: LaneInputs<B>,
-    right_inputs: LaneInputs<B>,
+    left_inputs: &'r mut LaneInputs<B>,
+    right_inputs: &'r mut LaneInputs<B>,
     /// Of the block's stations, those of the batch.
     numbers: &'r [usize],
     rack: B,
@@ -241,15 +245,15 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
             ..
         } = self.solver;
         let [left_wheels, right_wheels] = self.wheels;
-        let (rack, inputs) = (self.rack, &mut self.left_inputs);
+        let (rack, inputs) = (self.rack, &mut *self.left_inputs);
         let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
-        let inputs = &mut self.right_inputs;
+        let inputs = &mut *self.right_inputs;
         let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
         self.right = self.right & left_known & right_known;
         let state = State {
             readings: [
-                LaneWheel::of(&self.left_inputs),
-                LaneWheel::of(&self.right_inputs),
+                LaneWheel::of(self.left_inputs),
+                LaneWheel::of(self.right_inputs),
             ],
             ground: stand.ground,
             roll: stand.roll,

@@ -21,6 +21,7 @@ use crate::solve::{
     Acceptance, AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
     Visit,
 };
+use std::ops::Range;
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -375,7 +376,9 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
             None => None,
         };
-        let read = (&*reader, series.as_ref(), &wheels, &members);
+        let mut inputs = reader.inputs(like);
+        reader.read_designs(&group, &mut inputs);
+        let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         let mut rack = 0;
         while rack < stations.racks.len() {
@@ -437,7 +440,9 @@ impl SimdTask for OfOne<'_, '_, '_> {
             Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
             None => None,
         };
-        let read = (&*reader, series.as_ref(), &wheels, &members);
+        let mut inputs = reader.inputs(like);
+        reader.read_designs(&group, &mut inputs);
+        let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         let mut rack = 0;
         while rack < stations.racks.len() {
@@ -467,6 +472,14 @@ impl<B: SimdReal> Gradient<B> for Row<'_> {
         (by.x.load(x) + by.x).store(x);
         (by.y.load(y) + by.y).store(y);
         (by.z.load(z) + by.z).store(z);
+    }
+}
+
+/// Fills a row with zeros, for the instructions of the lanes.
+#[inline(always)]
+fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
+    for place in row.chunks_exact_mut(B::LANES) {
+        zero.store(place);
     }
 }
 
@@ -508,7 +521,7 @@ struct Differentiating<'r, 't, B: SimdReal> {
     /// The designs along the travel, where something is made of velocities, and room for a gradient.
     series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
-    inputs: LaneInputs<B>,
+    inputs: &'r mut LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
@@ -521,12 +534,14 @@ struct Differentiating<'r, 't, B: SimdReal> {
     found: &'r mut Found,
 }
 
-/// What a pose is read and differentiated with: reader, designs along the travel, wheels and members.
+/// What a pose is read and differentiated with: reader, designs along the travel, wheels, members and room for what is
+/// read.
 type ReadWith<'r, B> = (
     &'r LaneReader<'r>,
     Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     &'r LaneWheels<B>,
     &'r LaneMembers<B>,
+    &'r mut LaneInputs<B>,
 );
 
 impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
@@ -534,20 +549,21 @@ impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
     #[inline(always)]
     fn of(
         like: B,
-        (reader, series, wheels, members): ReadWith<'r, B>,
+        (reader, series, wheels, members, inputs): ReadWith<'r, B>,
         count: usize,
         task: Task<'t>,
         found: &'r mut Found,
     ) -> Self {
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
+        let points = series.map_or(0, |_| found.points);
         Differentiating {
             reader,
             series,
-            series_gradient: vec![nothing.with_rate(nothing); found.points],
+            series_gradient: vec![nothing.with_rate(nothing); points],
             wheels,
             members,
-            inputs: reader.inputs(wheels),
+            inputs,
             rack: zero,
             right: like.everywhere(),
             count,
@@ -607,14 +623,14 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         let reads_rates = self.reader.reads_rates();
         let right = self
             .reader
-            .read(self.wheels, at, self.rack, reads_rates, &mut self.inputs);
+            .read(self.wheels, at, self.rack, reads_rates, self.inputs);
         let angles = self.reader.quantities().len();
         let rates = at.rates();
         self.right = self.right & right & at.knows(&rates);
         let configuration = at.configuration(self.rack);
         let adjoint = at.adjoint(self.members, &configuration, &rates);
         self.reader
-            .values(&self.inputs, &mut self.found.angles, B::LANES);
+            .values(self.inputs, &mut self.found.angles, B::LANES);
         let is_sum = matches!(self.task, Task::Deviations(_));
         let length = self.found.points * 3 * B::LANES;
         let mut angle = 0;
@@ -623,39 +639,23 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
                 true => (angle, angles),
                 false => (angle, angle + 1),
             };
-            let mut by = ByDirections::default();
-            let mut is_posed = false;
             if !is_sum {
-                self.found.jacobian[angle * length..][..length].fill(0.0);
+                clear(
+                    self.rack.zero(),
+                    &mut self.found.jacobian[angle * length..][..length],
+                );
             }
-            let mut number = first;
-            let mut wrench = Wrench::zero(self.rack);
-            while number < end {
-                let weight = self.weight(number, station);
+            let mut is_posed = false;
+            for number in first..end {
                 if self.reader.is_of_rates(number) {
+                    let weight = self.weight(number, station);
                     self.add_gradient_of_rates(number, weight, &configuration, &rates);
                 } else {
                     is_posed = true;
-                    let row = &mut Row(self.found.row(is_sum, first));
-                    let mut seeds = Seeds::new(&configuration, row);
-                    self.reader.differentiate(
-                        number,
-                        weight,
-                        &self.inputs,
-                        &mut by,
-                        &configuration,
-                        &mut seeds,
-                    );
-                    wrench = wrench.plus(&seeds.wrench());
                 }
-                number += 1;
             }
             if is_posed {
-                let row = &mut Row(self.found.row(is_sum, first));
-                let mut seeds = Seeds::new(&configuration, row);
-                by.seed(self.wheels, &self.inputs, &mut seeds);
-                let wrench = wrench.plus(&seeds.wrench());
-                adjoint.subtract(&wrench, row);
+                self.add_gradients(first..end, station, &configuration, &adjoint);
             }
             if let Task::Slopes { along, .. } = self.task {
                 let Found {
@@ -680,6 +680,40 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
+    /// Adds the gradients of quantities that no velocity is in, each times its weight, to the row of the first.
+    #[inline(always)]
+    fn add_gradients(
+        &mut self,
+        numbers: Range<usize>,
+        station: usize,
+        configuration: &Configuration<'_, B>,
+        adjoint: &impl LaneAdjoint<B>,
+    ) {
+        let is_sum = matches!(self.task, Task::Deviations(_));
+        let (reader, first) = (self.reader, numbers.start);
+        let mut by = ByDirections::default();
+        let mut wrench = Wrench::zero(self.rack);
+        for number in numbers {
+            if reader.is_of_rates(number) {
+                continue;
+            }
+            let weight = self.weight(number, station);
+            if reader.is_of_directions(number) {
+                reader.add_by_directions(number, weight, self.inputs, &mut by);
+                continue;
+            }
+            let row = &mut Row(self.found.row(is_sum, first));
+            let mut seeds = Seeds::continuing(configuration, wrench, row);
+            reader.differentiate(number, weight, self.inputs, configuration, &mut seeds);
+            wrench = seeds.wrench();
+        }
+        let row = &mut Row(self.found.row(is_sum, first));
+        let mut seeds = Seeds::continuing(configuration, wrench, row);
+        by.seed(self.wheels, self.inputs, &mut seeds);
+        let wrench = seeds.wrench();
+        adjoint.subtract(&wrench, row);
+    }
+
     /// Adds the gradient of a quantity made of velocities, times a weight, to its row.
     #[inline(always)]
     fn add_gradient_of_rates(
@@ -699,7 +733,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         gradient.fill(Vector3::new(zero, zero, zero));
         let mut seeds = Seeds::new(&at, gradient);
         let reader = self.reader;
-        reader.differentiate_rates(number, weight, &self.inputs, &at, &mut seeds);
+        reader.differentiate_rates(number, weight, self.inputs, &at, &mut seeds);
         let wrench = seeds.wrench();
         adjoint.subtract(&wrench, gradient);
         let is_sum = matches!(self.task, Task::Deviations(_));

@@ -118,6 +118,7 @@ impl SimdTask for Evaluation<'_, '_> {
         } = solver;
         let mut history = batch.history(like);
         let mut group = vec![Vector3::new(like, like, like); *points];
+        let mut inputs = reader.inputs(like);
         let count = designs.len() / *points;
         let mut first = 0;
         while first < count {
@@ -125,11 +126,12 @@ impl SimdTask for Evaluation<'_, '_> {
             gather(designs, *points, first, lanes, &mut group);
             let design = batch.design(&group);
             let wheels = reader.wheels(&design, &group);
+            reader.read_designs(&group, &mut inputs);
             let (values, slopes) = block.from(first);
             let mut reading = Reading {
                 reader,
                 wheels: &wheels,
-                inputs: reader.inputs(&wheels),
+                inputs: &mut inputs,
                 rack: like,
                 right: like.everywhere(),
                 count: stations.count(),
@@ -212,7 +214,7 @@ pub(crate) fn scatter<B: SimdReal>(
 struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
-    inputs: LaneInputs<B>,
+    inputs: &'r mut LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
@@ -233,13 +235,13 @@ impl<B: SimdReal> Visit<B> for Reading<'_, B> {
         let rates = in_design || self.reader.reads_rates();
         let right = self
             .reader
-            .read(self.wheels, at, self.rack, rates, &mut self.inputs);
+            .read(self.wheels, at, self.rack, rates, self.inputs);
         self.right = self.right & right;
         let values = &mut self.values[station * SIDE_BY_SIDE..];
         self.reader
-            .values(&self.inputs, values, self.count * SIDE_BY_SIDE);
+            .values(self.inputs, values, self.count * SIDE_BY_SIDE);
         if in_design {
-            self.reader.slopes(&self.inputs, self.slopes, SIDE_BY_SIDE);
+            self.reader.slopes(self.inputs, self.slopes, SIDE_BY_SIDE);
         }
     }
 }

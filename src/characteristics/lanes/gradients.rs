@@ -7,7 +7,7 @@ use crate::characteristics::{Characteristic, Inputs, Quantity, Slot};
 use crate::derive::{Gradient, Seeds};
 use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId, SteeringAxis};
-use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3, outlined};
+use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
     /// Whether the derivatives by the hardpoints can be had in lanes: not of an instantaneous steering axis, nor of what
@@ -36,7 +36,7 @@ impl LaneReader<'_> {
     /// Whether the quantity of this number is made of velocities: [`LaneReader::differentiate_rates`] is for those.
     #[inline(always)]
     pub fn is_of_rates(&self, number: usize) -> bool {
-        self.quantities[number].rate_order() > 0
+        self.of_rates[number]
     }
 
     /// As [`LaneReader::differentiate`] of a quantity y(u, u') made of velocities, at a configuration along the travel: the
@@ -62,33 +62,46 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Adds, times `weight`, how the quantity of this number depends on the configuration that it has been read
-    /// in: of an angle to `by`, of anything else to `seeds`.
+    /// Whether the quantity of this number is made of one of the two directions alone, as the four angles are:
+    /// [`LaneReader::add_by_directions`] is for those.
+    #[inline(always)]
+    pub fn is_of_directions(&self, number: usize) -> bool {
+        matches!(self.quantities[number], Quantity::Characteristic(c) if is_angle(c))
+    }
+
+    /// Adds, times `weight`, how an angle depends on the direction it reads.
+    #[inline(always)]
+    pub fn add_by_directions<B: SimdReal>(
+        &self,
+        number: usize,
+        weight: B,
+        read: &LaneInputs<B>,
+        by: &mut ByDirections<B>,
+    ) {
+        let Quantity::Characteristic(angle) = self.quantities[number] else {
+            return;
+        };
+        if let Some(gradient) = by_direction(angle, &read.inputs) {
+            let sum = match angle.info().reads {
+                [Slot::SpinAxis] => &mut by.spin_axis,
+                _ => &mut by.steering_axis,
+            };
+            let before = sum.unwrap_or(gradient.zero());
+            *sum = Some(before.plus_scaled(gradient, weight));
+        }
+    }
+
+    /// Adds, times `weight`, how any other quantity depends on the configuration that it has been read in.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
         number: usize,
         weight: B,
         read: &LaneInputs<B>,
-        by: &mut ByDirections<B>,
         at: &Configuration<'_, B>,
         seeds: &mut Seeds<'_, '_, B, G>,
     ) {
         match self.quantities[number] {
-            Quantity::Characteristic(c) if is_angle(c) => {
-                let gradient = outlined!(
-                    [B: SimdReal] weight; c: Characteristic = c, inputs: &'p Inputs<B> = &read.inputs
-                        => Option<Vector3<B>> { by_direction(c, inputs) }
-                );
-                if let Some(gradient) = gradient {
-                    let sum = match c.info().reads {
-                        [Slot::SpinAxis] => &mut by.spin_axis,
-                        _ => &mut by.steering_axis,
-                    };
-                    let before = sum.unwrap_or(gradient.zero());
-                    *sum = Some(before.plus_scaled(gradient, weight));
-                }
-            }
             Quantity::Characteristic(c) => weight.outlined(Seeding {
                 characteristic: c,
                 weight,

@@ -26,6 +26,8 @@ pub struct LaneReader<'a> {
     quantities: Vec<Quantity>,
     /// How each of them is evaluated.
     evaluations: Vec<Evaluation>,
+    /// Which of them are made of velocities.
+    of_rates: Vec<bool>,
     constants: Constants,
     slots: Slots,
     /// The points whose coordinates are read.
@@ -92,8 +94,6 @@ pub struct LaneWheels<B: SimdReal> {
     designed_spin_axis: DesignedSpinAxis<B>,
     /// The points that the knuckle carries.
     carried: Vec<KnucklePoint<B>>,
-    /// Nothing is read yet but what is of the design.
-    unread: Inputs<B>,
 }
 
 impl<'a> LaneReader<'a> {
@@ -120,7 +120,8 @@ impl<'a> LaneReader<'a> {
             Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
         };
         let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
-        let rates = quantities.iter().any(|q| q.rate_order() > 0);
+        let of_rates: Vec<bool> = quantities.iter().map(|q| q.rate_order() > 0).collect();
+        let rates = of_rates.contains(&true);
         let slots = Slots::of(evaluations.iter().map(|evaluation| match evaluation {
             Evaluation::Formula(c) | Evaluation::Slope(c) => c.info().reads,
             Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => &[],
@@ -129,6 +130,7 @@ impl<'a> LaneReader<'a> {
         Some(LaneReader {
             quantities,
             evaluations,
+            of_rates,
             ..reader
         })
     }
@@ -175,6 +177,7 @@ impl<'a> LaneReader<'a> {
             mechanism,
             quantities: Vec::new(),
             evaluations: Vec::new(),
+            of_rates: Vec::new(),
             constants,
             slots,
             points,
@@ -230,25 +233,30 @@ impl<'a> LaneReader<'a> {
             carried.push(lanes.point(design[id.0]));
         }
         let spin_axis = designed_spin_axis.direction;
-        let mut unread = Inputs::unknown(spin_axis.x.lit(f64::NAN), self.constants);
-        unread.read_design(self.mechanism, design, self.slots);
         LaneWheels {
             spin_axis: lanes.vector(spin_axis),
             designed_spin_axis,
             carried,
-            unread,
         }
     }
 
     /// Room for what is read; nothing is yet.
     #[inline(always)]
-    pub fn inputs<B: SimdReal>(&self, wheels: &LaneWheels<B>) -> LaneInputs<B> {
-        let nothing = wheels.unread.turn;
+    pub fn inputs<B: SimdReal>(&self, like: B) -> LaneInputs<B> {
+        let unknown = like.lit(f64::NAN);
+        let inputs = Inputs::unknown(unknown, self.constants);
+        let nothing = inputs.turn;
         LaneInputs {
-            inputs: wheels.unread,
+            inputs,
             points: vec![[nothing; 2]; self.points.len()],
             by_rack: [nothing; 2],
-            rods: RodsOnTheirWay::of(self.rockers.len(), nothing.x),
+            rods: RodsOnTheirWay::of(self.rockers.len(), unknown),
         }
+    }
+
+    /// Reads what is of the designs, before the first of their poses.
+    #[inline(always)]
+    pub fn read_designs<B: SimdReal>(&self, design: &[Vector3<B>], into: &mut LaneInputs<B>) {
+        into.inputs.read_design(self.mechanism, design, self.slots);
     }
 }

@@ -407,10 +407,8 @@ fn apply(rows: &[Vector3<Interval>; 3], v: Vector3<Interval>) -> Vector3<Interva
 
 /// An inverse of the middle of a matrix, rounded.
 fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
-    let lu = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?;
-    let columns: [[f64; 6]; 6] = from_fn(|k| lu.solve(from_fn(|i| if i == k { 1.0 } else { 0.0 })));
-    let rows = from_fn(|i| from_fn(|k| columns[k][i]));
-    let finite = columns.iter().flatten().all(|entry| entry.is_finite());
+    let rows = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?.inverse();
+    let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());
     finite.then_some(rows)
 }
 

@@ -7,6 +7,7 @@
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
+use crate::linear::lu::Lu;
 use crate::mechanism::Unproven;
 use crate::number::Interval;
 use crate::number::Real;
@@ -122,33 +123,8 @@ pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     largest(inverse.iter().map(row))
 }
 
-/// An approximate inverse, by Gauss and Jordan with partial pivoting.
+/// An approximate inverse.
 pub(crate) fn inverse(matrix: &Square) -> Result<Square, Unproven> {
-    let mut a = *matrix;
-    let mut b: Square = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
-    for k in 0..N {
-        let mut pivot = k;
-        for i in k + 1..N {
-            if a[i][k].abs() > a[pivot][k].abs() {
-                pivot = i;
-            }
-        }
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        let divisor = a[k][k];
-        if !(divisor.is_finite() && divisor != 0.0) {
-            return Err(Unproven::Singular);
-        }
-        a[k] = a[k].map(|v| v / divisor);
-        b[k] = b[k].map(|v| v / divisor);
-        let (pivot_a, pivot_b) = (a[k], b[k]);
-        for i in (0..N).filter(|i| *i != k) {
-            let factor = a[i][k];
-            for j in 0..N {
-                a[i][j] -= factor * pivot_a[j];
-                b[i][j] -= factor * pivot_b[j];
-            }
-        }
-    }
-    Ok(b)
+    let factors = Lu::of(*matrix, 1.0).ok_or(Unproven::Singular)?;
+    Ok(factors.inverse())
 }

@@ -112,12 +112,13 @@ pub(super) fn solve(
     output.table("outputs", &summary.table())?;
     let remarks = said(path, axle, plan, &curves)?;
     let remarks = remarks.into_iter().chain(summary.remarks());
-    output.say_remarks(remarks, curves.are_complete())?;
+    let is_complete = curves.are_complete();
+    output.say_remarks(remarks, is_complete)?;
     for failure in summary.failures() {
         output.say_failure(&format!("\n{failure}\n"))?;
     }
     output.print_files(&files)?;
-    Ok(match curves.are_complete() {
+    Ok(match is_complete {
         true => Exit::Done,
         false => Exit::Incomplete,
     })

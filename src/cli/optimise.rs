@@ -175,10 +175,11 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     complete &= !summary.falls_short();
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
-    output.say_remarks(doubts, true)?;
-    if let Some(after) = &after {
-        output.say_remarks(remarks(&study, after), after.are_complete())?;
-    }
+    let said = doubts.chain(after.iter().flat_map(|after| remarks(&study, after)));
+    output.say_remarks(
+        said,
+        after.as_ref().is_none_or(|after| after.are_complete()),
+    )?;
     complete &= refused.is_none();
     say_openings(&output, &study, &summary, refused)?;
     output.print_files(&files)?;

@@ -63,12 +63,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table("outputs", &summary.table())?;
     output.table_for_programs("not_solved", || summary.failures_table());
     let doubts = doubts(suspension).map_err(|fault| design_fault(&study, path, &fault))?;
-    output.say_remarks(doubts, true)?;
-    output.say_remarks(remarks(&study, &curves), curves.are_complete())?;
+    let mut complete = curves.are_complete();
+    let said = doubts.into_iter().chain(remarks(&study, &curves));
+    output.say_remarks(said, complete)?;
     for failure in FailureRange::all(&curves, plan.drive, study.suspension.length_unit) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
-    let mut complete = curves.are_complete();
     for motion in &of_motions {
         complete &= motion.curves.are_complete();
         for failure in motion.failures(length) {

@@ -106,12 +106,13 @@ impl PointCoordinates {
             work: WorkCounter::default(),
         };
         let jacobian = mechanism.jacobian(&mechanism.design);
-        let condition = condition(&jacobian);
+        let factors = Lu::of(jacobian, 1.0);
+        let condition = condition(&jacobian, factors.as_ref());
         if condition.is_nan() || condition > WORST_CONDITION {
             let what = mechanism.diagnosis(&mechanism.design);
             return Err(Refusal::Singular(what));
         }
-        let spread = Lu::of(jacobian, 1.0).map_or(0.0, |lu| spread(&lu));
+        let spread = factors.as_ref().map_or(0.0, spread);
         mechanism.smallest_spread = spread * condition / WORST_CONDITION;
         Ok(mechanism)
     }
@@ -124,7 +125,8 @@ impl PointCoordinates {
     /// Condition number of the Jacobian at a pose (in the Frobenius norm; independent of the unit of
     /// length). Rounding errors are this number times 2^-52 times a few times the size of the result.
     pub fn condition(&self, pose: &Pose) -> f64 {
-        condition(&self.jacobian(pose))
+        let jacobian = self.jacobian(pose);
+        condition(&jacobian, Lu::of(jacobian, 1.0).as_ref())
     }
 
     /// The wheel centre, point 10.
@@ -291,11 +293,11 @@ fn spread(lu: &Factors) -> f64 {
     least / most
 }
 
-/// Condition number in the Frobenius norm; infinite (or not a number) where singular.
+/// Condition number of a Jacobian with these factors, in the Frobenius norm; infinite (or not a number) where singular.
 ///
 /// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
 /// the rows would hide two points that coincide: what is left of their row is rounding.
-fn condition(jacobian: &Jacobian) -> f64 {
+fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     let norm = |rows: &Jacobian| {
         rows.as_flattened()
             .iter()
@@ -303,7 +305,6 @@ fn condition(jacobian: &Jacobian) -> f64 {
             .sum::<f64>()
             .sqrt()
     };
-    let factors = Lu::of(*jacobian, 1.0);
     factors.map_or(f64::INFINITY, |lu| norm(&lu.inverse()) * norm(jacobian))
 }
 

@@ -273,12 +273,7 @@ impl Measure {
     /// The derivative of the formula by the vector of this number.
     pub(crate) fn by_vector(&self, number: usize, vectors: &Vectors<f64>) -> Vector3<f64> {
         let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
-        let v = vectors[number];
-        seeded[number] = Vector3::new(
-            Dual::input(v.x, 0),
-            Dual::input(v.y, 1),
-            Dual::input(v.z, 2),
-        );
+        seeded[number] = Dual::inputs(vectors[number]);
         Vector3::from(self.formula(&seeded).partials)
     }
 

@@ -1,5 +1,5 @@
-//! LU factorisation with partial pivoting: of the six closure equations, of those bordered by a tangent, of the paper's
-//! fifteen.
+//! LU factorisation with partial pivoting: of the six closure equations, of those bordered by a tangent, of a certificate's
+//! twelve, of the paper's fifteen.
 
 use crate::number::{Jet, Scalar, each};
 use std::array::from_fn;
@@ -275,7 +275,7 @@ mod tests {
         let a: [[f64; 15]; 15] = from_fn(|_| from_fn(|_| next()));
         let b: [f64; 15] = from_fn(|_| next());
         let lu = Lu::of(a, 1.0).unwrap();
-        assert_ne!(lu.order, from_fn(|i| i));
+        assert!((0..15).filter(|i| lu.order[*i] != *i).count() > 5);
         let (x, y) = (lu.solve(b), lu.solve_transposed(b));
         let largest = x.iter().chain(&y).fold(0.0_f64, |m, c| m.max(c.abs()));
         for k in 0..15 {

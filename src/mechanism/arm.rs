@@ -138,8 +138,7 @@ pub(super) mod tests {
     ) {
         for (k, found) in found.into_iter().enumerate() {
             let mut seeded = inputs.map(|p| p.map(Dual::constant));
-            let Vector3 { x, y, z } = inputs[k];
-            seeded[k] = Vector3::new(Dual::input(x, 0), Dual::input(y, 1), Dual::input(z, 2));
+            seeded[k] = Dual::inputs(inputs[k]);
             let expected = output(seeded).partials;
             for (found, expected) in found.to_array().into_iter().zip(expected) {
                 for order in 0..2 {

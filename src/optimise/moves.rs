@@ -121,8 +121,7 @@ pub fn ways(
             into.push(Way { column, point, by });
         }
         let Some(turn) = &variable.turn else { continue };
-        let w = rotation_vector(frame, variables, x, variable).to_array();
-        let seeded = Vector3::from(std::array::from_fn(|i| Dual::<f64, 3>::input(w[i], i)));
+        let seeded = Dual::inputs(rotation_vector(frame, variables, x, variable));
         let (rotation, centre) = (rotation(seeded), centroid(design, variable));
         let per_degree = frame.turn_sign(turn.axis) * 1.0_f64.to_radians();
         for point in &turn.points {

@@ -74,7 +74,8 @@ impl Conditioning {
     }
 }
 
-fn magnitude(row: &[f64]) -> f64 {
+/// The sum of the absolute values of a row.
+pub(super) fn magnitude(row: &[f64]) -> f64 {
     row.iter().map(|c| c.abs()).sum()
 }
 

@@ -16,6 +16,7 @@
 //! A fold is where q' = 0 by the arc length. Newton's method with the q'' of the series finds it, and
 //! since q is stationary there, its value is exact to rounding.
 
+use super::conditioning::magnitude;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::linear::lu::Lu;
 use crate::mechanism::Closure;
@@ -464,8 +465,7 @@ fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
 /// The largest row sum of the inverse.
 fn inverse_norm(factors: &Lu<f64, 7>) -> f64 {
     let rows = factors.inverse();
-    let sums = rows.map(|row| row.iter().map(|c| c.abs()).sum());
-    sums.into_iter().fold(0.0, f64::max)
+    rows.iter().map(|row| magnitude(row)).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

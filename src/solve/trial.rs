@@ -197,12 +197,7 @@ impl<'m, T: Scalar> Forward<'m, T> {
     ) -> Self {
         let seeded = |id: &PointId| {
             let mut seeded: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
-            let p = design[id.0];
-            seeded[id.0] = Vector3::new(
-                Dual::input(p.x, 0),
-                Dual::input(p.y, 1),
-                Dual::input(p.z, 2),
-            );
+            seeded[id.0] = Dual::inputs(design[id.0]);
             let rack = Dual::constant(rack);
             (*id, SixEquations::new(mechanism, &seeded, rack))
         };

@@ -698,8 +698,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
                 continue;
             }
             let weight = self.weight(number, station);
-            if reader.is_of_directions(number) {
-                reader.add_by_directions(number, weight, self.inputs, &mut by);
+            if reader.add_by_directions(number, weight, self.inputs, &mut by) {
                 continue;
             }
             let row = &mut Row(self.found.row(is_sum, first));

@@ -2,7 +2,7 @@
 
 use super::evaluating::of_lane;
 use super::{LaneInputs, LaneReader, LaneWheels};
-use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along, is_angle};
+use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Slot};
 use crate::derive::{Gradient, Seeds};
 use crate::mechanism::Configuration;
@@ -62,14 +62,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Whether the quantity of this number is made of one of the two directions alone, as the four angles are:
-    /// [`LaneReader::add_by_directions`] is for those.
-    #[inline(always)]
-    pub fn is_of_directions(&self, number: usize) -> bool {
-        matches!(self.quantities[number], Quantity::Characteristic(c) if is_angle(c))
-    }
-
-    /// Adds, times `weight`, how an angle depends on the direction it reads.
+    /// Adds, times `weight`, how one of the four angles depends on the direction it reads. Whether the quantity of this
+    /// number is one: [`LaneReader::differentiate`] is for the others.
     #[inline(always)]
     pub fn add_by_directions<B: SimdReal>(
         &self,
@@ -77,18 +71,20 @@ impl LaneReader<'_> {
         weight: B,
         read: &LaneInputs<B>,
         by: &mut ByDirections<B>,
-    ) {
+    ) -> bool {
         let Quantity::Characteristic(angle) = self.quantities[number] else {
-            return;
+            return false;
         };
-        if let Some(gradient) = by_direction(angle, &read.inputs) {
-            let sum = match angle.info().reads {
-                [Slot::SpinAxis] => &mut by.spin_axis,
-                _ => &mut by.steering_axis,
-            };
-            let before = sum.unwrap_or(gradient.zero());
-            *sum = Some(before.plus_scaled(gradient, weight));
-        }
+        let Some(gradient) = by_direction(angle, &read.inputs) else {
+            return false;
+        };
+        let sum = match angle.info().reads {
+            [Slot::SpinAxis] => &mut by.spin_axis,
+            _ => &mut by.steering_axis,
+        };
+        let before = sum.unwrap_or(gradient.zero());
+        *sum = Some(before.plus_scaled(gradient, weight));
+        true
     }
 
     /// Adds, times `weight`, how any other quantity depends on the configuration that it has been read in.

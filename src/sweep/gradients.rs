@@ -216,7 +216,7 @@ impl<'a> Gradients<'a> {
     /// solved. Which designs were right is known afterwards ([`Gradients::is_right`]): what is visited of
     /// others is anything, NaN included.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
-        self.evaluate(designs, Task::Jacobians(&mut visit));
+        self.evaluate(designs, false, Task::Jacobians(&mut visit));
     }
 
     /// As [`Gradients::jacobians`], along directions: `along` says how fast every coordinate moves in each,
@@ -233,7 +233,7 @@ impl<'a> Gradients<'a> {
         let room = self.reader.quantities().len() * self.found.directions * self.at_once();
         self.found.slopes.resize(room, 0.0);
         let visit = &mut visit;
-        self.evaluate(designs, Task::Slopes { along, visit });
+        self.evaluate(designs, false, Task::Slopes { along, visit });
     }
 
     /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets them as if they were
@@ -279,11 +279,7 @@ impl<'a> Gradients<'a> {
         if self.reader.watches_rods() {
             return false;
         }
-        self.width.run(OfOne {
-            gradients: self,
-            design,
-            task,
-        });
+        self.evaluate(design, true, task);
         self.is_right(0)
     }
 
@@ -308,15 +304,16 @@ impl<'a> Gradients<'a> {
         let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
-        self.evaluate(designs, Task::Deviations(wanted));
+        self.evaluate(designs, false, Task::Deviations(wanted));
         Deviations { found: &self.found }
     }
 
-    fn evaluate(&mut self, designs: &[Vector3<f64>], task: Task<'_>) {
+    fn evaluate(&mut self, designs: &[Vector3<f64>], side_by_side: bool, task: Task<'_>) {
         let width = self.width;
         width.run(Evaluation {
             gradients: self,
             designs,
+            side_by_side,
             task,
         });
     }
@@ -342,7 +339,10 @@ enum Task<'t> {
 
 struct Evaluation<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
+    /// One in each lane; or a single one, in all of them.
     designs: &'s [Vector3<f64>],
+    /// Whether the stations of the single design are in the lanes.
+    side_by_side: bool,
     task: Task<'t>,
 }
 
@@ -380,13 +380,24 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         reader.read_designs(&group, &mut inputs);
         let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
+        let mut groups = 0;
         let mut rack = 0;
         while rack < stations.racks.len() {
-            reading.first = stations.number(rack, 0);
-            reading.inputs.begin();
             reading.rack = like.lit(stations.racks[rack]);
+            reading.first = stations.number(rack, 0);
+            reading.passes = self.side_by_side;
+            reading.inputs.begin();
             let solved = batch.solve(&design, rack, &mut history, &mut reading);
             reading.right = reading.right & solved.everywhere();
+            if self.side_by_side {
+                if !B::all(reading.right) {
+                    break;
+                }
+                reading.passes = false;
+                reading.first = groups;
+                batch.revisit(&design, rack, &history, &mut reading);
+                groups += batch.revisited(rack).count().div_ceil(B::LANES);
+            }
             rack += 1;
         }
         let solved = reading.right;
@@ -394,69 +405,11 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             reading.sum.store(&mut reading.found.sum);
         }
         for (lane, right) in right.iter_mut().enumerate() {
-            *right = lane < count && B::lane(solved, lane);
+            *right = match self.side_by_side {
+                true => B::all(solved),
+                false => lane < count && B::lane(solved, lane),
+            };
         }
-    }
-}
-
-/// A design whose stations are side by side.
-struct OfOne<'s, 'a, 't> {
-    gradients: &'s mut Gradients<'a>,
-    design: &'s [Vector3<f64>],
-    task: Task<'t>,
-}
-
-/// Reads nothing.
-struct Passing;
-
-impl<B: SimdReal> Visit<B> for Passing {
-    #[inline(always)]
-    fn pose(&mut self, _: usize, _: &impl LanePose<B>, _: Acceptance<B>) {}
-}
-
-impl SimdTask for OfOne<'_, '_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<B: SimdReal>(self, like: B) {
-        let Gradients {
-            batch,
-            reader,
-            along_travel,
-            stations,
-            right,
-            found,
-            ..
-        } = self.gradients;
-        found.lanes = B::LANES;
-        let zero = like.zero();
-        let mut group = vec![Vector3::new(zero, zero, zero); found.points];
-        gather(self.design, found.points, 0, 1, &mut group);
-        let design = batch.design(&group);
-        let mut history = batch.history(like);
-        let wheels = reader.wheels(&design, &group);
-        let members = batch.members(&design);
-        let series = match along_travel {
-            Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
-            None => None,
-        };
-        let mut inputs = reader.inputs(like);
-        reader.read_designs(&group, &mut inputs);
-        let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
-        let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
-        let mut rack = 0;
-        while rack < stations.racks.len() {
-            reading.rack = like.lit(stations.racks[rack]);
-            let solved = batch.solve(&design, rack, &mut history, &mut Passing);
-            reading.right = reading.right & solved.everywhere();
-            if !B::all(reading.right) {
-                break;
-            }
-            batch.revisit(&design, rack, &history, &mut reading);
-            reading.first += batch.revisited(rack).count().div_ceil(B::LANES);
-            rack += 1;
-        }
-        right[0] = B::all(reading.right);
     }
 }
 
@@ -529,6 +482,8 @@ struct Differentiating<'r, 't, B: SimdReal> {
     count: usize,
     first: usize,
     task: Task<'t>,
+    /// Whether poses are passed by, for now.
+    passes: bool,
     /// Of the deviations so far.
     sum: B,
     found: &'r mut Found,
@@ -569,6 +524,7 @@ impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
             count,
             first: 0,
             task,
+            passes: false,
             sum: zero,
             found,
         }
@@ -594,6 +550,9 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+        if self.passes {
+            return;
+        }
         self.rack.outlined(AtPose {
             station: self.first + station,
             differentiating: self,

@@ -160,8 +160,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
                     rate: Some(point.rate),
                 }
             }
-            // None stands on a rocker: those take velocities.
-            None => Moving::standing(at.place(id)),
+            None => Moving::standing(at.point(id)),
         }
     }
 

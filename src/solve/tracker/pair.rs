@@ -293,7 +293,7 @@ impl<'a> PairBatch<'a> {
         half_history[0] = zero;
         let mut tracked = Tracked::start(start);
         // By leg.
-        let mut last = [(left.start(), right.start(), [zero; 2]); 2];
+        let mut last = [([left.start(), right.start()], [zero; 2]); 2];
         for (number, place) in places.iter().enumerate() {
             let mut accepted = tracked.legs[place.leg.side()];
             let (mean, roll) = self.at(place);
@@ -383,31 +383,26 @@ impl<'a> PairBatch<'a> {
             accepted.require(rises, Rejection::FoldNear);
             let side = place.leg.side();
             let travels = [mean + half, mean - half];
-            let (left_before, right_before, before) = last[side];
+            let (mut guards, before) = last[side];
             let is_on_the_way = place.leg == Leg::Rack;
-            let step = |now: B, before: B| match is_on_the_way {
-                true => None,
-                false => Some(now - before),
-            };
-            let known = |guard: &W::Guard| match number {
-                0 => None,
-                _ => Some(*guard),
-            };
-            let watch = (
-                left.check(
-                    &left_unknowns,
-                    known(&left_before).as_ref(),
-                    step(travels[0], before[0]),
-                    &mut accepted,
-                ),
-                right.check(
-                    &right_unknowns,
-                    known(&right_before).as_ref(),
-                    step(travels[1], before[1]),
-                    &mut accepted,
-                ),
-                travels,
-            );
+            let unknowns = [&left_unknowns, &right_unknowns];
+            // A loop, for the compiler: the guards are the longest piece of the way.
+            let mut wheel = 0;
+            while wheel < 2 {
+                let step = match is_on_the_way {
+                    true => None,
+                    false => Some(travels[wheel] - before[wheel]),
+                };
+                let guard = guards[wheel];
+                let known = match number {
+                    0 => None,
+                    _ => Some(&guard),
+                };
+                let of = [&*left, &*right][wheel];
+                guards[wheel] = of.check(unknowns[wheel], known, step, &mut accepted);
+                wheel += 1;
+            }
+            let watch = (guards, travels);
             match is_on_the_way {
                 true => last = [watch; 2],
                 false => last[side] = watch,

@@ -608,7 +608,13 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
             for number in first..end {
                 if self.reader.is_of_rates(number) {
                     let weight = self.weight(number, station);
-                    self.add_gradient_of_rates(number, weight, &configuration, &rates);
+                    weight.outlined(AddingGradientOfRates {
+                        differentiating: self,
+                        number,
+                        weight,
+                        configuration: &configuration,
+                        rates: &rates,
+                    });
                 } else {
                     is_posed = true;
                 }
@@ -671,32 +677,47 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         let wrench = seeds.wrench();
         adjoint.subtract(&wrench, row);
     }
+}
 
-    /// Adds the gradient of a quantity made of velocities, times a weight, to its row.
+/// Adds the gradient of a quantity made of velocities, times a weight, to its row: in a function of its own, since its many
+/// series would take room on the stack of every pose.
+struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
+    differentiating: &'v mut Differentiating<'r, 't, B>,
+    number: usize,
+    weight: B,
+    configuration: &'v Configuration<'c, B>,
+    rates: &'v LaneRates<B>,
+}
+
+impl<B: SimdReal> Outlined for AddingGradientOfRates<'_, '_, '_, '_, B> {
+    type Output = ();
     #[inline(always)]
-    fn add_gradient_of_rates(
-        &mut self,
-        number: usize,
-        weight: B,
-        configuration: &Configuration<'_, B>,
-        rates: &LaneRates<B>,
-    ) {
-        let Some((along, design)) = self.series else {
+    fn work(self) {
+        let AddingGradientOfRates { number, weight, .. } = self;
+        let Differentiating {
+            reader,
+            series,
+            series_gradient,
+            inputs,
+            task,
+            found,
+            ..
+        } = self.differentiating;
+        let Some((along, design)) = *series else {
             return;
         };
-        let at = design.along(configuration, rates);
+        let at = design.along(self.configuration, self.rates);
         let adjoint = along.adjoint(design, &at);
-        let gradient = &mut self.series_gradient[..];
+        let gradient = &mut series_gradient[..];
         let zero = Jet([weight.zero(); 2]);
         gradient.fill(Vector3::new(zero, zero, zero));
         let mut seeds = Seeds::new(&at, gradient);
-        let reader = self.reader;
-        reader.differentiate_rates(number, weight, self.inputs, &at, &mut seeds);
+        reader.differentiate_rates(number, weight, inputs, &at, &mut seeds);
         let wrench = seeds.wrench();
         adjoint.subtract(&wrench, gradient);
-        let is_sum = matches!(self.task, Task::Deviations(_));
-        let mut row = Row(self.found.row(is_sum, number));
-        for (point, by) in self.series_gradient.iter().enumerate() {
+        let is_sum = matches!(task, Task::Deviations(_));
+        let mut row = Row(found.row(is_sum, number));
+        for (point, by) in series_gradient.iter().enumerate() {
             let slope = Vector3::new(by.x.0[1], by.y.0[1], by.z.0[1]);
             row.add(PointId(point), slope);
         }

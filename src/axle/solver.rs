@@ -260,9 +260,20 @@ struct Corner<'a, const N: usize> {
     toggles: Toggles,
     /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
     begun: Option<f64>,
+    /// Where the travels of the design have ended so far.
+    ends: Vec<End>,
     side: Side,
     /// Points that are read with the wheel.
     points: Vec<PointId>,
+}
+
+/// Where a travel ended, with the rack in one place of the wheel's own frame: to find that out takes as long as a hundred
+/// poses, and whoever looks for a roll angle that there is not comes there again and again.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    rack: f64,
+    travel: f64,
+    failure: Failure,
 }
 
 /// Solves the positions of one axle, one design after another. `N` coefficients of every power series are
@@ -367,6 +378,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             },
             toggles: Toggles::of(mechanism, rockers.iter().copied()),
             begun: None,
+            ends: Vec::new(),
             side,
             points: Vec::new(),
         })
@@ -377,7 +389,16 @@ impl<'a, const N: usize> Corner<'a, N> {
         self.slopes.prepare(self.mechanism, design);
         self.series.prepare(self.mechanism, design);
         self.begun = None;
+        self.ends.clear();
         Ok(())
+    }
+
+    /// Why there is nothing at a travel beyond one that is known to end.
+    fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
+        let is_beyond =
+            |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
+        let end = self.ends.iter().find(is_beyond)?;
+        Some(end.failure)
     }
 
     /// Makes ready to look for toggles with the rack here.
@@ -404,6 +425,14 @@ impl<'a, const N: usize> Corner<'a, N> {
             &Pose<f64>,
         ) -> Result<R, Failure>,
     ) -> Result<R, AxleFailure> {
+        let refused = |failure, side| AxleFailure::Wheel {
+            side,
+            travel,
+            failure,
+        };
+        if let Some(failure) = self.beyond_an_end(travel, rack) {
+            return Err(refused(failure, self.side));
+        }
         let order = StationOrder::through(&[travel]);
         let mut found = Err(Failure::Singular);
         let Corner {
@@ -418,11 +447,14 @@ impl<'a, const N: usize> Corner<'a, N> {
         });
         // The design position was looked at when the solver was made.
         let found = visited.map_err(|_| Failure::Singular).and(found);
-        found.map_err(|failure| AxleFailure::Wheel {
-            side: self.side,
-            travel,
-            failure,
-        })
+        if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
+            self.ends.push(End {
+                rack,
+                travel: limit,
+                failure,
+            });
+        }
+        found.map_err(|failure| refused(failure, self.side))
     }
 
     /// The wheel at a travel on this ground.

@@ -2,7 +2,7 @@
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement};
-use hardpoint::model::Side;
+use hardpoint::model::{LengthUnit, Side};
 
 /// The rack goes as far as the first tie rod lets it: one of a strut from -113.3 to 164.5 mm, so both from -113.3 to
 /// 113.3. Rolled almost to the end the axle has a position, beyond it none.
@@ -33,4 +33,46 @@ fn the_first_wheel_to_end_is_the_end() {
         "{placed:?} {end}"
     );
     assert!(at(1.001).is_err());
+}
+
+/// What is known of a travel's end from other positions changes no position and no reason, wherever the ends are found first.
+#[test]
+fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
+    let axle = axle(&read("macpherson_front"));
+    let mut solver = AxleSolver::<1>::new(&axle, &[], false).unwrap();
+    let [_, upper] = solver.limits().unwrap().roll.map(Option::unwrap);
+    let mut placements = Vec::new();
+    for rack in [0.0, 30.0] {
+        for heave in [0.0, -60.0] {
+            for share in [0.5, -1.5, 0.99, 1.001, -0.9] {
+                let roll = share * upper.value;
+                placements.push(Placement::Roll { heave, roll, rack });
+            }
+        }
+    }
+    let mut refused = 0;
+    for order in [false, true] {
+        if order {
+            placements.reverse();
+        }
+        let mut solver = AxleSolver::<1>::new(&axle, &[], false).unwrap();
+        for placement in &placements {
+            let alone = AxleSolver::<1>::new(&axle, &[], false)
+                .unwrap()
+                .place(placement);
+            let after_others = solver.place(placement);
+            match (&after_others, &alone) {
+                (Ok(after_others), Ok(alone)) => assert_eq!(after_others, alone, "{placement}"),
+                // Where a travel ends is found to rounding, from wherever it was sought.
+                (Err(after_others), Err(alone)) => {
+                    let [one, other] =
+                        [after_others, alone].map(|f| f.describe(LengthUnit::Millimetre));
+                    assert_eq!(one, other, "{placement}");
+                }
+                _ => panic!("{placement}: {after_others:?} {alone:?}"),
+            }
+            refused += usize::from(alone.is_err());
+        }
+    }
+    assert!((8..32).contains(&refused), "{refused} of 40");
 }

@@ -20,7 +20,7 @@ use std::sync::Arc;
 const GROUP: usize = 1 << 15;
 
 /// A Parquet file that is being written.
-pub struct ParquetFile {
+pub(super) struct ParquetFile {
     writer: SerializedFileWriter<File>,
     columns: Vec<Column>,
     rows: usize,
@@ -105,7 +105,7 @@ fn failed(error: ParquetError) -> io::Error {
 
 impl ParquetFile {
     /// Begins a file with the columns of a CSV header.
-    pub fn begin(file: File, header: &[u8]) -> io::Result<Self> {
+    pub(super) fn begin(file: File, header: &[u8]) -> io::Result<Self> {
         let header = String::from_utf8_lossy(header);
         let names: Vec<&str> = header.trim_end().split(',').collect();
         let columns: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
@@ -129,7 +129,7 @@ impl ParquetFile {
     }
 
     /// Appends whole rows of CSV.
-    pub fn append(&mut self, rows: &[u8]) -> io::Result<()> {
+    pub(super) fn append(&mut self, rows: &[u8]) -> io::Result<()> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .from_reader(rows);
@@ -175,7 +175,7 @@ impl ParquetFile {
     }
 
     /// Writes what is left, and the file's end.
-    pub fn finish(mut self) -> io::Result<()> {
+    pub(super) fn finish(mut self) -> io::Result<()> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;
         }
@@ -185,7 +185,7 @@ impl ParquetFile {
 }
 
 /// The CSV text of a Parquet file, made row group by row group.
-pub struct CsvOfParquet {
+pub(super) struct CsvOfParquet {
     reader: SerializedFileReader<File>,
     next_group: usize,
     text: Vec<u8>,
@@ -194,7 +194,7 @@ pub struct CsvOfParquet {
 
 impl CsvOfParquet {
     /// Opens a file.
-    pub fn open(path: &Path) -> io::Result<Self> {
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
         let reader = SerializedFileReader::new(File::open(path)?).map_err(failed)?;
         let schema = reader.metadata().file_metadata().schema_descr();
         let names: Vec<&str> = schema.columns().iter().map(|c| c.name()).collect();

@@ -55,9 +55,10 @@
 //! # Map
 //!
 //! Inside, data goes one way, from a study to its results. What is public is at the root of the crate; the rooms
-//! behind it are documented at the head of their files and may change with every version:
+//! behind it are documented at the head of their files and may change with every version. What computes is a crate
+//! of its own in `engine` (`hardpoint-engine`), which knows nothing of files of results, pages and commands:
 //!
-//! | module | what |
+//! | module of `engine` | what |
 //! |---|---|
 //! | `study` | the file as written, what it means, everything that can be wrong with it |
 //! | `model` | hardpoints, bodies, constraints; one file for each topology |
@@ -75,81 +76,53 @@
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
 //! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
+//! | `bench` | poses per second, what a digit and an effect cost on this machine |
+//! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
+//!
+//! What is made of it is here:
+//!
+//! | module | what |
+//! |---|---|
 //! | `drawing` | what a page shows beside the curves, solved before it is made |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: who may replace what, locks |
 //! | `exchange` | points and curves from and to spreadsheets and Adams/Car |
 //! | `studio` | the live page: a server on this machine that follows dragged points |
-//! | `bench` | poses per second, what a digit and an effect cost on this machine |
 //! | `cli` | the command line |
-//! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 
 // What a command says goes through `cli::terminal`, which knows of pipes, widths and colours.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
 #[doc(hidden)]
-pub mod analyse;
-#[doc(hidden)]
-pub mod attia;
-#[doc(hidden)]
-pub mod axle;
-#[doc(hidden)]
-pub mod bench;
-#[doc(hidden)]
-pub mod build;
-#[doc(hidden)]
-pub mod characteristics;
-#[doc(hidden)]
 pub mod cli;
-#[doc(hidden)]
-pub mod curves;
-#[doc(hidden)]
-pub mod derive;
 #[doc(hidden)]
 pub mod drawing;
 #[doc(hidden)]
-pub mod evaluate;
-#[doc(hidden)]
 pub mod exchange;
-mod front_door;
-mod function;
-mod linear;
-#[doc(hidden)]
-pub mod mechanism;
-#[doc(hidden)]
-pub mod model;
-#[doc(hidden)]
-pub mod number;
-#[doc(hidden)]
-pub mod optimise;
-#[doc(hidden)]
-pub mod plan;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
 pub mod results;
 #[doc(hidden)]
-pub mod solve;
-#[doc(hidden)]
 pub mod studio;
+
 #[doc(hidden)]
-pub mod study;
-#[doc(hidden)]
-pub mod sweep;
-#[doc(hidden)]
-pub mod tolerance;
+pub use hardpoint_engine::{
+    analyse, attia, axle, bench, build, characteristics, curves, derive, evaluate, mechanism,
+    model, number, optimise, plan, solve, study, sweep, tolerance,
+};
 
 // Suspensions.
-pub use mechanism::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
-pub use model::{
+pub use hardpoint_engine::{
     Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Side,
     Suspension, Topology, TorquePath, Vehicle,
 };
+pub use hardpoint_engine::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
 
 // What is asked of them.
-pub use characteristics::{Characteristic, Info, Measure, Need, Quantity, Unit};
-pub use study::{
+pub use hardpoint_engine::{Characteristic, Info, Measure, Need, Quantity, Unit};
+pub use hardpoint_engine::{
     Constraint, DesignTable, Designs, Drive, FileFormat, Formulation, Interpolation, Limit,
     Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs, Sampled, Sampling, Site,
     Study, StudyError, StudyErrors, Subject, Sweep, SweepVariable, Target, TimeLaw, Turn, Variable,
@@ -157,18 +130,20 @@ pub use study::{
 };
 
 // The answers.
-pub use curves::{Column, Curves, Proof, Sensitivity, Station, Status};
-pub use front_door::{Error, SuspensionPose, SweepControl};
-pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
-pub use mechanism::{DesignFault, Failure, LimitCause, Unproven};
-pub use optimise::{
+pub use hardpoint_engine::{
     Best, ConstraintOutcome, Control, Deviation, Direction, Fulfilment, Identifiability,
     Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
     Termination, Tuning,
 };
-pub use sweep::{Failing, Rows};
+pub use hardpoint_engine::{Column, Curves, Proof, Sensitivity, Station, Status};
+pub use hardpoint_engine::{DesignFault, Failure, LimitCause, Unproven};
+pub use hardpoint_engine::{
+    DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError,
+};
+pub use hardpoint_engine::{Error, SuspensionPose, SweepControl};
+pub use hardpoint_engine::{Failing, Rows};
 
-pub use nalgebra;
+pub use hardpoint_engine::nalgebra;
 
 /// The example of the manual's page is run.
 #[cfg(doctest)]

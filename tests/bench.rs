@@ -6,6 +6,7 @@ use hardpoint::bench::effects::Effects;
 use hardpoint::bench::throughput::Throughput;
 use hardpoint::bench::{Clock, Unmeasurable};
 use hardpoint::number::Width;
+use hardpoint::report::accuracy_picture;
 use hardpoint::study::Study;
 use std::path::Path;
 use std::time::Duration;
@@ -118,7 +119,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
         }
     }
 
-    let svg = accuracy.svg("a strut");
+    let svg = accuracy_picture(&accuracy, "a strut");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
     for word in [
         "double-double",

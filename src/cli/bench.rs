@@ -8,6 +8,7 @@ use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
+use crate::report::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 use crate::results::{Claim, study_digest};
 use crate::study::Study;
 use serde::Serialize;
@@ -79,16 +80,17 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         BenchKind::Throughput => {
             let threads = arguments.threads.unwrap_or(machine.cores);
             let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
-            ("throughput", found.table(), None)
+            ("throughput", throughput_table(&found), None)
         }
         BenchKind::Accuracy => {
             let found = Accuracy::measure(&study, &clock).map_err(stop)?;
-            let svg = found.svg(&format!("{}, {}", study.name, machine.line()));
-            ("accuracy", found.table(), Some(svg))
+            let caption = format!("{}, {}", study.name, machine.line());
+            let svg = accuracy_picture(&found, &caption);
+            ("accuracy", accuracy_table(&found), Some(svg))
         }
         BenchKind::Effects => {
             let found = Effects::measure(&study, &clock).map_err(stop)?;
-            ("effects", found.table(), None)
+            ("effects", effects_table(&found), None)
         }
     };
     let mut files = vec![format!("{kind}.csv")];

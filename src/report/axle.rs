@@ -528,10 +528,3 @@ pub fn axle_doubts(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec
     }
     doubts
 }
-
-impl AxleStation {
-    /// The value of a column, where there is one.
-    pub fn value(&self, column: usize) -> Option<f64> {
-        self.values.get(column).copied().and_then(Result::ok)
-    }
-}

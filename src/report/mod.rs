@@ -4,8 +4,10 @@
 //! [`pictures`] are made of that alone.
 
 mod accuracy;
+mod accuracy_plot;
 mod axle;
 mod axle_record;
+mod benchmarks;
 mod choices;
 mod comparison;
 mod completeness;
@@ -35,6 +37,7 @@ pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_motion, axle_sensitivities_csv};
 pub use axle_record::SolvedAxle;
+pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
 pub use completeness::Completeness;

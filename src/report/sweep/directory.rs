@@ -1,12 +1,12 @@
 //! The directory of a sweep: what it is, in `sweep.json`, and its parts.
 
 use super::part::{FORM as PART_FORM, PartRecord};
-use super::rows_csv;
 use super::summary::{SweepSummary, pareto_csv};
 use super::table_file::open_lines;
 use crate::results::{RunDirectory, WriteError};
+use crate::sweep::csv::RowsReader;
 use crate::sweep::{FORM, SweepRecord, SweepStatistics};
-use std::io::{self, BufRead};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Why a directory is not that of a sweep, or not of this one.
@@ -209,10 +209,10 @@ impl SweepDirectory {
     }
 
     /// Reads the rows of a part, block by block.
-    pub fn rows(&self, part: u64) -> Result<rows_csv::Reader<'_, Box<dyn BufRead>>, NotThisSweep> {
+    pub fn rows(&self, part: u64) -> Result<RowsReader<'_>, NotThisSweep> {
         let path = self.path.join(self.record.rows_name(part));
         open_lines(&path)
-            .and_then(|lines| rows_csv::Reader::new(&self.record, lines))
+            .and_then(|lines| RowsReader::new(&self.record, lines))
             .map_err(|e| NotThisSweep {
                 path,
                 reason: e.to_string(),

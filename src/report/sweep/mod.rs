@@ -8,14 +8,13 @@
 //! `format = "parquet"` rows and curves end in `.parquet`. The parts are the result: whoever does one, its bytes
 //! are the same, and one that is whole is not done again.
 
-mod curves_csv;
+mod curve_places;
 mod directory;
 mod drawn;
 mod merge;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod part;
-mod rows_csv;
 mod run;
 mod shown;
 mod summary;
@@ -37,5 +36,5 @@ use crate::sweep::SweepRecord;
 
 /// The first line of a sweep's rows.
 pub fn rows_header(record: &SweepRecord) -> Vec<u8> {
-    rows_csv::header(record)
+    crate::sweep::csv::rows_header(record)
 }

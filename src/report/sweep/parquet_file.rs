@@ -2,7 +2,7 @@
 //! Zstandard. Numbers survive the way to text and back to the bit, so that the CSV text serves as the
 //! form in which rows come from the workers and are read back.
 
-use super::rows_csv::{append_number, append_text, append_whole};
+use crate::sweep::csv::{append_number, append_text, append_whole};
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::column::reader::ColumnReader;
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};

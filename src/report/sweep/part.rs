@@ -5,10 +5,10 @@
 //! several machines may do the parts of one directory.
 
 use super::directory::SweepDirectory;
-use super::rows_csv;
 use super::table_file::TableFile;
 use super::text::SweepText;
 use crate::results::{Lock, NotLocked, Owner, TEMPORARY, WriteError, temporary_of, unwritten};
+use crate::sweep::csv::rows_header;
 use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, in_order};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -74,7 +74,7 @@ pub fn write_part(
     }
     clear_leftovers(directory.path(), &stem);
     let begin = |name: String, header: &[u8]| Pending::begin(directory.path(), &stem, name, header);
-    let mut rows = begin(record.rows_name(part), &rows_csv::header(record))?;
+    let mut rows = begin(record.rows_name(part), &rows_header(record))?;
     let curves = text.curves_header();
     let curves = curves.map(|header| begin(record.curves_name(part), header));
     let mut curves = curves.transpose()?;

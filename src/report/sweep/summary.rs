@@ -1,10 +1,10 @@
 //! What a sweep came to.
 
-use super::rows_csv;
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::report::figure::{brief, figures, resolution};
 use crate::report::table::{Cell, Column, Table};
+use crate::sweep::csv::{append_candidate, rows_header};
 use crate::sweep::{Candidate, Effects, OutputColumn, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
@@ -348,9 +348,9 @@ pub fn pareto_csv(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<u
     if record.deviations().len() < 2 {
         return None;
     }
-    let mut csv = rows_csv::header(record);
+    let mut csv = rows_header(record);
     for candidate in tally.front.sorted() {
-        rows_csv::append_candidate(candidate, &mut csv);
+        append_candidate(candidate, &mut csv);
     }
     Some(csv)
 }

@@ -107,8 +107,8 @@ pub(super) fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
 
 #[cfg(all(test, feature = "parquet"))]
 mod tests {
-    use super::super::rows_csv;
     use super::*;
+    use crate::sweep::csv;
     use std::io::Read;
 
     /// Rows of several groups come back as they were written, and from any chunks the same file is made.
@@ -119,7 +119,7 @@ mod tests {
         let header = b"design,a+b_dz_mm,camber_min_deg,failed_stations,reason,status\n";
         let written = |value: f64| {
             let mut text = Vec::new();
-            rows_csv::append_number(value, &mut text);
+            csv::append_number(value, &mut text);
             String::from_utf8(text).unwrap()
         };
         let row = |i: u64| {

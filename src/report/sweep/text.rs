@@ -1,8 +1,8 @@
 //! Finished blocks as text, made in the workers so that it is done on all threads.
 
-use super::curves_csv::CurvesCsv;
-use super::rows_csv;
+use super::curve_places::curves_csv;
 use crate::study::Study;
+use crate::sweep::csv::{CurvesCsv, append_rows};
 use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, Worker};
 use std::sync::{Mutex, PoisonError};
 
@@ -18,7 +18,7 @@ impl SweepText {
     pub fn of(plan: &SweepPlan, study: &Study, in_directory: bool) -> Self {
         let curves = plan.record.curves && in_directory;
         SweepText {
-            curves: curves.then(|| CurvesCsv::of(plan, study)),
+            curves: curves.then(|| curves_csv(plan, study)),
             spare: Mutex::default(),
         }
     }
@@ -33,7 +33,7 @@ impl SweepText {
         let rows = worker.rows(block);
         let (mut statistics, first) = (SweepStatistics::of(record, rows), rows.first);
         let (mut designs, mut curves) = (self.empty(), Vec::new());
-        rows_csv::append(rows, &mut designs);
+        append_rows(rows, &mut designs);
         statistics.one_by_one = worker.one_by_one().len() as u64;
         if let Some(csv) = &self.curves {
             csv.append(first, worker.block(), &mut curves);

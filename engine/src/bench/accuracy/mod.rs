@@ -1,0 +1,81 @@
+//! Work and precision: what a digit costs.
+//!
+//! Every way to a number is measured by its time and by its true error, against the same number in
+//! twice the precision: the six closure equations solved in pairs of doubles (see
+//! [`DoubleDouble`](crate::number::DoubleDouble)), about thirty digits.
+
+mod curve;
+mod derivatives;
+mod poses;
+mod subject;
+
+pub(super) use poses::unchecked_and_checked;
+pub use subject::Subject;
+
+use super::{Clock, Timing, Unmeasurable};
+use crate::study::Study;
+
+/// One way to a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What is compared with what.
+    pub family: Family,
+    /// The way.
+    pub method: String,
+    /// What is varied along the way.
+    pub setting: String,
+    /// Time per pose.
+    pub time: Timing,
+    /// The largest true error, in the unit of the family.
+    pub error: f64,
+    /// Evaluations of the equations per pose, where they are iterated.
+    pub evaluations: Option<f64>,
+}
+
+/// What is compared with what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Poses by formulation, arithmetic and tolerance; error in degrees of camber.
+    Pose,
+    /// Where Newton's method starts; error in degrees of camber.
+    Start,
+    /// Curves through few exact poses; error in degrees of camber.
+    Curve,
+    /// Derivatives of four characteristics by every hardpoint coordinate; error in parts of the largest.
+    Derivative,
+    /// Forward against adjoint sensitivities; error likewise.
+    Sensitivity,
+}
+
+impl Family {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        ["pose", "start", "curve", "derivative", "sensitivity"][self as usize]
+    }
+
+    /// The unit of its errors.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Family::Pose | Family::Start | Family::Curve => "deg",
+            Family::Derivative | Family::Sensitivity => "relative",
+        }
+    }
+}
+
+/// Everything measured on one study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// One for each way.
+    pub measurements: Vec<Measurement>,
+}
+
+impl Accuracy {
+    /// Measures.
+    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let subject = Subject::of(study)?;
+        let mut measurements = poses::measure(&subject, clock)?;
+        measurements.extend(curve::measure(&subject, clock)?);
+        measurements.extend(derivatives::measure(&subject, clock)?);
+        Ok(Accuracy { measurements })
+    }
+}

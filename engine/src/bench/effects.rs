@@ -1,0 +1,313 @@
+//! What each effect costs, alone and added up, relative to positions alone.
+
+use super::accuracy::{Subject, unchecked_and_checked};
+use super::{Clock, Job, Timing, Unmeasurable};
+use crate::analyse::Certifier;
+use crate::characteristics::Characteristic;
+use crate::curves::curves;
+use crate::derive::MotionPoint;
+use crate::mechanism::{Pose, Work};
+use crate::model::{Drive, PointId, Suspension, Vehicle};
+use crate::number::Vector3;
+use crate::plan::Plan;
+use crate::solve::Solver;
+use crate::study::{Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw};
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+/// One effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What it is.
+    pub effect: String,
+    /// Time per pose with this effect alone.
+    pub alone: Timing,
+    /// Time per pose with it and all before it.
+    pub added: Timing,
+    /// What it does alone, per run.
+    pub work: Work,
+    /// Poses in that run.
+    pub poses: usize,
+}
+
+/// Every effect, positions alone first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effects {
+    /// In the order in which they are added up.
+    pub measurements: Vec<Measurement>,
+}
+
+/// An effect as a change to a study.
+struct Change {
+    name: &'static str,
+    apply: fn(&mut Study),
+}
+
+const CHANGES: [Change; 12] = [
+    Change {
+        name: "position",
+        apply: |_| (),
+    },
+    Change {
+        name: "everything declared, nothing asked for",
+        apply: |study| {
+            study.suspension.vehicle = Vehicle {
+                wheelbase: Some(2600.0),
+                track: Some(1500.0),
+                cg_height: Some(500.0),
+                brake_share_front: Some(0.6),
+                ..Vehicle::default()
+            };
+            study.suspension.wheel_radius.get_or_insert(300.0);
+        },
+    },
+    Change {
+        name: "steering axis",
+        apply: |study| {
+            if study.suspension.mechanism.steering_axis.is_some() {
+                let axis = [Characteristic::KingpinInclination, Characteristic::Caster];
+                study.outputs.characteristics.extend(axis);
+            }
+        },
+    },
+    Change {
+        name: "rates",
+        apply: |study| study.outputs.order = study.outputs.order.max(Order::Velocity),
+    },
+    Change {
+        name: "curvature",
+        apply: |study| study.outputs.order = Order::Acceleration,
+    },
+    Change {
+        name: "sensitivities by one point",
+        apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension)[..1].to_vec(),
+    },
+    Change {
+        name: "sensitivities by every point",
+        apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension),
+    },
+    Change {
+        name: "spring (motion ratio: takes rates)",
+        apply: |study| {
+            if study.suspension.mechanism.spring.is_some() {
+                let ratio = Characteristic::MotionRatio;
+                study.outputs.characteristics.push(ratio);
+            }
+        },
+    },
+    Change {
+        name: "angles of rocker and anti-roll bar",
+        apply: |study| {
+            let mechanism = &study.suspension.mechanism;
+            let rocker = mechanism.spring_rocker();
+            let rocker = rocker.map(|_| Characteristic::RockerAngle);
+            let bar = mechanism.anti_roll_bar();
+            let bar = bar.map(|_| Characteristic::AntiRollBarAngle);
+            study.outputs.characteristics.extend(rocker);
+            study.outputs.characteristics.extend(bar);
+        },
+    },
+    Change {
+        name: "rack in five places",
+        apply: |study| {
+            let size = study.suspension.size();
+            let rack = &mut study.motion.rack;
+            let first = rack[0];
+            *rack = [-2.0, -1.0, 0.0, 1.0, 2.0]
+                .map(|k| first + 0.002 * k * size)
+                .to_vec();
+            study.motion.rack_moves = true;
+        },
+    },
+    Change {
+        name: "time",
+        apply: |study| {
+            let values = &mut study.motion.values;
+            let (first, last) = (values[0], values[values.len() - 1]);
+            let steps = (values.len() - 1) as f64;
+            let times: Vec<f64> = (0..values.len()).map(|i| i as f64 / steps).collect();
+            let polynomial = vec![first, last - first];
+            *values = times.iter().map(|t| first + (last - first) * t).collect();
+            study.motion.time = Some(TimeLaw { polynomial, times });
+        },
+    },
+    Change {
+        name: "a load",
+        apply: |study| {
+            study.outputs.loads.push(Load {
+                name: "load".to_owned(),
+                at: LoadPoint::WheelCentre,
+                force: Vector3::new(100.0, 200.0, 3000.0),
+                moment: Vector3::default(),
+            });
+        },
+    },
+];
+
+impl Effects {
+    /// Measures each effect on the suspension of a study, over its travels.
+    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let subject = Subject::of(study)?;
+        let mut base = study.clone();
+        base.formulation = Formulation::KnucklePose;
+        base.motion = Motion {
+            drive: crate::study::Drive::Travel,
+            values: subject.travels.clone(),
+            rack: study.motion.rack[..1].to_vec(),
+            rack_moves: false,
+            time: None,
+        };
+        base.outputs = Outputs::of(vec![Characteristic::Camber]);
+        base.suspension.vehicle = Vehicle::default();
+        let mut added = base.clone();
+        let mut runs = Vec::new();
+        for change in &CHANGES {
+            let mut alone = base.clone();
+            (change.apply)(&mut alone);
+            (change.apply)(&mut added);
+            runs.push((change.name, Planned::of(&alone)?, Planned::of(&added)?));
+        }
+        let all = runs.len() - 1;
+        let mut jobs = Vec::new();
+        for (_, alone, added) in &runs {
+            jobs.extend([alone.job(), added.job()]);
+        }
+        let times = clock.in_rounds(&mut jobs);
+        // Certificates are no part of what is planned here: they are added to every pose.
+        let proofs = Proofs::of(&base, &subject)?;
+        let jobs = [(&runs[0].1, 1), (&runs[all].2, runs[all].2.racks())];
+        let rest = clock.in_rounds(&mut jobs.map(|(planned, many)| proofs.job(planned, many)));
+        let plain = runs.iter().zip(times.chunks(2));
+        let mut measurements: Vec<Measurement> = plain
+            .map(|((name, alone, _), times)| Measurement {
+                effect: (*name).to_owned(),
+                alone: times[0],
+                added: times[1],
+                work: alone.work,
+                poses: alone.poses,
+            })
+            .collect();
+        measurements.push(Measurement {
+            effect: "certificate".to_owned(),
+            alone: rest[0],
+            added: rest[1],
+            work: runs[0].1.work,
+            poses: runs[0].1.poses,
+        });
+        if let Some(mut jobs) = unchecked_and_checked(&subject)? {
+            let names = ["poses alone, unchecked", "poses alone"];
+            let times = clock.in_rounds(&mut jobs);
+            measurements.extend(
+                names
+                    .into_iter()
+                    .zip(times)
+                    .map(|(name, time)| Measurement {
+                        effect: name.to_owned(),
+                        alone: time,
+                        added: time,
+                        work: runs[0].1.work,
+                        poses: runs[0].1.poses,
+                    }),
+            );
+        }
+        Ok(Effects { measurements })
+    }
+}
+
+/// A plan with its suspension.
+struct Planned {
+    suspension: Suspension,
+    plan: Plan,
+    work: Work,
+    poses: usize,
+}
+
+impl Planned {
+    fn of(study: &Study) -> Result<Self, Unmeasurable> {
+        let plan = Plan::of(study);
+        let found = curves(&study.suspension, &plan)?;
+        Ok(Planned {
+            suspension: study.suspension.clone(),
+            work: found.work,
+            poses: found.stations.len(),
+            plan,
+        })
+    }
+
+    fn racks(&self) -> usize {
+        self.plan.racks.len()
+    }
+
+    fn run(&self) {
+        let found = curves(&self.suspension, &self.plan);
+        black_box(found.expect("the design was solved before"));
+    }
+
+    fn job(&self) -> Job<'_> {
+        Job {
+            items: self.poses,
+            work: Box::new(|| self.run()),
+        }
+    }
+}
+
+/// Certificates of the poses of a plan.
+struct Proofs<'m> {
+    certifier: Certifier<'m>,
+    poses: Vec<(Pose<f64>, MotionPoint<f64>)>,
+}
+
+impl<'m> Proofs<'m> {
+    fn of(base: &Study, subject: &'m Subject<'_>) -> Result<Self, Unmeasurable> {
+        let suspension = subject.suspension;
+        let mechanism = &suspension.mechanism;
+        let mut solver = Solver::new(mechanism, &suspension.design)?;
+        let plan = Plan::of(base);
+        let mut poses = Vec::new();
+        solver.for_each_pose(
+            Drive::Travel,
+            &plan.station_order,
+            subject.rack,
+            |_, station, pose| {
+                let point = MotionPoint {
+                    drive: Drive::Travel,
+                    value: plan.station_order.values()[station],
+                    rack: subject.rack,
+                };
+                poses.extend(pose.ok().map(|pose| (*pose, point)));
+                ControlFlow::Continue(())
+            },
+        )?;
+        Ok(Proofs {
+            certifier: Certifier::new(mechanism, &suspension.design),
+            poses,
+        })
+    }
+
+    /// The plan carried out, and every pose proved, `many` times over.
+    fn job<'a>(&'a self, planned: &'a Planned, many: usize) -> Job<'a> {
+        Job {
+            items: planned.poses,
+            work: Box::new(move || {
+                planned.run();
+                for _ in 0..many {
+                    for (pose, point) in &self.poses {
+                        let proof = self.certifier.pose(pose, point);
+                        let _ = black_box(proof);
+                    }
+                }
+            }),
+        }
+    }
+}
+
+/// The hardpoints of a suspension.
+fn hardpoints(suspension: &Suspension) -> Vec<PointId> {
+    let mechanism = &suspension.mechanism;
+    let known = |name: &str| mechanism.topology.hardpoint(name).is_some();
+    let points = mechanism.points.iter().enumerate();
+    points
+        .filter(|(_, p)| known(&p.name))
+        .map(|(i, _)| PointId(i))
+        .collect()
+}

@@ -1,0 +1,294 @@
+//! What the slots of formulas are in a pose.
+//!
+//! Written once, for every kind of number and of pose: [`Posed`] is what a pose has to tell of its parts, and
+//! [`Inputs::read`] puts together from it what formulas read. A configuration tells it in numbers of any kind (as series its
+//! parts have their velocities with them), and the poses of many designs in lanes have ways of their own, which are
+//! cheaper. What is not read stays as it was made, not a number, so that a formula which reads more than it declares has
+//! no value.
+
+use super::{Constants, Inputs, Slot, Slots, Wheel};
+use crate::derive::DesignedSpinAxis;
+use crate::mechanism::Configuration;
+use crate::model::{Mechanism, PointId, RockerId};
+use crate::number::{Real, Vector3};
+
+/// A part of a pose, with its derivative by the drive where that is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moving<V> {
+    pub(super) now: V,
+    pub(super) rate: Option<V>,
+}
+
+impl<V> Moving<V> {
+    #[inline(always)]
+    pub(super) fn standing(now: V) -> Self {
+        Moving { now, rate: None }
+    }
+
+    /// Puts it where it is kept; a derivative that is not known leaves what there is.
+    #[inline(always)]
+    pub(super) fn put(self, now: &mut V, rate: &mut V) {
+        *now = self.now;
+        if let Some(known) = self.rate {
+            *rate = known;
+        }
+    }
+}
+
+impl<T: Real> Moving<Vector3<T>> {
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Moving {
+            now: self.now - other.now,
+            rate: match (self.rate, other.rate) {
+                (Some(one), Some(other)) => Some(one - other),
+                _ => None,
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn norm(self) -> Moving<T> {
+        let mut length = Moving::standing(self.now.norm());
+        if let Some(rate) = self.rate {
+            length.rate = Some(self.now.dot(rate) / length.now);
+        }
+        length
+    }
+}
+
+/// A pose, as what it tells of its parts.
+pub(super) trait Posed<T: Real> {
+    /// The unit spin axis, outboard.
+    fn spin_axis(&mut self) -> Moving<Vector3<T>>;
+    /// Where a point is.
+    fn point(&mut self, id: PointId) -> Moving<Vector3<T>>;
+    /// A point of the steering axis and a vector along it, upward; `None` where there is none, or nothing is known of it.
+    fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]>;
+    /// The angle of a rocker from its design position.
+    fn rocker_angle(&mut self, id: RockerId) -> Moving<T>;
+}
+
+impl<T: Real> Inputs<T> {
+    /// With nothing read yet: all of it is `nothing`, which is not a number.
+    #[inline(always)]
+    pub(super) fn unknown(nothing: T, constants: Constants) -> Self {
+        let wheel = Wheel::filled(nothing);
+        Inputs {
+            now: wheel,
+            rate: wheel,
+            turn: wheel.centre,
+            design: wheel,
+            constants,
+        }
+    }
+
+    /// Reads these slots off a pose, with their derivatives where it knows them.
+    #[inline(always)]
+    pub(super) fn read(&mut self, pose: &mut impl Posed<T>, mechanism: &Mechanism, slots: Slots) {
+        let Inputs { now, rate, .. } = self;
+        if slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate) {
+            pose.spin_axis()
+                .put(&mut now.spin_axis, &mut rate.spin_axis);
+        }
+        if slots.contain_either(Slot::Centre, Slot::CentreRate) {
+            pose.point(mechanism.wheel_centre)
+                .put(&mut now.centre, &mut rate.centre);
+        }
+        if slots.contain_steering_axis()
+            && let Some([point, along]) = pose.steering_axis()
+        {
+            point.put(&mut now.steering_point, &mut rate.steering_point);
+            along.put(&mut now.steering_direction, &mut rate.steering_direction);
+        }
+        let of_length = slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate);
+        if (of_length || slots.contains(Slot::Spring))
+            && let Some(spring) = mechanism.spring
+        {
+            let upper = pose.point(spring.upper);
+            let along = upper.minus(pose.point(spring.lower));
+            if slots.contains(Slot::Spring) {
+                along.put(&mut now.spring, &mut rate.spring);
+            }
+            if of_length {
+                let length = along.norm();
+                length.put(&mut now.spring_length, &mut rate.spring_length);
+            }
+        }
+        if slots.contains(Slot::RockerAngle)
+            && let Some(rocker) = mechanism.spring_rocker()
+        {
+            let angle = pose.rocker_angle(rocker);
+            angle.put(&mut now.rocker_angle, &mut rate.rocker_angle);
+        }
+        if slots.contain_either(Slot::BarAngle, Slot::BarAngleRate)
+            && let Some(bar) = mechanism.anti_roll_bar()
+        {
+            let angle = pose.rocker_angle(bar);
+            angle.put(&mut now.bar_angle, &mut rate.bar_angle);
+        }
+        if slots.contains(Slot::StrutUpper)
+            && let Some(upper) = mechanism.strut_upper()
+        {
+            let point = pose.point(upper);
+            point.put(&mut now.strut_upper, &mut rate.strut_upper);
+        }
+    }
+
+    /// Reads the slots that are of the design.
+    #[inline(always)]
+    pub(super) fn read_design(
+        &mut self,
+        mechanism: &Mechanism,
+        design: &[Vector3<T>],
+        slots: Slots,
+    ) {
+        if slots.contains(Slot::DesignSpinAxis) {
+            self.design.spin_axis = DesignedSpinAxis::of(mechanism, design).direction;
+        }
+        if slots.contains(Slot::DesignCentre) {
+            self.design.centre = design[mechanism.wheel_centre.0];
+        }
+    }
+
+    /// What can be read off a configuration without its rates, which are left unknown like everything that
+    /// is not among the slots.
+    #[inline]
+    pub fn standing(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
+        let nothing = at.rack.lit(f64::NAN);
+        Inputs::of_configuration(at, nothing, constants, slots)
+    }
+
+    /// The same with `nothing` for what is not read.
+    #[inline(always)]
+    pub(super) fn of_configuration(
+        at: &Configuration<T>,
+        nothing: T,
+        constants: Constants,
+        slots: Slots,
+    ) -> Self {
+        let mut inputs = Inputs::unknown(nothing, constants);
+        inputs.read_design(at.mechanism, at.design, slots);
+        inputs.read(&mut { at }, at.mechanism, slots);
+        inputs
+    }
+}
+
+impl<T: Real> Posed<T> for &Configuration<'_, T> {
+    #[inline(always)]
+    fn spin_axis(&mut self) -> Moving<Vector3<T>> {
+        Moving::standing(Configuration::spin_axis(self))
+    }
+
+    #[inline(always)]
+    fn point(&mut self, id: PointId) -> Moving<Vector3<T>> {
+        Moving::standing(Configuration::point(self, id))
+    }
+
+    #[inline(always)]
+    fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]> {
+        let (point, along) = Configuration::steering_axis(self)?;
+        Some([Moving::standing(point), Moving::standing(along)])
+    }
+
+    #[inline(always)]
+    fn rocker_angle(&mut self, id: RockerId) -> Moving<T> {
+        Moving::standing(Configuration::rocker_angle(self, id))
+    }
+}
+
+/// Takes down what a pose is asked for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Asked {
+    pub(super) points: Vec<PointId>,
+    rocker_angles: Vec<RockerId>,
+    pub(super) steering_axis: bool,
+}
+
+impl Asked {
+    /// What these slots ask for.
+    pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
+        let mut asked = Asked::default();
+        Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);
+        asked
+    }
+
+    /// The rockers that it moves with directly.
+    pub(super) fn rockers(&self, mechanism: &Mechanism) -> impl Iterator<Item = RockerId> {
+        let points = self.points.iter();
+        points
+            .filter_map(|point| mechanism.rockers_moving(*point).next())
+            .chain(self.rocker_angles.iter().copied())
+    }
+}
+
+impl Posed<f64> for Asked {
+    fn spin_axis(&mut self) -> Moving<Vector3<f64>> {
+        Moving::standing(Vector3::new(f64::NAN, f64::NAN, f64::NAN))
+    }
+
+    fn point(&mut self, id: PointId) -> Moving<Vector3<f64>> {
+        self.points.push(id);
+        self.spin_axis()
+    }
+
+    fn steering_axis(&mut self) -> Option<[Moving<Vector3<f64>>; 2]> {
+        self.steering_axis = true;
+        None
+    }
+
+    fn rocker_angle(&mut self, id: RockerId) -> Moving<f64> {
+        self.rocker_angles.push(id);
+        Moving::standing(f64::NAN)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characteristics::WheelReading;
+    use crate::derive::DesignSeries;
+    use crate::mechanism::Pose;
+    use crate::number::{Dual, Jet, Matrix3};
+    use crate::study::Study;
+    use std::cell::Cell;
+    use std::path::Path;
+
+    /// A slot asked for alone is a number in the place where formulas read it, in a suspension that has its part.
+    #[test]
+    fn every_slot_is_read_to_where_it_is_kept() {
+        let studies = [
+            include_str!("../../../studies/double_wishbone_pushrod.toml"),
+            include_str!("../../../studies/attia.toml"),
+        ];
+        let mut seen = Slots::default();
+        for text in studies {
+            let study = Study::from_text("slots.toml", text, Path::new("."));
+            let suspension = study.expect("a study of the repository").suspension;
+            let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+            let series = DesignSeries::<2>::new(mechanism, design);
+            let pose = Pose {
+                origin: design[mechanism.origin.0],
+                rotation: Matrix3::identity(0.0),
+            };
+            let at = series.at(mechanism, pose.map(Jet::constant), Jet::constant(0.0));
+            for slot in Slot::ALL {
+                let slots = Slots::default().with(&[*slot]);
+                let reading = WheelReading::reading(&at, Constants::default(), slots);
+                let mut seeded = reading.inputs().map(Dual::<_, 3>::constant);
+                slot.seed(&mut seeded, Jet::constant(1.0));
+                let is_read = Cell::new(true);
+                seeded.map(|number| {
+                    let is_there = number.partials.iter().any(|by| by[0] != 0.0);
+                    is_read.set(is_read.get() && (!is_there || number.value[0].is_finite()));
+                });
+                if is_read.get() {
+                    seen = seen.with(&[*slot]);
+                }
+            }
+        }
+        for slot in Slot::ALL {
+            assert!(seen.contains(*slot), "{slot:?}");
+        }
+    }
+}

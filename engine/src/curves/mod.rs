@@ -1,0 +1,149 @@
+//! Curves: every output of a plan at every station of the motion.
+
+mod column;
+mod drive_law;
+mod frames;
+mod influence;
+mod loads;
+mod point_coordinates;
+mod prover;
+mod run;
+pub mod thinned;
+
+pub use column::Column;
+pub use drive_law::DriveLaw;
+pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
+pub use influence::{Influence, influences};
+pub(crate) use loads::Loads;
+pub(crate) use prover::Prover;
+pub use run::curves;
+
+use crate::attia::Refusal;
+use crate::mechanism::{Failure, Work};
+use crate::model::{Axis, PointId, Rod};
+
+/// What came of a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// Solved; every value that exists is there.
+    Ok,
+    /// Solved, but so close to a singular pose that fewer than six digits of derivatives and
+    /// sensitivities can be trusted.
+    IllConditioned,
+    /// Solved, but nothing can carry the loads: the spring has no leverage, or so little that fewer than
+    /// six digits of the forces could be trusted. They have no values.
+    Unsupported,
+    /// Solved, but this rod has come to a toggle there or nearer to the design position: what its rocker
+    /// moves has no values.
+    Toggle(Rod),
+    /// Not solved, and why.
+    Failed(Failure),
+}
+
+impl Status {
+    /// The word in the `status` column.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Status::Ok => "ok",
+            Status::IllConditioned => "ill_conditioned",
+            Status::Unsupported => "unsupported",
+            Status::Toggle(_) => "toggle",
+            Status::Failed(failure) => match failure {
+                Failure::Unreachable { .. }
+                | Failure::RackUnreachable { .. }
+                | Failure::DeadCentre => "unreachable",
+                Failure::Singular => "singular",
+                Failure::Toggle(_) => "toggle",
+                Failure::Uncertified(_) => "uncertified",
+                Failure::PointCoordinates { refusal, .. } => match refusal {
+                    Refusal::Unreachable { .. } | Refusal::RackUnreachable { .. } => "unreachable",
+                    Refusal::Singular(_) | Refusal::NotFinite => "singular",
+                },
+            },
+        }
+    }
+}
+
+/// A station with its values, in the units they are printed in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Wheel travel; `None` where another drive has no pose.
+    pub travel: Option<f64>,
+    /// The drive's angle in degrees, where an angle drives.
+    pub angle: Option<f64>,
+    /// Rack displacement, in the study's axes.
+    pub rack: f64,
+    /// Time, where the drive is a function of it.
+    pub time: Option<f64>,
+    /// What came of it.
+    pub status: Status,
+    /// A value for each column; `None` where there is none.
+    pub values: Vec<Option<f64>>,
+    /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
+    /// and the number is below 1000. `None` where there is no pose.
+    pub condition: Option<f64>,
+    /// What is proved, where that is asked for.
+    pub proof: Option<Proof>,
+}
+
+/// What is proved of a station's pose, as lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proof {
+    /// No point of the wheel carrier is further than this from its exact position.
+    pub position_error: f64,
+    /// Any other pose differs by more than this in a coordinate of its origin or, counted at the
+    /// mechanism's size, in an entry of its rotation.
+    pub uniqueness: f64,
+}
+
+/// The derivative of an output, or of its derivative, by a hardpoint coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Index of the station.
+    pub station: usize,
+    /// Index of the column of what is differentiated.
+    pub column: usize,
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// The derivative, in the column's unit per length unit.
+    pub value: f64,
+}
+
+/// Curves of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// What each value is.
+    pub columns: Vec<Column>,
+    /// Rack displacement by rack displacement, in the order of the motion's values.
+    pub stations: Vec<Station>,
+    /// Station by station, where asked for.
+    pub sensitivities: Vec<Sensitivity>,
+    /// What was done.
+    pub work: Work,
+}
+
+impl Curves {
+    /// Number of stations without a pose.
+    pub fn failed(&self) -> usize {
+        self.stations
+            .iter()
+            .filter(|s| matches!(s.status, Status::Failed(_)))
+            .count()
+    }
+
+    /// Whether everything asked for has been found at every station. Where a quantity has no value by its
+    /// definition it may be missing, but not everywhere.
+    pub fn are_complete(&self) -> bool {
+        let lacks = |s: &Station| {
+            let status = &s.status;
+            matches!(
+                status,
+                Status::Failed(_) | Status::Unsupported | Status::Toggle(_)
+            )
+        };
+        let is_empty = |column: usize| self.stations.iter().all(|s| s.values[column].is_none());
+        !self.stations.iter().any(lacks) && !(0..self.columns.len()).any(is_empty)
+    }
+}

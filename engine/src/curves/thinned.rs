@@ -1,0 +1,41 @@
+//! Fewer stations, for what is drawn.
+
+use crate::plan::Plan;
+use crate::solve::StationOrder;
+
+impl Plan {
+    /// The plan with so many stations at most, at so many displacements of the rack, and no loads.
+    pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
+        let racks = evenly(&self.racks, most_racks);
+        let values = evenly(self.station_order.values(), most / racks.len());
+        Plan {
+            station_order: StationOrder::through(&values),
+            racks,
+            loads: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+/// At most so many of the values, evenly chosen, the first and the last among them.
+pub fn evenly(values: &[f64], most: usize) -> Vec<f64> {
+    match values.len() {
+        few if few <= most => values.to_vec(),
+        many => (0..most)
+            .map(|i| values[i * (many - 1) / (most - 1)])
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_ends() {
+        let values: Vec<f64> = (0..1000).map(f64::from).collect();
+        let few = evenly(&values, 41);
+        assert_eq!((few.len(), few[0], few[40]), (41, 0.0, 999.0));
+        assert_eq!(evenly(&values, 1000), values);
+    }
+}

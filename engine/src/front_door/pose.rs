@@ -1,0 +1,113 @@
+//! One place of the wheel.
+
+use super::Error;
+use crate::characteristics::Characteristic;
+use crate::curves::{Status, curves};
+use crate::model::{PointId, Suspension};
+use crate::plan::Plan;
+use crate::study::{Motion, Study};
+use std::collections::BTreeMap;
+
+/// A suspension at one travel of the wheel and one displacement of the rack.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SuspensionPose {
+    /// Wheel travel, jounce positive.
+    pub travel: f64,
+    /// Rack displacement along the suspension's +y.
+    pub rack: f64,
+    /// Condition number of the closure equations.
+    pub condition: f64,
+    points: BTreeMap<String, [f64; 3]>,
+    characteristics: BTreeMap<Characteristic, f64>,
+}
+
+impl SuspensionPose {
+    /// The position of a point by its name, in the suspension's axes and unit. `None` for a name that the topology
+    /// does not have, and for a point beyond a rocker that is at toggle.
+    pub fn point(&self, name: &str) -> Option<[f64; 3]> {
+        self.points.get(name).copied()
+    }
+
+    /// The positions of all points, by name.
+    pub fn points(&self) -> impl Iterator<Item = (&str, [f64; 3])> {
+        self.points.iter().map(|(name, p)| (name.as_str(), *p))
+    }
+
+    /// A characteristic, in the unit its column has ([`Characteristic::info`] has sign and formula). `None` for what
+    /// the suspension lacks the figures for, and for what has no value here (a swing arm whose centre is at infinity).
+    pub fn characteristic(&self, characteristic: Characteristic) -> Option<f64> {
+        self.characteristics.get(&characteristic).copied()
+    }
+}
+
+impl Suspension {
+    /// The suspension with the wheel at `travel` above its design position and the rack displaced by `rack` along the
+    /// suspension's +y: every point, and every characteristic that the suspension has the figures for.
+    ///
+    /// The pose is the one that the design position can be moved to; a mechanism that could be put together there in
+    /// another way is not taken for it.
+    ///
+    /// ```
+    /// # extern crate hardpoint_engine as hardpoint;
+    /// use hardpoint::{Characteristic, Suspension};
+    ///
+    /// let suspension = Suspension::builder("semi_trailing_arm")
+    ///     .hardpoint("arm_pivot_inner", [420.0, 240.0, 330.0])
+    ///     .hardpoint("arm_pivot_outer", [350.0, 610.0, 310.0])
+    ///     .hardpoint("wheel_centre", [0.0, 730.0, 300.0])
+    ///     .static_angles_deg(-1.0, 0.1)
+    ///     .build()?;
+    /// let pose = suspension.pose_at(40.0, 0.0)?;
+    /// let [_, _, z] = pose.point("wheel_centre").expect("every suspension has one");
+    /// assert!((z - 340.0).abs() < 1e-10);
+    /// println!("camber {:?} deg", pose.characteristic(Characteristic::Camber));
+    /// let design = suspension.pose_at(0.0, 0.0)?;
+    /// assert!((design.characteristic(Characteristic::Camber).unwrap() + 1.0).abs() < 1e-12);
+    ///
+    /// // Where the wheel cannot be, the reason is said.
+    /// let error = suspension.pose_at(4000.0, 0.0).unwrap_err();
+    /// assert!(error.to_string().starts_with("no pose at travel 4000 mm, rack 0 mm: the wheel travel ends at"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NoPose`] where the wheel cannot be, [`Error::Design`] if the design position itself cannot be solved.
+    pub fn pose_at(&self, travel: f64, rack: f64) -> Result<SuspensionPose, Error> {
+        let mut study = Study::of(self.clone()).over(Motion::at(travel, rack)?);
+        let outputs = &mut study.outputs;
+        outputs.characteristics = Characteristic::available(self).collect();
+        outputs.points = (0..self.mechanism.points.len()).map(PointId).collect();
+        let curves =
+            curves(self, &Plan::of(&study)).map_err(|fault| Error::design(self, &fault))?;
+        let station = &curves.stations[0];
+        if let Status::Failed(failure) = station.status {
+            return Err(Error::NoPose {
+                travel,
+                rack,
+                unit: self.length_unit.symbol(),
+                reason: failure.describe(self.length_unit),
+            });
+        }
+        let mut values = station.values.iter().copied();
+        let mut characteristics = BTreeMap::new();
+        for characteristic in &study.outputs.characteristics {
+            if let Some(value) = values.next().flatten() {
+                characteristics.insert(*characteristic, value);
+            }
+        }
+        let mut points = BTreeMap::new();
+        for id in &study.outputs.points {
+            let mut coordinate = || values.next().flatten();
+            if let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) {
+                points.insert(self.mechanism.name(*id).to_owned(), [x, y, z]);
+            }
+        }
+        Ok(SuspensionPose {
+            travel,
+            rack,
+            condition: station.condition.unwrap_or(f64::NAN),
+            points,
+            characteristics,
+        })
+    }
+}

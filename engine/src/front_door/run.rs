@@ -1,0 +1,137 @@
+//! What a study asks for, carried out.
+
+use super::Error;
+use crate::curves::{Curves, curves};
+use crate::optimise::{Control, Tuning, tune};
+use crate::plan::Plan;
+use crate::study::Study;
+use crate::sweep::{Rows, SweepPlan};
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What the outside world has to do with a sweep.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SweepControl<'a> {
+    /// Threads to work on; as many as there are cores if `None`. Results do not depend on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Once true, the sweep ends after the designs under way.
+    pub interrupt: Option<&'a AtomicBool>,
+}
+
+impl Study {
+    /// The curves asked for, at every station of the motion. A station without a pose says why in its status.
+    ///
+    /// ```
+    /// # extern crate hardpoint_engine as hardpoint;
+    /// use hardpoint::{Characteristic, Motion, Order, Study, Topology};
+    ///
+    /// let template = Topology::named("macpherson").unwrap().template;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let study = Study::of(suspension)
+    ///     .over(Motion::travel(-40.0..=40.0, 9)?)
+    ///     .asking(&[Characteristic::Camber, Characteristic::Toe], Order::Velocity)?;
+    /// let curves = study.curves()?;
+    /// assert_eq!(curves.columns[1].name, "camber_d1_deg_per_mm");
+    /// assert_eq!(curves.stations.len(), 9);
+    /// assert!(curves.stations[8].values[0].is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Design`] if the design position itself cannot be solved.
+    pub fn curves(&self) -> Result<Curves, Error> {
+        curves(&self.suspension, &Plan::of(self))
+            .map_err(|fault| Error::design(&self.suspension, &fault))
+    }
+
+    /// Tunes the variables towards the targets. The design found is [`Tuning::best`]; `None` if no start can be
+    /// solved at all stations.
+    ///
+    /// ```
+    /// # extern crate hardpoint_engine as hardpoint;
+    /// use hardpoint::{Axis, Characteristic, Control, Motion, Study, Target, Topology, Variable};
+    ///
+    /// let template = Topology::named("double_wishbone").unwrap().template;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let study = Study::of(suspension.clone())
+    ///     .over(Motion::travel(-30.0..=30.0, 7)?)
+    ///     .tuning(
+    ///         vec![Variable::offset(&suspension, "tie_rod_inner", Axis::Z, -20.0..=20.0)?],
+    ///         vec![Target::curve(&suspension, Characteristic::Toe, &[[-30.0, 0.0], [30.0, 0.0]], 0.02)?],
+    ///     );
+    /// let tuning = study.tune(Control::default())?;
+    /// let best = tuning.best.expect("it can be solved");
+    /// assert!(best.after.misfit <= tuning.before.expect("so can the design").misfit);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotAsked`] without [`Study::tuning`], [`Error::Design`] if the design cannot be solved.
+    pub fn tune(&self, control: Control<'_>) -> Result<Tuning, Error> {
+        let optimise = self
+            .optimise
+            .as_ref()
+            .ok_or(Error::NotAsked("nothing to tune"))?;
+        tune(&self.suspension, &self.motion, optimise, control)
+            .map_err(|fault| Error::design(&self.suspension, &fault))
+    }
+
+    /// Solves the designs of the sweep on all cores and hands their rows to `sink`, block by block in the order of
+    /// the designs, while it runs; memory holds a few blocks, however many designs there are. The names of the
+    /// columns, those of the variables before those of the outputs, are returned. Ends early, with everything
+    /// before handed over, when `sink` breaks or the control interrupts.
+    ///
+    /// ```
+    /// # extern crate hardpoint_engine as hardpoint;
+    /// use hardpoint::{Axis, Characteristic, Motion, Order, Sampling, Study, SweepControl, Topology, Variable};
+    /// use std::ops::ControlFlow;
+    ///
+    /// let template = Topology::named("macpherson").unwrap().template;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let height = Variable::offset(&suspension, "tie_rod_inner", Axis::Z, -5.0..=5.0)?;
+    /// let study = Study::of(suspension)
+    ///     .over(Motion::travel(-40.0..=40.0, 9)?)
+    ///     .asking(&[Characteristic::Toe], Order::Position)?
+    ///     .sampling(Sampling::Sobol, 100, 1, &[height]);
+    /// let mut largest = f64::NEG_INFINITY;
+    /// let columns = study.sweep(SweepControl::default(), |rows| {
+    ///     for design in 0..rows.designs() {
+    ///         largest = largest.max(rows.outputs(design)[1]);
+    ///     }
+    ///     ControlFlow::Continue(())
+    /// })?;
+    /// assert_eq!(columns[..3], ["tie_rod_inner_dz_mm", "toe_min_deg", "toe_max_deg"]);
+    /// assert!(largest > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotAsked`] without [`Study::sampling`], [`Error::Design`] if the design itself cannot be solved, and
+    /// what is wrong with a file of designs.
+    pub fn sweep(
+        &self,
+        control: SweepControl<'_>,
+        sink: impl FnMut(&Rows) -> ControlFlow<()> + Send,
+    ) -> Result<Vec<String>, Error> {
+        let sweep = self
+            .sweep
+            .as_ref()
+            .ok_or(Error::NotAsked("no designs to sweep"))?;
+        let plan = SweepPlan::of(self, sweep)
+            .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
+        let threads = control.threads.map_or(0, NonZeroUsize::get);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| Error::Threads {
+            threads,
+            reason: error.to_string(),
+        })?;
+        let go_on = || {
+            control
+                .interrupt
+                .is_none_or(|interrupt| !interrupt.load(Ordering::SeqCst))
+        };
+        pool.install(|| plan.run(0..plan.record.blocks(), go_on, sink));
+        Ok(plan.record.value_columns())
+    }
+}

@@ -1,0 +1,229 @@
+//! Suspensions from numbers.
+
+use super::validation::{GeometryFault, HardpointFault};
+use crate::model::{
+    Frame, FrameConvention, LengthUnit, Side, SpinAxis, Suspension, Topology, Vehicle,
+};
+use crate::number::Vector3;
+use thiserror::Error;
+
+/// Why there is no suspension.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// There is no topology of this name.
+    #[error("there is no topology {0:?}")]
+    UnknownTopology(String),
+    /// A hardpoint is unknown or missing.
+    #[error(transparent)]
+    Hardpoint(#[from] HardpointFault),
+    /// A hardpoint is given twice.
+    #[error("{0} is given twice")]
+    GivenTwice(String),
+    /// A figure is not a finite number, or out of its range.
+    #[error("{what} is {value}; expected {expected}")]
+    Number {
+        /// The figure.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Neither `spindle_inner` nor static camber and toe are given, or both are.
+    #[error(
+        "the direction of the wheel takes either the hardpoint spindle_inner or static camber and toe"
+    )]
+    SpinAxis,
+    /// The hardpoints make no suspension.
+    #[error(transparent)]
+    Geometry(Box<GeometryFault>),
+}
+
+/// A suspension in the making: hardpoints by name, in the axes and the unit of whoever gives them.
+///
+/// ```
+/// # extern crate hardpoint_engine as hardpoint;
+/// use hardpoint::{Suspension, Side};
+///
+/// let suspension = Suspension::builder("semi_trailing_arm")
+///     .side(Side::Left)
+///     .hardpoint("arm_pivot_inner", [420.0, 240.0, 330.0])
+///     .hardpoint("arm_pivot_outer", [350.0, 610.0, 310.0])
+///     .hardpoint("wheel_centre", [0.0, 730.0, 300.0])
+///     .static_angles_deg(-1.0, 0.1)
+///     .wheel_radius(300.0)
+///     .build()?;
+/// assert!(suspension.size() > 400.0);
+///
+/// // What is wrong is said.
+/// let error = Suspension::builder("semi_trailing_arm").build().unwrap_err();
+/// assert!(error.to_string().starts_with("missing for semi_trailing_arm: arm_pivot_inner"));
+/// # Ok::<(), hardpoint::BuildError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SuspensionBuilder {
+    topology: String,
+    side: Side,
+    convention: FrameConvention,
+    length_unit: LengthUnit,
+    hardpoints: Vec<(String, [f64; 3])>,
+    static_angles: Option<[f64; 2]>,
+    wheel_radius: Option<f64>,
+    vehicle: Vehicle,
+}
+
+impl Suspension {
+    /// Begins a suspension of a topology ([`Topology::ALL`] has their names and hardpoints): a left wheel in
+    /// ISO 8855 axes and millimetres, until something else is said.
+    pub fn builder(topology: &str) -> SuspensionBuilder {
+        SuspensionBuilder {
+            topology: topology.to_owned(),
+            side: Side::Left,
+            convention: FrameConvention::Iso8855,
+            length_unit: LengthUnit::Millimetre,
+            hardpoints: Vec::new(),
+            static_angles: None,
+            wheel_radius: None,
+            vehicle: Vehicle::default(),
+        }
+    }
+}
+
+impl SuspensionBuilder {
+    /// The side of the car.
+    pub fn side(mut self, side: Side) -> Self {
+        self.side = side;
+        self
+    }
+
+    /// The axes of all coordinates.
+    pub fn frame(mut self, convention: FrameConvention) -> Self {
+        self.convention = convention;
+        self
+    }
+
+    /// The unit of every length.
+    pub fn length_unit(mut self, unit: LengthUnit) -> Self {
+        self.length_unit = unit;
+        self
+    }
+
+    /// A hardpoint.
+    pub fn hardpoint(mut self, name: &str, position: [f64; 3]) -> Self {
+        self.hardpoints.push((name.to_owned(), position));
+        self
+    }
+
+    /// Camber and toe (degrees) in the design position, in place of the hardpoint `spindle_inner`: camber
+    /// positive with the top outboard, toe positive with the front inboard.
+    pub fn static_angles_deg(mut self, camber: f64, toe: f64) -> Self {
+        self.static_angles = Some([camber, toe]);
+        self
+    }
+
+    /// The loaded radius of the wheel.
+    pub fn wheel_radius(mut self, radius: f64) -> Self {
+        self.wheel_radius = Some(radius);
+        self
+    }
+
+    /// Figures of the whole vehicle.
+    pub fn vehicle(mut self, vehicle: Vehicle) -> Self {
+        self.vehicle = vehicle;
+        self
+    }
+
+    /// The suspension.
+    ///
+    /// # Errors
+    /// What is wrong with the hardpoints, the first of several faults.
+    pub fn build(self) -> Result<Suspension, BuildError> {
+        let topology = Topology::named(&self.topology)
+            .ok_or_else(|| BuildError::UnknownTopology(self.topology.clone()))?;
+        let given = self.given(topology)?;
+        let names: Vec<&'static str> = given.iter().map(|(name, _)| *name).collect();
+        if let Some(fault) = HardpointFault::missing(topology, |name| names.contains(&name)) {
+            return Err(fault.into());
+        }
+        let groups = topology.groups.iter();
+        let mut faults =
+            groups.filter_map(|group| HardpointFault::of_group(topology, group, &names));
+        if let Some(fault) = faults.next() {
+            return Err(fault.into());
+        }
+        if let Some(radius) = self.wheel_radius {
+            checked("wheel_radius", radius, "a number above 0", |r| r > 0.0)?;
+        }
+        let frame = Frame::new(self.convention, self.side);
+        let mut mechanism = (topology.build)(topology, &names);
+        mechanism.spin_axis = match (mechanism.spin_axis, self.static_angles) {
+            (axis @ SpinAxis::From(_), None) => axis,
+            (SpinAxis::Along(_), Some([camber, toe])) => {
+                let below = "between -90 and 90 degrees";
+                checked("static camber", camber, below, |a| a.abs() < 90.0)?;
+                checked("static toe", toe, below, |a| a.abs() < 90.0)?;
+                SpinAxis::standing(camber.to_radians(), toe.to_radians())
+            }
+            _ => return Err(BuildError::SpinAxis),
+        };
+        let position = |name: &str| given.iter().find(|(known, _)| *known == name);
+        let design = mechanism.points.iter();
+        let design = design
+            .filter_map(|point| position(&point.name))
+            .map(|(_, position)| frame.vector(*position))
+            .collect();
+        let suspension = Suspension {
+            mechanism,
+            design,
+            frame,
+            length_unit: self.length_unit,
+            wheel_radius: self.wheel_radius,
+            vehicle: self.vehicle,
+        };
+        match GeometryFault::all_of(&suspension).into_iter().next() {
+            Some(fault) => Err(BuildError::Geometry(Box::new(fault))),
+            None => Ok(suspension),
+        }
+    }
+
+    /// The hardpoints by the topology's names.
+    fn given(
+        &self,
+        topology: &'static Topology,
+    ) -> Result<Vec<(&'static str, Vector3<f64>)>, BuildError> {
+        let mut given: Vec<(&'static str, Vector3<f64>)> = Vec::new();
+        for (name, position) in &self.hardpoints {
+            let Some(hardpoint) = topology.hardpoint(name) else {
+                return Err(BuildError::Hardpoint(HardpointFault::Unknown {
+                    topology: topology.name,
+                    name: name.clone(),
+                }));
+            };
+            if given.iter().any(|(known, _)| *known == hardpoint.name) {
+                return Err(BuildError::GivenTwice(name.clone()));
+            }
+            for coordinate in position {
+                checked(name, *coordinate, "finite coordinates", f64::is_finite)?;
+            }
+            given.push((hardpoint.name, Vector3::from(*position)));
+        }
+        Ok(given)
+    }
+}
+
+fn checked(
+    what: &str,
+    value: f64,
+    expected: &'static str,
+    is_right: impl Fn(f64) -> bool,
+) -> Result<(), BuildError> {
+    match is_right(value) {
+        true => Ok(()),
+        false => Err(BuildError::Number {
+            what: what.to_owned(),
+            value,
+            expected,
+        }),
+    }
+}

@@ -1,0 +1,156 @@
+//! Double wishbone: two arms, one above the other, and a tie or toe rod.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
+use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
+
+/// The double wishbone.
+pub(super) static DOUBLE_WISHBONE: Topology = Topology {
+    name: "double_wishbone",
+    summary: "Double wishbone: upper arm, lower arm, tie rod or toe rod",
+    hardpoints: &[
+        required(
+            "upper_arm_front",
+            "front pivot of the upper arm on the body",
+        ),
+        required("upper_arm_rear", "rear pivot of the upper arm on the body"),
+        required("upper_ball_joint", "joint of upper arm and knuckle"),
+        required(
+            "lower_arm_front",
+            "front pivot of the lower arm on the body",
+        ),
+        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        required("lower_ball_joint", "joint of lower arm and knuckle"),
+        required(
+            "tie_rod_inner",
+            "joint of tie rod and rack; of the toe rod and the body where the axle is not steered",
+        ),
+        required("tie_rod_outer", "joint of tie rod and knuckle"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the lower arm or the rocker",
+        ),
+    ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
+    distinct: &[
+        (
+            "upper_arm_front",
+            "upper_arm_rear",
+            "they define the axis of the upper arm",
+        ),
+        (
+            "upper_ball_joint",
+            "upper_arm_front",
+            "the upper arm would have no length",
+        ),
+        (
+            "upper_ball_joint",
+            "upper_arm_rear",
+            "the upper arm would have no length",
+        ),
+        (
+            "lower_arm_front",
+            "lower_arm_rear",
+            "they define the axis of the lower arm",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_front",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_rear",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "upper_ball_joint",
+            "they define the steering axis",
+        ),
+        (
+            "tie_rod_inner",
+            "tie_rod_outer",
+            "the tie rod would have no length",
+        ),
+        (
+            "tie_rod_outer",
+            "lower_ball_joint",
+            "the tie rod could not steer the wheel",
+        ),
+        (
+            "tie_rod_outer",
+            "upper_ball_joint",
+            "the tie rod could not steer the wheel",
+        ),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../../studies/double_wishbone_solve.toml"),
+};
+
+const CARRIERS: Carriers = Carriers {
+    pushrod: Body::Arm(ArmId(0)),
+    pullrod: Body::Arm(ArmId(1)),
+    drop_link: Body::Arm(ArmId(0)),
+    spring: Body::Arm(ArmId(0)),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(topology, given, CARRIERS, |name| match name {
+        "upper_arm_front" | "upper_arm_rear" | "lower_arm_front" | "lower_arm_rear" => {
+            Body::Chassis
+        }
+        "tie_rod_inner" => Body::Rack,
+        _ => Body::Knuckle,
+    });
+    let id = |name: &str| given.id(name);
+    let lower = Arm {
+        front: id("lower_arm_front"),
+        rear: id("lower_arm_rear"),
+        outer: id("lower_ball_joint"),
+    };
+    let upper = Arm {
+        front: id("upper_arm_front"),
+        rear: id("upper_arm_rear"),
+        outer: id("upper_ball_joint"),
+    };
+    let link = |inner, outer| Constraint::Link { inner, outer };
+    let rockers = given.rockers();
+    Mechanism {
+        topology,
+        bodies: [
+            ("chassis", Body::Chassis),
+            ("knuckle", Body::Knuckle),
+            ("lower_arm", Body::Arm(ArmId(0))),
+            ("upper_arm", Body::Arm(ArmId(1))),
+        ]
+        .into_iter()
+        .chain(bodies(&rockers))
+        .collect(),
+        constraints: vec![
+            link(lower.front, lower.outer),
+            link(lower.rear, lower.outer),
+            link(upper.front, upper.outer),
+            link(upper.rear, upper.outer),
+            link(id("tie_rod_inner"), id("tie_rod_outer")),
+        ],
+        arms: vec![lower, upper],
+        origin: lower.outer,
+        wheel_centre: id("wheel_centre"),
+        spin_axis: given.spin_axis(),
+        steering_axis: Some(SteeringAxis::Through {
+            lower: lower.outer,
+            upper: upper.outer,
+        }),
+        rockers,
+        spring: given.spring(),
+        closed_form: Some(ClosedForm::DoubleWishbone),
+        points: given.0,
+    }
+}

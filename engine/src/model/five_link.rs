@@ -1,0 +1,99 @@
+//! Five-link: the knuckle held by five separate rods.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
+use super::{Body, Constraint, Mechanism, SteeringAxis, Topology};
+
+const LINKS: [(&str, &str); 5] = [
+    ("upper_front_link_inner", "upper_front_link_outer"),
+    ("upper_rear_link_inner", "upper_rear_link_outer"),
+    ("lower_front_link_inner", "lower_front_link_outer"),
+    ("lower_rear_link_inner", "lower_rear_link_outer"),
+    ("toe_link_inner", "toe_link_outer"),
+];
+
+const NO_LENGTH: &str = "the link would have no length";
+
+/// The five-link suspension.
+pub(super) static FIVE_LINK: Topology = Topology {
+    name: "five_link",
+    summary: "Five-link: knuckle on two upper links, two lower links and a toe link",
+    hardpoints: &[
+        required("upper_front_link_inner", "upper front link at the body"),
+        required("upper_front_link_outer", "upper front link at the knuckle"),
+        required("upper_rear_link_inner", "upper rear link at the body"),
+        required("upper_rear_link_outer", "upper rear link at the knuckle"),
+        required("lower_front_link_inner", "lower front link at the body"),
+        required("lower_front_link_outer", "lower front link at the knuckle"),
+        required("lower_rear_link_inner", "lower rear link at the body"),
+        required("lower_rear_link_outer", "lower rear link at the knuckle"),
+        required(
+            "toe_link_inner",
+            "toe link at the rack; at the body where the axle is not steered",
+        ),
+        required("toe_link_outer", "toe link at the knuckle"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the knuckle or the rocker",
+        ),
+    ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
+    distinct: &[
+        (
+            "upper_front_link_inner",
+            "upper_front_link_outer",
+            NO_LENGTH,
+        ),
+        ("upper_rear_link_inner", "upper_rear_link_outer", NO_LENGTH),
+        (
+            "lower_front_link_inner",
+            "lower_front_link_outer",
+            NO_LENGTH,
+        ),
+        ("lower_rear_link_inner", "lower_rear_link_outer", NO_LENGTH),
+        ("toe_link_inner", "toe_link_outer", NO_LENGTH),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../../studies/five_link_solve.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "toe_link_inner" => Body::Rack,
+            _ if name.ends_with("_link_inner") => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
+    let constraints = LINKS.map(|(inner, outer)| Constraint::Link {
+        inner: given.id(inner),
+        outer: given.id(outer),
+    });
+    let rockers = given.rockers();
+    Mechanism {
+        topology,
+        bodies: [("chassis", Body::Chassis), ("knuckle", Body::Knuckle)]
+            .into_iter()
+            .chain(bodies(&rockers))
+            .collect(),
+        constraints: constraints.to_vec(),
+        arms: Vec::new(),
+        origin: given.id("lower_rear_link_outer"),
+        wheel_centre: given.id("wheel_centre"),
+        spin_axis: given.spin_axis(),
+        steering_axis: Some(SteeringAxis::Instantaneous),
+        rockers,
+        spring: given.spring(),
+        closed_form: None,
+        points: given.0,
+    }
+}

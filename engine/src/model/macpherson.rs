@@ -1,0 +1,125 @@
+//! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, bodies};
+use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, optional, required};
+use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
+
+/// The MacPherson strut.
+pub(super) static MACPHERSON: Topology = Topology {
+    name: "macpherson",
+    summary: "MacPherson strut: lower arm, strut clamped in the knuckle, tie rod",
+    hardpoints: &[
+        required(
+            "lower_arm_front",
+            "front pivot of the lower arm on the body",
+        ),
+        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        required("lower_ball_joint", "joint of lower arm and knuckle"),
+        required("strut_top", "upper strut mount on the body"),
+        required("strut_lower", "a point of the strut axis on the knuckle"),
+        optional(
+            "strut_upper",
+            "a second point of the strut axis on the knuckle; without it the axis runs from strut_lower to strut_top",
+        ),
+        required("tie_rod_inner", "joint of tie rod and rack"),
+        required("tie_rod_outer", "joint of tie rod and knuckle"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+    ],
+    groups: &[&ANTI_ROLL_BAR],
+    distinct: &[
+        (
+            "lower_arm_front",
+            "lower_arm_rear",
+            "they define the axis of the lower arm",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_front",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "lower_arm_rear",
+            "the lower arm would have no length",
+        ),
+        (
+            "lower_ball_joint",
+            "strut_top",
+            "they define the steering axis",
+        ),
+        ("strut_lower", "strut_upper", "they define the strut axis"),
+        ("strut_lower", "strut_top", "the strut would have no length"),
+        (
+            "tie_rod_inner",
+            "tie_rod_outer",
+            "the tie rod would have no length",
+        ),
+        (
+            "tie_rod_outer",
+            "lower_ball_joint",
+            "the tie rod could not steer the wheel",
+        ),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../../studies/macpherson_solve.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "lower_arm_front" | "lower_arm_rear" | "strut_top" => Body::Chassis,
+            "tie_rod_inner" => Body::Rack,
+            _ => Body::Knuckle,
+        },
+    );
+    let id = |name: &str| given.id(name);
+    let arm = Arm {
+        front: id("lower_arm_front"),
+        rear: id("lower_arm_rear"),
+        outer: id("lower_ball_joint"),
+    };
+    let link = |inner, outer| Constraint::Link { inner, outer };
+    let rockers = given.rockers();
+    Mechanism {
+        topology,
+        bodies: [
+            ("chassis", Body::Chassis),
+            ("knuckle", Body::Knuckle),
+            ("lower_arm", Body::Arm(ArmId(0))),
+            ("strut_rod", Body::StrutRod(id("strut_top"))),
+        ]
+        .into_iter()
+        .chain(bodies(&rockers))
+        .collect(),
+        constraints: vec![
+            link(arm.front, arm.outer),
+            link(arm.rear, arm.outer),
+            Constraint::StrutLine {
+                top: id("strut_top"),
+                lower: id("strut_lower"),
+                upper: given.find("strut_upper"),
+            },
+            link(id("tie_rod_inner"), id("tie_rod_outer")),
+        ],
+        arms: vec![arm],
+        origin: arm.outer,
+        wheel_centre: id("wheel_centre"),
+        spin_axis: given.spin_axis(),
+        steering_axis: Some(SteeringAxis::Through {
+            lower: arm.outer,
+            upper: id("strut_top"),
+        }),
+        rockers,
+        spring: Some(Spring {
+            upper: id("strut_top"),
+            lower: id("strut_lower"),
+        }),
+        closed_form: Some(ClosedForm::Strut),
+        points: given.0,
+    }
+}

@@ -1,0 +1,72 @@
+//! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a
+//! trailing arm, with the axis along x a swing axle.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
+use super::{Arm, Body, Constraint, Mechanism, Topology};
+
+/// The semi-trailing arm.
+pub(super) static SEMI_TRAILING_ARM: Topology = Topology {
+    name: "semi_trailing_arm",
+    summary: "Semi-trailing arm: wheel carrier on one hinge; a trailing arm where its axis is transverse",
+    hardpoints: &[
+        required("arm_pivot_inner", "inboard pivot of the arm on the body"),
+        required("arm_pivot_outer", "outboard pivot of the arm on the body"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the arm or the rocker",
+        ),
+    ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
+    distinct: &[
+        (
+            "arm_pivot_inner",
+            "arm_pivot_outer",
+            "they define the axis of the arm",
+        ),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../../studies/semi_trailing_arm_solve.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            "arm_pivot_inner" | "arm_pivot_outer" => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
+    let (first, second) = (given.id("arm_pivot_inner"), given.id("arm_pivot_outer"));
+    let wheel_centre = given.id("wheel_centre");
+    let rockers = given.rockers();
+    Mechanism {
+        topology,
+        bodies: [("chassis", Body::Chassis), ("arm", Body::Knuckle)]
+            .into_iter()
+            .chain(bodies(&rockers))
+            .collect(),
+        constraints: vec![Constraint::Revolute { first, second }],
+        arms: vec![Arm {
+            front: second,
+            rear: first,
+            outer: wheel_centre,
+        }],
+        origin: wheel_centre,
+        wheel_centre,
+        spin_axis: given.spin_axis(),
+        steering_axis: None,
+        rockers,
+        spring: given.spring(),
+        closed_form: None,
+        points: given.0,
+    }
+}

@@ -1,0 +1,260 @@
+//! Constraints of designs that are solved in SIMD lanes.
+//!
+//! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
+//! these a formula's derivatives lead to the variables by the chain rule, station by station.
+
+use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
+use crate::model::{Axis, Mechanism, PointId};
+use crate::number::Vector3;
+use crate::sweep::Slopes;
+
+/// A measure, made of what lanes tell.
+#[derive(Clone)]
+pub(super) enum LanePart {
+    /// The quantity of this number.
+    Quantity(usize),
+    /// A formula of vectors.
+    Formula(Measure, Vec<Source>),
+}
+
+/// Where a vector is from: numbers of quantities, or the design.
+#[derive(Clone, Copy)]
+pub(super) enum Source {
+    /// The coordinates of a point.
+    Point([usize; 3]),
+    /// Those of two points of the wheel carrier, from the first to the second.
+    Between([[usize; 3]; 2]),
+    /// Camber and toe.
+    SpinAxis([usize; 2]),
+    /// From the first of these points to the second in the design position; the second alone without a first.
+    Designed(Option<PointId>, PointId),
+    /// What never moves.
+    Fixed(Vector3<f64>),
+}
+
+/// The number of a quantity in a list, to which it is added if need be.
+fn number(quantities: &mut Vec<Quantity>, quantity: Quantity) -> usize {
+    let known = quantities.iter().position(|known| *known == quantity);
+    known.unwrap_or_else(|| {
+        quantities.push(quantity);
+        quantities.len() - 1
+    })
+}
+
+impl LanePart {
+    /// Of a measure; `quantities` are those read so far, to which it adds what it takes. `None` where lanes do not tell it.
+    pub(super) fn of(
+        measure: &Measure,
+        mechanism: &Mechanism,
+        quantities: &mut Vec<Quantity>,
+    ) -> Option<Self> {
+        match measure {
+            Measure::Quantity(quantity) => {
+                return Some(LanePart::Quantity(number(quantities, *quantity)));
+            }
+            Measure::Carried(_) => return None,
+            _ => {}
+        }
+        let (inputs, count) = measure.inputs(mechanism);
+        let sources = inputs[..count].iter();
+        let sources = sources.map(|input| Source::of(*input, quantities));
+        Some(LanePart::Formula(
+            measure.clone(),
+            sources.collect::<Option<_>>()?,
+        ))
+    }
+
+    /// The value of a station in a lane, its derivatives by the variables into `slopes`.
+    pub(super) fn read(
+        &self,
+        found: &Slopes<'_>,
+        lane: usize,
+        design: &Moving<'_>,
+        slopes: &mut [f64],
+    ) -> f64 {
+        let (measure, sources) = match self {
+            LanePart::Quantity(quantity) => {
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    *slope = found.slope(lane, *quantity, column);
+                }
+                return found.value(lane, *quantity);
+            }
+            LanePart::Formula(measure, sources) => (measure, sources),
+        };
+        let mut vectors: Vectors<f64> = Default::default();
+        for (vector, source) in vectors.iter_mut().zip(sources) {
+            *vector = source.value(found, lane, design);
+        }
+        slopes.fill(0.0);
+        for (k, source) in sources.iter().enumerate() {
+            let by = measure.by_vector(k, &vectors);
+            source.add_slopes(by, found, lane, design, slopes);
+        }
+        measure.formula(&vectors)
+    }
+}
+
+/// A design, and how its coordinates move with each variable, `[variable][point][axis]`.
+pub(super) struct Moving<'d> {
+    pub design: &'d [Vector3<f64>],
+    pub along: &'d [f64],
+}
+
+impl Moving<'_> {
+    fn along(&self, column: usize, PointId(point): PointId) -> Vector3<f64> {
+        let first = 3 * (column * self.design.len() + point);
+        Vector3::new(
+            self.along[first],
+            self.along[first + 1],
+            self.along[first + 2],
+        )
+    }
+}
+
+impl Source {
+    /// Of what a formula reads; `None` of the turn of the wheel carrier, which is no coordinate.
+    fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
+        let mut point =
+            |id| Axis::ALL.map(|axis| number(quantities, Quantity::Coordinate(id, axis)));
+        Some(match input {
+            Input::Now(id) => Source::Point(point(id)),
+            Input::StudNow(Stud::Between(from, to)) => Source::Between([from, to].map(point)),
+            Input::StudNow(Stud::Along(_)) => return None,
+            Input::SpinAxis => {
+                let angles = [Characteristic::Camber, Characteristic::Toe];
+                let angles = angles.map(Quantity::Characteristic);
+                Source::SpinAxis(angles.map(|angle| number(quantities, angle)))
+            }
+            Input::Designed(id) => Source::Designed(None, id),
+            Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),
+            Input::StudDesigned(Stud::Along(direction)) => Source::Fixed(direction),
+        })
+    }
+
+    fn value(&self, found: &Slopes<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
+        let point = |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
+        let designed = |PointId(id): PointId| moving.design[id];
+        match *self {
+            Source::Point(numbers) => point(numbers),
+            Source::Between([from, to]) => point(to) - point(from),
+            Source::SpinAxis(numbers) => {
+                // camber = -asin(a_z), toe = atan2(a_x, a_y).
+                let [camber, toe] = numbers.map(|n| found.value(lane, n).sin_cos());
+                Vector3::new(camber.1 * toe.0, camber.1 * toe.1, -camber.0)
+            }
+            Source::Designed(None, id) => designed(id),
+            Source::Designed(Some(from), to) => designed(to) - designed(from),
+            Source::Fixed(direction) => direction,
+        }
+    }
+
+    /// Adds what a derivative by the vector comes to by the variables.
+    fn add_slopes(
+        &self,
+        by: Vector3<f64>,
+        found: &Slopes<'_>,
+        lane: usize,
+        moving: &Moving<'_>,
+        slopes: &mut [f64],
+    ) {
+        // Of numbers in lanes, each with what it counts.
+        let mut add = |numbers: &[usize], weights: [f64; 3]| {
+            for (number, weight) in numbers.iter().zip(weights) {
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    *slope += weight * found.slope(lane, *number, column);
+                }
+            }
+        };
+        match *self {
+            Source::Point(numbers) => add(&numbers, by.to_array()),
+            Source::Between([from, to]) => {
+                add(&to, by.to_array());
+                add(&from, (-by).to_array());
+            }
+            Source::SpinAxis(numbers) => {
+                let [camber, toe] = numbers.map(|n| found.value(lane, n).sin_cos());
+                let by_camber = -camber.0 * (by.x * toe.0 + by.y * toe.1) - camber.1 * by.z;
+                let by_toe = camber.1 * (by.x * toe.1 - by.y * toe.0);
+                add(&numbers, [by_camber, by_toe, 0.0]);
+            }
+            Source::Designed(from, to) => {
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    let from = from.map(|from| moving.along(column, from));
+                    let along = moving.along(column, to) - from.unwrap_or_default();
+                    *slope += by.dot(along);
+                }
+            }
+            Source::Fixed(_) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::number::Width;
+    use crate::optimise::{Assessment, Constrained, Objective, TargetLayout};
+    use crate::study::Study;
+    use nalgebra::DVector;
+    use std::path::Path;
+
+    /// Every kind of constraint that lanes tell, on a wishbone with a drive shaft.
+    const CONSTRAINTS: &str = "optimise.constraints=[\
+        { characteristic = \"toe\", between = [-9.0, 9.0] }, \
+        { length = [\"tie_rod_outer\", \"lower_arm_front\"], at_least = 10.0 }, \
+        { point = \"tie_rod_outer\", inside = { rim = 150.0, from = -90.0, to = 20.0 } }, \
+        { point = \"tie_rod_outer\", inside = { box = [[-500, 0, 0], [500, 900, 900]] } }, \
+        { point = \"wheel_centre\", outside = { cylinder = { from = [0, 100, 100], to = [50, 400, 120], radius = 30.0 } } }, \
+        { members = [\"tie_rod\", \"lower_arm_front\"], clearance = 5.0 }, \
+        { members = [\"tie_rod\"], inside = { rim = 260.0, from = -90.0 } }, \
+        { articulation = \"lower_ball_joint\", at_most = 20.0 }, \
+        { articulation = \"tie_rod_outer\", at_most = 25.0 }, \
+        { articulation = \"drive_shaft_outer\", at_most = 40.0 }, \
+        { articulation = \"drive_shaft_inner\", at_most = 20.0 }, \
+        { plunge = \"drive_shaft\", between = [-30.0, 20.0] }, \
+        { coplanar = [\"lower_arm_front\", \"lower_arm_rear\", \"lower_ball_joint\", \"tie_rod_outer\"] }]";
+
+    /// In lanes rows and their derivatives are those of one station after the other, and the same bits at every width.
+    #[test]
+    fn rows_in_lanes_are_those_of_station_by_station() {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/double_wishbone_front.toml");
+        let joint = |at: &str, body: &str, [x, y, z]: [f64; 3]| {
+            format!(
+                "suspension.extra_points.drive_shaft_{at}={{ body = \"{body}\", position = [{x}, {y}, {z}] }}"
+            )
+        };
+        let overrides = [
+            joint("inner", "chassis", [5.0, 250.0, 310.0]),
+            joint("outer", "knuckle", [3.0, 690.0, 300.0]),
+            CONSTRAINTS.to_owned(),
+        ];
+        let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
+        let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
+        let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
+        let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);
+        let x = DVector::from_column_slice(&[4.0, -3.0, 6.0, -7.0]);
+        let at = |width: Option<Width>| {
+            let problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+            let mut problem = problem.with_width(suspension, width);
+            assert_eq!(problem.is_in_lanes(&x), width.is_some());
+            let mut at = Assessment::new(&problem.shape(), x.len());
+            problem.assess(&x, &mut at).unwrap();
+            at
+        };
+        let (alone, widest) = (at(None), at(Some(Width::widest())));
+        let off = |a: f64, b: f64| (a - b).abs() / (1.0 + b.abs());
+        let residuals = widest
+            .rows
+            .residuals
+            .iter()
+            .zip(alone.rows.residuals.iter());
+        let slopes = widest.rows.jacobian.iter().zip(alone.rows.jacobian.iter());
+        assert!(residuals.len() > 300);
+        for (a, b) in residuals.chain(slopes) {
+            assert!(off(*a, *b) < 1e-11, "{a} {b}");
+        }
+        for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+            assert_eq!(at(Some(width)), widest);
+        }
+    }
+}

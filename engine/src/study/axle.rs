@@ -1,0 +1,627 @@
+//! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
+
+use super::Outputs;
+use super::error::Problems;
+use super::file::{self, File};
+use super::loads::loads_of_axle;
+use super::motion::values;
+use super::names::choose;
+use super::outputs::{self, distinct};
+use super::right_wheel::{self, right_wheel};
+use super::suspension::{above_zero, positive};
+use super::value::{Number, Text, Values};
+use crate::axle::{
+    Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
+    SpringLaw, WheelMotion,
+};
+use crate::characteristics::Constants;
+use crate::model::{Axis, Suspension};
+use toml::Spanned;
+
+/// The most stations of an axle: a few seconds' worth.
+const MOST_STATIONS: usize = 100_000;
+
+/// What a study asks of an axle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleStudy {
+    /// Both wheels and the figures of the study.
+    pub axle: Axle,
+    /// What is computed.
+    pub plan: AxlePlan,
+}
+
+/// The keys of a motion that are of axles, and where they are.
+fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<usize>)> {
+    let keys = [
+        ("heave", &motion.heave),
+        ("roll", &motion.roll),
+        ("travel_left", &motion.travel_left),
+        ("travel_right", &motion.travel_right),
+        ("steering_wheel_angle", &motion.steering_wheel_angle),
+    ];
+    let keys = keys.into_iter();
+    let mut places: Vec<_> = keys
+        .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
+        .collect();
+    places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
+    places.extend(motion.hold.as_ref().map(|text| ("hold", text.span())));
+    places
+}
+
+/// Refuses what is of an axle in a study of one wheel.
+pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
+    let motions = std::iter::once(&file.motion).chain(file.motions.values());
+    let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
+    let sections = [
+        ("[steering]", file.steering.as_ref().map(Spanned::span)),
+        ("[spring]", file.spring.as_ref().map(Spanned::span)),
+        ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
+        (
+            "[anti_roll_bar]",
+            file.anti_roll_bar.as_ref().map(Spanned::span),
+        ),
+        ("[tyre]", file.tyre.as_ref().map(Spanned::span)),
+    ];
+    let sections = sections.into_iter();
+    places.extend(sections.filter_map(|(name, span)| Some((name, span?))));
+    for (key, span) in places {
+        let message = format!("{key} is of an axle, and this study is of one wheel");
+        let error = problems.add(span, message);
+        error.help("[axle] with right = \"mirrored\" makes it a study of both wheels");
+    }
+}
+
+/// The axle, if nothing is wrong with it. `suspension` is the left wheel.
+pub(super) fn axle(
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<AxleStudy> {
+    let section = file.axle.as_ref()?;
+    let mut sound = refuse_corner_keys(file, problems);
+    if suspension.frame != left_frame(suspension) {
+        let place = file
+            .suspension
+            .side
+            .as_ref()
+            .map_or(section.span(), Text::span);
+        let message = "[suspension] of an axle is its left wheel; expected side = \"left\"";
+        problems.add(place, message);
+        sound = false;
+    }
+    let right = right_wheel(file, section.get_ref(), suspension, problems);
+    let setup = setup(file, suspension, problems);
+    let (right, setup) = (right?, setup?);
+    let axle = Axle {
+        left: suspension.clone(),
+        right,
+        setup,
+    };
+    track_agrees(file, &axle, problems)?;
+    let course = course(file, &axle, problems);
+    let plan = plan(file, &axle, course, problems)?;
+    check_needs(file, &axle, &plan, problems)?;
+    sound.then_some(AxleStudy { axle, plan })
+}
+
+/// The frame that a left wheel has in the study's axes: outboard is the kernel's +y.
+fn left_frame(suspension: &Suspension) -> crate::model::Frame {
+    use crate::model::{Frame, FrameConvention, Side};
+    let all = [
+        FrameConvention::Iso8855,
+        FrameConvention::SaeJ670,
+        FrameConvention::XRear,
+    ];
+    let lefts = all.map(|convention| Frame::new(convention, Side::Left));
+    let own = |frame: &&Frame| **frame == suspension.frame;
+    lefts.iter().find(own).copied().unwrap_or(lefts[0])
+}
+
+/// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
+fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
+    let motion = file.motion.get_ref();
+    let mut refused = Vec::new();
+    let mut add = |span: Option<std::ops::Range<usize>>, message: &str| {
+        refused.extend(span.map(|span| (span, message.to_owned())));
+    };
+    let one_wheel =
+        "is of a study of one wheel; an axle moves by heave, roll, or travel_left and travel_right";
+    let values = |values: &Option<Spanned<Values>>| values.as_ref().map(Spanned::span);
+    add(values(&motion.travel), &format!("travel {one_wheel}"));
+    add(values(&motion.arm_angle), &format!("arm_angle {one_wheel}"));
+    add(values(&motion.theta), &format!("theta {one_wheel}"));
+    add(
+        motion.drive.as_ref().map(Text::span),
+        &format!("drive {one_wheel}"),
+    );
+    add(
+        motion.time.as_ref().map(Spanned::span),
+        "time is not yet there for an axle",
+    );
+    // Of the left wheel by itself, for constraints.
+    for motion in file.motions.values() {
+        for (key, span) in keys_of_axles(motion.get_ref()) {
+            let message = format!(
+                "{key} is of [motion]; a named motion is one of the left wheel, through which constraints hold: \
+                 expected travel and rack"
+            );
+            add(Some(span), &message);
+        }
+    }
+    add(
+        file.solver.formulation.as_ref().map(Text::span),
+        "formulation is not there for an axle, which is always solved as \"knuckle_pose\"",
+    );
+    add(
+        file.solver.accuracy.as_ref().map(Spanned::span),
+        "accuracy is not there for an axle, which is always solved in full precision",
+    );
+    let sound = refused.is_empty();
+    for (span, message) in refused {
+        problems.add(span, message);
+    }
+    sound
+}
+
+fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
+    let vehicle = &file.vehicle;
+    let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
+    let c_factor = match &file.steering {
+        None => Some(None),
+        Some(section) => {
+            let c_factor = &section.get_ref().c_factor;
+            match c_factor.value {
+                0.0 => {
+                    let message = "a c_factor of 0 never moves the rack";
+                    problems.add(c_factor.span.clone(), message);
+                    None
+                }
+                value => Some(Some(value * left.frame.sign(Axis::Y))),
+            }
+        }
+    };
+    let springs = springs(file, left, problems);
+    let rate = |section: &Option<Spanned<file::Rate>>, problems: &mut Problems| match section {
+        None => Some(None),
+        Some(section) => above_zero(&section.get_ref().rate, problems).map(Some),
+    };
+    let mut bar_rate = rate(&file.anti_roll_bar, problems);
+    let tyre_rate = rate(&file.tyre, problems);
+    if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
+        let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
+        let error = problems.add(section.span(), message);
+        error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
+        bar_rate = None;
+    }
+    let [sprung_mass, unsprung_mass] = masses;
+    Some(Setup {
+        wheel_radius: left.wheel_radius,
+        wheelbase: left.vehicle.wheelbase,
+        position: left.vehicle.position,
+        c_factor: c_factor?,
+        springs: springs?,
+        bar_rate: bar_rate?,
+        tyre_rate: tyre_rate?,
+        sprung_mass: sprung_mass?,
+        unsprung_mass: unsprung_mass?,
+        constants: Constants::of(left),
+        per_metre: left.length_unit.per_metre(),
+    })
+}
+
+/// The laws of both springs; the inner `None` where there are none.
+fn springs(
+    file: &File,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<[SpringLaw; 2]>> {
+    let own = right_wheel::own(file).and_then(|own| own.spring.as_ref());
+    let stop = match &file.bump_stop {
+        None => None,
+        Some(stop) => {
+            let points = force_curve(&stop.get_ref().force_curve, problems);
+            Some(BumpStop {
+                gap: stop.get_ref().gap.value,
+                curve: points?,
+            })
+        }
+    };
+    let Some(section) = &file.spring else {
+        let stop = file.bump_stop.as_ref().map(Spanned::span);
+        let beside = [
+            ("[bump_stop]", stop),
+            ("[axle.right.spring]", own.map(Spanned::span)),
+        ];
+        let mut beside = beside
+            .into_iter()
+            .filter_map(|(name, span)| Some((name, span?)));
+        let Some((name, span)) = beside.next() else {
+            return Some(None);
+        };
+        let message = match name {
+            "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
+            _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
+        };
+        problems.add(span, message);
+        return None;
+    };
+    if left.mechanism.spring.is_none() {
+        let message = "[spring] is given, but the study gives no spring";
+        let error = problems.add(section.span(), message);
+        error.help("spring_upper and spring_lower in [suspension.hardpoints] make one");
+        return None;
+    }
+    let common = section.get_ref();
+    let given = (&common.rate, &common.force, &common.force_curve);
+    let left = spring(given, section.span(), problems);
+    let right = match own {
+        None => left.clone(),
+        Some(section) => {
+            let own = section.get_ref();
+            // Rate or force alone differs from what both have.
+            let given = match own.force_curve {
+                Some(_) => (&own.rate, &own.force, &own.force_curve),
+                None => (
+                    or(&own.rate, &common.rate),
+                    or(&own.force, &common.force),
+                    &None,
+                ),
+            };
+            spring(given, section.span(), problems)
+        }
+    };
+    let law = |spring: Law| SpringLaw {
+        spring,
+        bump_stop: stop.clone(),
+    };
+    Some(Some([law(left?), law(right?)]))
+}
+
+fn or<'a, T>(own: &'a Option<T>, common: &'a Option<T>) -> &'a Option<T> {
+    match own {
+        Some(_) => own,
+        None => common,
+    }
+}
+
+/// Rate, force and curve as they are written.
+type GivenSpring<'a> = (
+    &'a Option<Number>,
+    &'a Option<Number>,
+    &'a Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+);
+
+fn spring(
+    given: GivenSpring<'_>,
+    place: std::ops::Range<usize>,
+    problems: &mut Problems,
+) -> Option<Law> {
+    match given {
+        (Some(rate), Some(force), None) => Some(Law::Linear {
+            rate: above_zero(rate, problems)?,
+            force: force.value,
+        }),
+        (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, problems)?)),
+        (_, _, Some(curve)) => {
+            let message =
+                "force_curve already gives the spring; expected rate and force, or force_curve";
+            problems.add(curve.span(), message);
+            None
+        }
+        _ => {
+            let message = "expected rate and force (in the design position), or force_curve";
+            problems.add(place, message);
+            None
+        }
+    }
+}
+
+fn force_curve(
+    written: &Spanned<Vec<Spanned<Vec<Number>>>>,
+    problems: &mut Problems,
+) -> Option<ForceCurve> {
+    let mut points = Vec::new();
+    for pair in written.get_ref() {
+        match pair.get_ref().as_slice() {
+            [x, y] => points.push([x.value, y.value]),
+            other => {
+                let message = format!("expected a pair [length, force], found {}", other.len());
+                problems.add(pair.span(), message);
+                return None;
+            }
+        }
+    }
+    let curve = ForceCurve::through(&points);
+    if curve.is_none() {
+        let message = "expected two or more pairs, each length above the one before";
+        problems.add(written.span(), message);
+    }
+    curve
+}
+
+/// The track of `[vehicle]` must be the design's.
+fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
+    use crate::model::Side;
+    let Some(track) = &file.vehicle.track else {
+        return Some(());
+    };
+    let half = |side| {
+        let wheel = axle.suspension(side);
+        wheel.design[wheel.mechanism.wheel_centre.0].y
+    };
+    let design = half(Side::Left) + half(Side::Right);
+    let tenth = 1e-4 * axle.setup.per_metre;
+    if (track.value - design).abs() <= tenth {
+        return Some(());
+    }
+    let message = format!(
+        "the wheel centres of this axle are {design} apart, not {}",
+        track.value
+    );
+    problems
+        .add(track.span.clone(), message)
+        .help("leave out track");
+    None
+}
+
+/// Whether roll holds the load in place of the mean travel.
+fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
+    let section = file.motion.get_ref();
+    let Some(text) = &section.hold else {
+        return Some(false);
+    };
+    let holds = [("mean_travel", false), ("load", true)];
+    let at_load = choose(text, "hold", &holds, problems)?;
+    let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
+    let message = if section.roll.is_none() {
+        "hold says what roll holds, and there is no roll"
+    } else if at_load && axle.setup.springs.is_none() {
+        "hold = \"load\" needs [spring]: what the wheels carry"
+    } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
+        "positions at a load are not proved; expected hold = \"mean_travel\", or certify left out"
+    } else if at_load && file.tolerance.is_some() {
+        "builds are not put at a load; expected hold = \"mean_travel\", or [tolerance] left out"
+    } else {
+        return Some(at_load);
+    };
+    problems.add(text.span(), message);
+    None
+}
+
+/// The stations.
+fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
+    let place = file.motion.span();
+    let section = file.motion.get_ref();
+    let on_plane = match &section.ground {
+        None => None,
+        Some(text) => Some((
+            choose(
+                text,
+                "ground",
+                &[("plane", true), ("pads", false)],
+                problems,
+            )?,
+            text.span(),
+        )),
+    };
+    let at_load = at_load(file, axle, problems);
+    let mut read = |given: &Option<Spanned<Values>>| match given {
+        None => Some(None),
+        Some(given) => values(given, problems).map(Some),
+    };
+    let (heave, roll) = (read(&section.heave)?, read(&section.roll)?);
+    let (left, right) = (read(&section.travel_left)?, read(&section.travel_right)?);
+    let racks = read(&section.rack)?;
+    let wheel_angles = read(&section.steering_wheel_angle)?;
+    let in_course = |coordinate: Coordinate, written: &[f64]| -> Vec<f64> {
+        let values = written.iter();
+        values.map(|v| coordinate.in_course(*v, axle)).collect()
+    };
+    let refuse = |problems: &mut Problems, given: &Option<Spanned<Values>>, message: &str| {
+        let place = given.as_ref().map_or(place.clone(), Spanned::span);
+        problems.add(place, message.to_owned());
+    };
+    let wheels = match (heave, roll, left, right) {
+        (_, Some(_), l, r) if l.is_some() || r.is_some() => {
+            let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
+            refuse(problems, &section.roll, message);
+            return None;
+        }
+        (Some(_), _, l, r) if l.is_some() || r.is_some() => {
+            let message =
+                "heave moves both wheels; expected heave, or travel_left and travel_right";
+            refuse(problems, &section.heave, message);
+            return None;
+        }
+        (heave, Some(roll), ..) => {
+            if let Some((false, span)) = on_plane {
+                let message = "roll is that of the body on a plane; expected ground = \"plane\", or travel_left and travel_right on pads";
+                problems.add(span, message);
+                return None;
+            }
+            WheelMotion::Roll {
+                heave: heave.unwrap_or_else(|| vec![0.0]),
+                roll: in_course(Coordinate::Roll, &roll),
+                at_load: at_load?,
+            }
+        }
+        (Some(heave), None, ..) => match on_plane {
+            Some((true, _)) => WheelMotion::Roll {
+                heave,
+                roll: vec![0.0],
+                at_load: false,
+            },
+            _ => WheelMotion::Heave(heave),
+        },
+        (None, None, None, None) => {
+            let message = "expected heave, roll, or travel_left and travel_right: where the axle is to be solved";
+            problems.add(place, message);
+            return None;
+        }
+        (None, None, left, right) => WheelMotion::Travels {
+            left: left.unwrap_or_else(|| vec![0.0]),
+            right: right.unwrap_or_else(|| vec![0.0]),
+            on_plane: on_plane.is_some_and(|(plane, _)| plane),
+        },
+    };
+    let (racks, steering_wheel) = match (racks, wheel_angles) {
+        (Some(_), Some(_)) => {
+            let message =
+                "rack already says where the rack is; expected rack or steering_wheel_angle";
+            refuse(problems, &section.steering_wheel_angle, message);
+            return None;
+        }
+        (racks, None) => {
+            let racks = racks.unwrap_or_else(|| vec![0.0]);
+            (in_course(Coordinate::Rack, &racks), None)
+        }
+        (None, Some(angles)) => {
+            if axle.setup.c_factor.is_none() {
+                let message = "steering_wheel_angle needs c_factor in [steering]";
+                refuse(problems, &section.steering_wheel_angle, message);
+                return None;
+            }
+            let racks = in_course(Coordinate::SteeringWheel, &angles);
+            let angles = angles.into_iter().map(f64::to_radians).collect();
+            (racks, Some(angles))
+        }
+    };
+    let course = Course {
+        wheels,
+        racks,
+        shows_rack: section.rack.is_some() || section.steering_wheel_angle.is_some(),
+        steering_wheel,
+    };
+    if course.stations() > MOST_STATIONS {
+        let message = format!(
+            "{} stations; expected at most {MOST_STATIONS}",
+            course.stations()
+        );
+        problems.add(place, message);
+        return None;
+    }
+    Some(course)
+}
+
+/// What of these stations is computed, if nothing is wrong with it.
+fn plan(
+    file: &File,
+    axle: &Axle,
+    course: Option<Course>,
+    problems: &mut Problems,
+) -> Option<AxlePlan> {
+    let Some(section) = &file.outputs else {
+        let default = ["camber", "steer", "mean_steer"];
+        let quantities = default.iter().flat_map(|name| Quantity::named(name));
+        return Some(AxlePlan::of(course?, quantities.collect()));
+    };
+    let names: Vec<_> = Quantity::names()
+        .into_iter()
+        .map(|name| (name, name))
+        .collect();
+    let listed = distinct(&section.characteristics, problems, |text, problems| {
+        choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
+    });
+    let order = outputs::order(section, problems);
+    let points = outputs::points(section, &axle.left, problems);
+    let sensitivities = outputs::sensitivities(section, &axle.left, problems);
+    let loads = loads_of_axle(section, &axle.left, problems);
+    let order = order?;
+    let knuckle = outputs::knuckle(section, order, problems);
+    let quantities = listed?.into_iter().flatten().collect();
+    Some(AxlePlan {
+        derivatives: order as usize,
+        sensitivities: sensitivities?,
+        certify: outputs::certify(section),
+        points: points?,
+        knuckle,
+        loads: loads?,
+        ..AxlePlan::of(course?, quantities)
+    })
+}
+
+/// What a study must give for something that a quantity needs, where it does not.
+pub fn missing(need: Need, setup: &Setup) -> Option<&'static str> {
+    match need {
+        Need::WheelRadius => setup.wheel_radius.is_none().then_some("radius in [wheel]"),
+        Need::Wheelbase => setup
+            .wheelbase
+            .is_none()
+            .then_some("wheelbase in [vehicle]"),
+        Need::CFactor => setup.c_factor.is_none().then_some("c_factor in [steering]"),
+        Need::Spring => setup.springs.is_none().then_some("[spring]"),
+        Need::AntiRollBar => setup.bar_rate.is_none().then_some("[anti_roll_bar]"),
+        Need::TyreRate => setup.tyre_rate.is_none().then_some("[tyre]"),
+        Need::SprungMass => setup
+            .sprung_mass
+            .is_none()
+            .then_some("sprung_mass in [vehicle]"),
+        Need::UnsprungMass => {
+            let absent = setup.unsprung_mass.is_none();
+            absent.then_some("unsprung_mass in [vehicle]")
+        }
+    }
+}
+
+/// Whether the study gives all that a quantity needs; says what it does not.
+pub(super) fn lacks_nothing(
+    text: &Text,
+    quantity: Quantity,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> bool {
+    if let Quantity::Corner(..) = quantity {
+        return super::outputs::characteristic(text, &axle.left, problems).is_some();
+    }
+    let needs = quantity.needs().iter();
+    let missing: Vec<_> = needs
+        .filter_map(|need| missing(*need, &axle.setup))
+        .collect();
+    if missing.is_empty() {
+        return true;
+    }
+    let (name, needs) = (text.get_ref(), missing.join(", "));
+    let message = format!("{name} needs {needs}, which this study does not give");
+    problems.add(text.span(), message);
+    false
+}
+
+/// What each quantity and the motion need must be given.
+fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
+    let mut sound = true;
+    let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
+    for text in texts {
+        for quantity in Quantity::named(text.get_ref()).into_iter().take(1) {
+            sound &= lacks_nothing(text, quantity, axle, problems);
+        }
+    }
+    let takes_ground = plan.course.shows_roll() || plan.derivatives > 0;
+    if takes_ground && axle.setup.wheel_radius.is_none() {
+        let message =
+            "an axle on a plane ground needs radius in [wheel], which this study does not give";
+        problems.add(file.motion.span(), message);
+        sound = false;
+    }
+    if plan.degree() > 3 {
+        let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
+        let orders = |text: &&Text| {
+            let quantities = Quantity::named(text.get_ref()).into_iter();
+            quantities.map(|q| q.rate_order()).max()
+        };
+        let made_of_most = texts.max_by_key(orders);
+        let place = made_of_most.map_or(file.motion.span(), Text::span);
+        let name = made_of_most.map_or("an output", |text| text.get_ref());
+        let message = format!(
+            "{name} is made of second derivatives itself, and derivatives of an axle are known up to the third"
+        );
+        let error = problems.add(place, message);
+        error.help("order = \"velocity\" goes with it");
+        sound = false;
+    }
+    sound.then_some(())
+}
+
+/// The outputs of one wheel in a study of an axle: none.
+pub(super) fn no_corner_outputs() -> Outputs {
+    Outputs::of(Vec::new())
+}

@@ -1,0 +1,270 @@
+//! Designs in CSV files.
+//!
+//! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets
+//! from the design, both in the study's axes and unit, which may follow (`tie_rod_inner_z_mm`). A column
+//! `design` is passed over: designs are numbered by their rows, from 0.
+
+use super::error::{Source, StudyError, StudyErrors};
+use super::names::nearest;
+use super::source::{LONGEST_TABLE, read_text};
+use super::sweep::column_stem;
+use super::value::Number;
+use super::{Move, SweepVariable};
+use crate::model::{Axis, PointId, Suspension};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Designs from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignTable {
+    /// What the columns are; ranges are those of their values.
+    pub variables: Vec<SweepVariable>,
+    /// Row by row.
+    values: Vec<f64>,
+    /// SHA-256 of the file.
+    pub digest: [u8; 32],
+}
+
+impl DesignTable {
+    /// Reads designs of a suspension.
+    pub fn read(path: &Path, suspension: &Suspension) -> Result<Self, StudyErrors> {
+        let name = path.display().to_string();
+        let text = read_text(path, LONGEST_TABLE)
+            .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
+        Self::from_text(&name, text, suspension)
+    }
+
+    fn from_text(name: &str, text: String, suspension: &Suspension) -> Result<Self, StudyErrors> {
+        let digest = hmac_sha256::Hash::hash(text.as_bytes());
+        let name = name.to_owned();
+        let source = Arc::new(Source { name, text });
+        let reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .from_reader(source.text.as_bytes());
+        let mut records = reader.into_records();
+        let text_error = |e: csv::Error| StudyError::of_file(&source.name, e.to_string());
+        let header = match records.next() {
+            None => return Err(StudyError::of_file(&source.name, "the file is empty").into()),
+            Some(header) => header.map_err(text_error)?,
+        };
+        let at = |record: &csv::StringRecord, message: String| {
+            let start = record.position().map_or(0, |p| p.byte() as usize);
+            let rest = source.text.get(start..).unwrap_or("");
+            let blank = rest.len() - rest.trim_start().len();
+            let span = start + blank..source.text.len();
+            StudyErrors::from(StudyError::new(source.clone(), Some(span), message))
+        };
+        let mut variables: Vec<SweepVariable> = Vec::new();
+        let mut places = Vec::new();
+        for (place, column) in header.iter().enumerate().filter(|(_, c)| *c != "design") {
+            let variable = variable(column, suspension).map_err(|m| at(&header, m))?;
+            let same = |v: &SweepVariable| v.moves == variable.moves;
+            if let Some(other) = variables.iter().find(|v| same(v)) {
+                let message = match other.name == variable.name {
+                    true => format!("the column {column} is there twice"),
+                    false => format!("{column} and {} give the same coordinate", other.name),
+                };
+                return Err(at(&header, message));
+            }
+            variables.push(variable);
+            places.push(place);
+        }
+        if variables.is_empty() {
+            let message = "expected columns like tie_rod_inner_z, found none".to_owned();
+            return Err(at(&header, message));
+        }
+        let mut values = Vec::new();
+        for record in records {
+            let record = record.map_err(text_error)?;
+            if record.len() != header.len() {
+                let message = format!("expected {} values, found {}", header.len(), record.len());
+                return Err(at(&record, message));
+            }
+            for (variable, place) in variables.iter_mut().zip(&places) {
+                let cell = &record[*place];
+                let value = Number::parsed(cell).map_err(|wanted| {
+                    let column = &header[*place];
+                    at(
+                        &record,
+                        format!("expected {wanted} as {column}, found {cell:?}"),
+                    )
+                })?;
+                let [low, high] = &mut variable.range;
+                (*low, *high) = (low.min(value), high.max(value));
+                values.push(value);
+            }
+        }
+        if values.is_empty() {
+            let message = "expected designs, a row for each, found none";
+            return Err(StudyError::of_file(&source.name, message).into());
+        }
+        Ok(DesignTable {
+            variables,
+            values,
+            digest,
+        })
+    }
+
+    /// Designs as rows of values, a number for each of these variables; their ranges become those of the values.
+    ///
+    /// # Errors
+    /// What is wrong with them, in words.
+    pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
+        if variables.is_empty() {
+            return Err("expected at least one variable, found none".to_owned());
+        }
+        for (place, variable) in variables.iter().enumerate() {
+            if let Some(other) = variables[..place]
+                .iter()
+                .find(|v| v.moves == variable.moves)
+            {
+                let names = (&variable.name, &other.name);
+                return Err(format!(
+                    "{} and {} give the same coordinate",
+                    names.0, names.1
+                ));
+            }
+        }
+        let width = variables.len();
+        if values.is_empty() || !values.len().is_multiple_of(width) {
+            let found = values.len();
+            return Err(format!(
+                "expected rows of {width} values, found {found} values"
+            ));
+        }
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            let (row, name) = (place / width, &variables[place % width].name);
+            let value = values[place];
+            return Err(format!(
+                "row {row} has {value} for {name}; expected a finite number"
+            ));
+        }
+        for (k, variable) in variables.iter_mut().enumerate() {
+            let column = || values.iter().skip(k).step_by(width).copied();
+            variable.range = [
+                column().fold(f64::INFINITY, f64::min),
+                column().fold(f64::NEG_INFINITY, f64::max),
+            ];
+        }
+        let mut hash = hmac_sha256::Hash::new();
+        for variable in &variables {
+            hash.update(format!("{:?} {:?}", variable.moves, variable.absolute));
+        }
+        for value in &values {
+            hash.update(value.to_le_bytes());
+        }
+        Ok(DesignTable {
+            variables,
+            values,
+            digest: hash.finalize(),
+        })
+    }
+
+    /// Number of designs.
+    pub fn designs(&self) -> u64 {
+        (self.values.len() / self.variables.len()) as u64
+    }
+
+    /// The values of a design, by variable.
+    pub fn row(&self, design: u64) -> &[f64] {
+        let width = self.variables.len();
+        &self.values[design as usize * width..][..width]
+    }
+}
+
+/// What a column moves.
+fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, String> {
+    let unit = suspension.length_unit.symbol();
+    let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
+    let topology = suspension.mechanism.topology;
+    let points = suspension.mechanism.points.iter().enumerate();
+    let hardpoints = points.filter(|(_, p)| topology.hardpoint(&p.name).is_some());
+    let mut known = Vec::new();
+    for (id, point) in hardpoints {
+        for axis in Axis::ALL {
+            for absolute in [true, false] {
+                let name = column_stem(&point.name, axis, absolute);
+                if name == stem {
+                    return Ok(SweepVariable {
+                        name,
+                        moves: vec![Move {
+                            point: PointId(id),
+                            axis,
+                            factor: 1.0,
+                        }],
+                        absolute,
+                        range: [f64::INFINITY, f64::NEG_INFINITY],
+                        steps: None,
+                    });
+                }
+                known.push(name);
+            }
+        }
+    }
+    let meant = match nearest(stem, known.iter().map(String::as_str)) {
+        Some(near) => format!("; did you mean {near}?"),
+        None => String::new(),
+    };
+    Err(format!(
+        "unknown column {column:?}; expected hardpoint and axis, like tie_rod_inner_z for coordinates \
+         or tie_rod_inner_dz for offsets, in {unit}{meant}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+
+    fn table(text: &str) -> Result<DesignTable, String> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/macpherson_solve.toml");
+        let study = Study::read(&path, &[]).unwrap();
+        let read = DesignTable::from_text("designs.csv", text.to_owned(), &study.suspension);
+        read.map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn coordinates_and_offsets_are_told_apart_by_their_columns() {
+        let text =
+            "design, tie_rod_inner_z, strut_top_dy_mm\n7, 240, -1.5\n\n# better\n8, 241, 2\n";
+        let table = table(text).unwrap();
+        let absolute: Vec<bool> = table.variables.iter().map(|v| v.absolute).collect();
+        assert_eq!(absolute, [true, false]);
+        assert_eq!(table.variables[1].range, [-1.5, 2.0]);
+        assert_eq!((table.designs(), table.row(1)), (2, &[241.0, 2.0][..]));
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_line() {
+        for (text, phrases) in [
+            ("", vec!["empty"]),
+            (
+                "tie_rod_iner_z\n1\n",
+                vec!["tie_rod_iner_z", "did you mean tie_rod_inner_z?"],
+            ),
+            ("tie_rod_inner_z_m\n1\n", vec!["in mm"]),
+            ("tie_rod_inner_z\n", vec!["a row for each"]),
+            (
+                "tie_rod_inner_z\n240\nnan\n",
+                vec![":3:", "tie_rod_inner_z", "nan"],
+            ),
+            (
+                "tie_rod_inner_z,strut_top_x\n240\n",
+                vec![":2:", "expected 2 values, found 1"],
+            ),
+            (
+                "tie_rod_inner_z,tie_rod_inner_dz\n1,1\n",
+                vec!["the same coordinate"],
+            ),
+            ("design\n1\n", vec!["columns like"]),
+        ] {
+            let said = table(text).unwrap_err();
+            for phrase in phrases {
+                assert!(said.contains(phrase), "{text:?} lacks {phrase:?}: {said}");
+            }
+        }
+    }
+}

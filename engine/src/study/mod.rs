@@ -1,0 +1,773 @@
+//! Studies: the file as written, and what it means.
+//!
+//! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
+//! units (see the fields), defaults are filled in, and nothing is left to interpret.
+//!
+//! Reading goes from the text to the file as written, each value with its place, and from there to the
+//! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
+//! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
+
+mod axle;
+mod axle_forces;
+mod axle_targets;
+mod constraints;
+mod curve_file;
+mod designs_file;
+mod edit;
+mod error;
+mod file;
+mod geometry;
+mod loads;
+mod members;
+mod motion;
+mod moves;
+mod names;
+mod optimise;
+mod outputs;
+mod overrides;
+mod parse;
+mod place;
+mod resolve;
+mod right_wheel;
+mod samples;
+mod schema;
+mod setup;
+mod solver;
+mod source;
+mod subject;
+mod suspension;
+mod sweep;
+mod targets;
+mod tolerance;
+mod value;
+
+pub use crate::analyse::LoadPoint;
+pub use axle::AxleStudy;
+pub use axle::missing;
+pub use axle_targets::AxleSite;
+pub use designs_file::DesignTable;
+pub use error::{StudyError, StudyErrors};
+pub(crate) use names::nearest;
+pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
+pub use samples::{AxleSample, Sample};
+pub use schema::schema;
+pub use sweep::MOST_DESIGNS;
+
+use crate::build::BuildParameter;
+use crate::characteristics::{Characteristic, Measure, Quantity};
+use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
+use crate::number::Vector3;
+
+/// A study, resolved and validated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// Name, from the file's name.
+    pub name: String,
+    /// The text the study was read from, with `--set` applied and target curves from files written
+    /// out. Results that are studies themselves are edits of it, so that comments survive and no other
+    /// file is needed.
+    pub text: String,
+    /// The files it names: target curves and designs.
+    pub inputs: Vec<std::path::PathBuf>,
+    /// The suspension.
+    pub suspension: Suspension,
+    /// The motion.
+    pub motion: Motion,
+    /// Further motions by name, in the order of the names.
+    pub motions: Vec<(String, Motion)>,
+    /// How poses are found.
+    pub formulation: Formulation,
+    /// What is asked for.
+    pub outputs: Outputs,
+    /// The optimisation, if the study has one.
+    pub optimise: Option<Optimise>,
+    /// The sweep, if the study has one.
+    pub sweep: Option<Sweep>,
+    /// The set-up, if the study has one.
+    pub setup: Option<Setup>,
+    /// The tolerances, if the study has them.
+    pub tolerance: Option<Tolerance>,
+    /// What is asked of both wheels, if the study is of an axle; `suspension` then is its left wheel, and
+    /// `motion` and `outputs` are empty.
+    pub axle: Option<AxleStudy>,
+}
+
+/// What drives the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The height of the wheel centre above its design position.
+    Travel,
+    /// The angle of the first control arm from its design position, positive upwards.
+    ArmAngle,
+    /// The seed paper's angle theta (see [`crate::attia::PaperTheta`]).
+    PaperTheta,
+}
+
+/// The equations whose solution is a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formulation {
+    /// Six closure equations in the pose of the knuckle, or their closed form: of every topology, with
+    /// every output.
+    KnucklePose,
+    /// The seed paper's fifteen equations in the coordinates of five points
+    /// ([`crate::attia`]): of the MacPherson strut, up to second derivatives.
+    PointCoordinates,
+}
+
+/// The motion: every combination of a drive value and a rack displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// What drives.
+    pub drive: Drive,
+    /// Drive values, in length units or radians, in the order they are reported.
+    pub values: Vec<f64>,
+    /// Rack displacements along the study's +y.
+    pub rack: Vec<f64>,
+    /// Whether the study gives the rack a range, so that results carry a column for it.
+    pub rack_moves: bool,
+    /// The drive as a function of time. `values` are then its values at `times`.
+    pub time: Option<TimeLaw>,
+}
+
+/// The drive as a polynomial of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeLaw {
+    /// Coefficients, lowest power first, in length units or radians.
+    pub polynomial: Vec<f64>,
+    /// Seconds.
+    pub times: Vec<f64>,
+}
+
+/// The highest derivative by the drive (or by time) that is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Order {
+    /// Values.
+    Position,
+    /// First derivatives as well.
+    Velocity,
+    /// First and second derivatives as well.
+    Acceleration,
+}
+
+/// What a study asks for. A study without `[outputs]` asks for the angles of wheel and steering axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outputs {
+    /// Characteristics, in the order asked.
+    pub characteristics: Vec<Characteristic>,
+    /// Points whose positions are reported.
+    pub points: Vec<PointId>,
+    /// Whether the knuckle's angular velocity and acceleration are reported (from velocity order up).
+    pub knuckle: bool,
+    /// Highest derivative.
+    pub order: Order,
+    /// Hardpoints for which sensitivities are reported; empty for none.
+    pub sensitivities: Vec<PointId>,
+    /// Whether each pose is to be proved.
+    pub certify: bool,
+    /// Loads whose way through links and joints is reported.
+    pub loads: Vec<Load>,
+}
+
+impl Outputs {
+    /// Values of these characteristics, and nothing else.
+    pub fn of(characteristics: Vec<Characteristic>) -> Self {
+        Outputs {
+            characteristics,
+            points: Vec::new(),
+            knuckle: false,
+            order: Order::Position,
+            sensitivities: Vec::new(),
+            certify: false,
+            loads: Vec::new(),
+        }
+    }
+}
+
+/// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// What the names of its columns begin with.
+    pub name: String,
+    /// Where the force acts.
+    pub at: LoadPoint,
+    /// Force, in newtons.
+    pub force: Vector3<f64>,
+    /// Moment, in newtons times the study's length unit.
+    pub moment: Vector3<f64>,
+}
+
+impl Load {
+    /// The same load in the kernel's axes of the other side, which are the mirror image.
+    pub(crate) fn on_other_side(self) -> Load {
+        let (force, moment) = (self.force, self.moment);
+        Load {
+            force: Vector3::new(force.x, -force.y, force.z),
+            moment: Vector3::new(-moment.x, moment.y, -moment.z),
+            ..self
+        }
+    }
+}
+
+/// A sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Where the designs come from.
+    pub designs: Designs,
+    /// Whether the curves of every design are kept.
+    pub curves: bool,
+    /// What the results are written as.
+    pub format: FileFormat,
+}
+
+/// Where the designs of a sweep come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Designs {
+    /// Variables over their ranges.
+    Sampled(Sampled),
+    /// The rows of a CSV file, which is read by [`DesignTable::read`].
+    File(std::path::PathBuf),
+    /// Rows that a program gives.
+    Given(DesignTable),
+}
+
+/// Designs sampled from ranges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampled {
+    /// How.
+    pub method: Sampling,
+    /// Number of samples; in a grid, number of its points.
+    pub samples: u64,
+    /// Seed.
+    pub seed: u32,
+    /// What moves.
+    pub variables: Vec<SweepVariable>,
+}
+
+/// How designs are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// Every combination of evenly spaced values, the last variable running fastest.
+    Grid,
+    /// As many equal strata of every variable as there are samples, each met once.
+    LatinHypercube,
+    /// A low-discrepancy sequence.
+    Sobol,
+    /// Independent uniform numbers.
+    Random,
+    /// Pairs of samples with the variables exchanged one by one, from which first-order and total
+    /// Sobol indices follow (A. Saltelli et al., Variance based sensitivity analysis of model output,
+    /// Computer Physics Communications 181, 2010): `samples` times the number of variables and two.
+    Saltelli,
+}
+
+/// What the results of a sweep are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// A number that moves one or several coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepVariable {
+    /// Name, without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
+    pub name: String,
+    /// What it moves.
+    pub moves: Vec<Move>,
+    /// Whether its values are coordinates rather than offsets from the design.
+    pub absolute: bool,
+    /// Lowest and highest value, in the study's axes.
+    pub range: [f64; 2],
+    /// Number of values in a grid.
+    pub steps: Option<u64>,
+}
+
+/// A coordinate that moves with a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate, in the study's axes.
+    pub axis: Axis,
+    /// How far it moves per unit of the variable.
+    pub factor: f64,
+}
+
+impl Move {
+    /// Puts the coordinate of a design where a value of the variable says: there with `absolute`, else so far from
+    /// where it is. The design is in the kernel's frame.
+    pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
+        let coordinate = &mut design[self.point.0][self.axis];
+        let along = frame.sign(self.axis) * self.factor * value;
+        match absolute {
+            true => *coordinate = along,
+            false => *coordinate += along,
+        }
+    }
+}
+
+/// An optimisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimise {
+    /// Number of starts: the design itself, then points of a low-discrepancy sequence.
+    pub starts: usize,
+    /// Seed of that sequence.
+    pub seed: u32,
+    /// Cap on the iterations of one start.
+    pub max_iterations: u64,
+    /// What may move.
+    pub variables: Vec<Variable>,
+    /// What is wanted.
+    pub targets: Vec<Target>,
+    /// What must hold.
+    pub constraints: Vec<Constraint>,
+    /// The misfit below which no design is better than another, so that the one that moves least is
+    /// taken; 0 for the least misfit.
+    pub good_enough: f64,
+    /// Whether the targets are measurements, so that standard errors mean something.
+    pub fit: bool,
+    /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
+    pub axle: Option<crate::axle::Axle>,
+    /// What is traded on the front: two or three wishes, or none.
+    pub front: Vec<Wish>,
+    /// The builds whose mean squared misfit is lowered; none for that of the drawing.
+    pub scatter: Option<Scatter>,
+}
+
+/// Builds that scatter as `[tolerance]` says: a fixed sample of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// How many.
+    pub builds: usize,
+    /// Seed they are drawn from.
+    pub seed: u32,
+    /// What scatters.
+    pub contributors: Vec<Contributor>,
+    /// What toe and camber are set again by after assembly, where they are.
+    pub adjust: Option<Vec<Adjustment>>,
+}
+
+/// Targets that are one on a front: all of one name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    /// The name.
+    pub name: String,
+    /// Numbers of the targets.
+    pub targets: Vec<usize>,
+}
+
+impl Optimise {
+    /// The targets that designs of a sweep are compared with: all of them, or none where a sweep cannot
+    /// compare with each. With each of an axle it can.
+    pub fn swept_targets(&self) -> &[Target] {
+        let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
+        match self.targets.iter().all(is_swept) && !self.fit {
+            true => &self.targets,
+            false => &[],
+        }
+    }
+}
+
+/// What may move: a coordinate, several together, or the direction of a group of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
+    pub name: String,
+    /// The coordinates it moves, along one axis or those of a direction; none for a turn.
+    pub moves: Vec<Move>,
+    /// What it turns, as one of the three components of a rotation vector in degrees.
+    pub turn: Option<Turn>,
+    /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
+    pub range: [f64; 2],
+    /// What a move across the range costs against those of the other variables, where the design that moves
+    /// least is taken.
+    pub cost: f64,
+}
+
+impl Variable {
+    /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
+    /// `lower_arm_front+lower_arm_rear_turn_x`.
+    pub fn label(&self) -> String {
+        match (&self.turn, self.axis()) {
+            (Some(turn), _) => format!("{}_turn_{}", self.name, turn.axis.name()),
+            (None, Some(axis)) => format!("{}_d{}", self.name, axis.name()),
+            (None, None) => format!("{}_along", self.name),
+        }
+    }
+
+    /// The axis that it moves along, if it is one.
+    pub fn axis(&self) -> Option<Axis> {
+        let first = self.moves.first()?.axis;
+        self.moves.iter().all(|m| m.axis == first).then_some(first)
+    }
+
+    /// How it moves: `z`, `along` a direction, `turn about z`.
+    pub fn way(&self) -> String {
+        match (&self.turn, self.axis()) {
+            (Some(turn), _) => format!("turn about {}", turn.axis.name()),
+            (None, Some(axis)) => axis.name().to_owned(),
+            (None, None) => "along".to_owned(),
+        }
+    }
+
+    /// The points it moves.
+    pub fn points(&self) -> impl Iterator<Item = PointId> {
+        let turned = self
+            .turn
+            .iter()
+            .flat_map(|turn| turn.points.iter().copied());
+        self.moves.iter().map(|m| m.point).chain(turned)
+    }
+}
+
+impl Variable {
+    /// Every coordinate of every point of a suspension, point by point, each over this range.
+    pub fn every_coordinate(suspension: &Suspension, range: [f64; 2]) -> Vec<Variable> {
+        let mechanism = &suspension.mechanism;
+        let points = (0..mechanism.points.len()).map(PointId);
+        let coordinate = |(point, axis)| Variable {
+            name: mechanism.name(point).to_owned(),
+            moves: vec![Move {
+                point,
+                axis,
+                factor: 1.0,
+            }],
+            turn: None,
+            range,
+            cost: 1.0,
+        };
+        points
+            .flat_map(|point| Axis::ALL.map(|axis| (point, axis)))
+            .map(coordinate)
+            .collect()
+    }
+}
+
+/// Points that are turned as one body about their centroid, before anything else moves them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    /// The points.
+    pub points: Vec<PointId>,
+    /// The component of the rotation vector, in the study's axes.
+    pub axis: Axis,
+}
+
+/// What a target is about, as the study speaks of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// What it is in the kernel's frame.
+    pub about: About,
+    /// Name, with the unit, as a column has it.
+    pub column: String,
+    /// Kind of quantity.
+    pub unit: crate::axle::Unit,
+    /// The study's unit of length.
+    pub length: LengthUnit,
+    /// -1 where the study's axis points the other way than the kernel's.
+    pub sign: f64,
+}
+
+/// What a target is about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum About {
+    /// Something of one wheel.
+    Wheel(Measure),
+    /// Something of an axle; of either wheel where both are meant.
+    Axle(Vec<crate::axle::Quantity>),
+}
+
+impl Subject {
+    /// A characteristic.
+    pub fn characteristic(characteristic: Characteristic, length: LengthUnit) -> Self {
+        Subject {
+            about: About::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
+            column: characteristic.column(length),
+            unit: crate::axle::Unit::Corner(characteristic.info().unit),
+            length,
+            sign: 1.0,
+        }
+    }
+
+    /// What a value in the kernel's frame, in radians, length units and newtons, is multiplied by to be
+    /// printed.
+    pub fn factor(&self) -> f64 {
+        self.unit.printed_factor(self.length) * self.sign
+    }
+
+    /// The value in the kernel's frame of a printed one.
+    pub fn from_printed(&self, printed: f64) -> f64 {
+        self.unit.from_printed(printed, self.length) * self.sign
+    }
+
+    /// What it is of one wheel.
+    pub fn of_wheel(&self) -> Option<&Measure> {
+        match &self.about {
+            About::Wheel(measure) => Some(measure),
+            About::Axle(_) => None,
+        }
+    }
+
+    /// The characteristic of one wheel, if it is one.
+    pub fn as_characteristic(&self) -> Option<Characteristic> {
+        match self.of_wheel()? {
+            Measure::Quantity(Quantity::Characteristic(c)) => Some(*c),
+            _ => None,
+        }
+    }
+}
+
+/// In which motion, and where the rack is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Site {
+    /// Name of a motion; the study's `[motion]` without it.
+    pub motion: Option<(String, Motion)>,
+    /// Rack displacements along the study's +y; where the motion has it without any, or straight ahead where
+    /// the motion moves it.
+    pub racks: Vec<f64>,
+    /// Of an axle: over what, and where the rest is.
+    pub axle: Option<AxleSite>,
+}
+
+/// A wanted curve, value or band. Values in the kernel's frame, in radians or length units (for gains:
+/// radians per length unit).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// Of what.
+    pub of: Subject,
+    /// What is wanted of it.
+    pub wanted: Wanted,
+    /// The deviation that still is acceptable, in the same unit.
+    pub tolerance: f64,
+    /// Weight against the other targets.
+    pub weight: f64,
+    /// Where.
+    pub site: Site,
+    /// Drive values at which it is compared beside those of the motion.
+    pub stations: Vec<f64>,
+}
+
+impl Target {
+    /// What it is called: the characteristic, or the column without its unit.
+    pub fn name(&self, length: LengthUnit) -> String {
+        match self.of.as_characteristic() {
+            Some(characteristic) => characteristic.info().name.to_owned(),
+            None => {
+                let unit = format!("_{}", self.of.unit.suffix(length));
+                let name = self.of.column.strip_suffix(&unit);
+                name.unwrap_or(&self.of.column).to_owned()
+            }
+        }
+    }
+
+    /// The drive values of a motion, and those added for this target.
+    pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
+        self.stations_among(&motion.values)
+    }
+
+    /// These values, and those added for this target.
+    pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
+        let added = self.stations.iter().filter(|v| !values.contains(v));
+        values.iter().chain(added).copied().collect()
+    }
+
+    /// A value of what it is over, as it is printed; `drive` is what drives the study's motion.
+    pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
+        match (&self.site.axle, &self.site.motion) {
+            (Some(_), _) => at,
+            (None, Some((_, motion))) => motion.drive.printed(at),
+            (None, None) => drive.printed(at),
+        }
+    }
+
+    /// Whether it is about a characteristic in the study's own motion: what sweeps compare.
+    pub fn is_in_motion(&self) -> bool {
+        self.site == Site::default() && self.of.as_characteristic().is_some()
+    }
+
+    /// Whether it is a value or a curve of that: a line in a picture.
+    pub fn is_plain(&self) -> bool {
+        !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
+    }
+}
+
+/// What a target wants.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// A curve over the drive, compared at the stations of the motion between its ends.
+    Curve {
+        /// Drive value (as in [`Motion::values`]) and wanted value, by rising drive value.
+        points: Vec<[f64; 2]>,
+        /// How to read it between its points.
+        interpolation: Interpolation,
+    },
+    /// A single value at one drive value.
+    At {
+        /// Drive value.
+        drive: f64,
+        /// Wanted value.
+        value: f64,
+    },
+    /// Measured points, each compared where it was measured: drive value and value.
+    Points(Vec<[f64; 2]>),
+    /// Anything between two limits.
+    Band {
+        /// The one drive value where it is wanted; the stations of the motion without it.
+        at: Option<f64>,
+        /// Nothing below this.
+        lower: Option<Limit>,
+        /// Nothing above this.
+        upper: Option<Limit>,
+    },
+}
+
+/// The limit of a band.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Limit {
+    /// The same everywhere.
+    Value(f64),
+    /// A curve over the drive, which limits between its ends.
+    Curve {
+        /// Drive value and limit, by rising drive value.
+        points: Vec<[f64; 2]>,
+        /// How to read it between its points.
+        interpolation: Interpolation,
+    },
+}
+
+/// What must hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// What it is, in words.
+    pub name: String,
+    /// What must be within limits; all of them.
+    pub parts: Vec<Limited>,
+    /// Where, if not in the design position alone.
+    pub site: Option<Site>,
+}
+
+/// A measure that must be within limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limited {
+    /// Of what.
+    pub of: Measure,
+    /// Not less than this.
+    pub lower: Option<f64>,
+    /// Not more than this; with `lower` the same, just this.
+    pub upper: Option<f64>,
+    /// How much of the measure anybody would see: a millimetre, a degree.
+    pub scale: f64,
+    /// What that is called.
+    pub unit: String,
+}
+
+/// How a curve runs between its points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight lines.
+    Linear,
+    /// The smooth piecewise cubic that overshoots nowhere (F. N. Fritsch, R. E. Carlson, Monotone
+    /// piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980).
+    MonotoneCubic,
+}
+
+/// A set-up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// What may be adjusted, in the order a mechanic does it; at least one.
+    pub adjust: Vec<Adjustment>,
+    /// Wanted static values.
+    pub want: Vec<Want>,
+    /// Travel of the new resting position.
+    pub ride_height: Option<f64>,
+}
+
+/// Something that can be adjusted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adjustment {
+    /// Its name: `tie_rod`, `upper_ball_joint y`.
+    pub name: String,
+    /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
+    pub change: (BuildParameter, f64),
+    /// How much longer a turn of both threads makes it.
+    pub per_turn: Option<f64>,
+    /// Thickness of the thinnest shim.
+    pub step: Option<f64>,
+}
+
+/// A wanted static value, in radians or length units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Want {
+    /// Of which characteristic.
+    pub characteristic: Characteristic,
+    /// The value.
+    pub value: f64,
+}
+
+/// How builds scatter and what they are to keep to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Number of builds.
+    pub builds: u64,
+    /// Seed they are drawn from.
+    pub seed: u32,
+    /// Whether toe and camber are set again after assembly.
+    pub aligned: bool,
+    /// What scatters; at least one.
+    pub scatter: Vec<Contributor>,
+    /// What builds are to keep to.
+    pub bands: Vec<Band>,
+}
+
+/// Something that scatters: a point, a length or a jig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contributor {
+    /// Its name.
+    pub name: String,
+    /// Its independent parts.
+    pub sources: Vec<Source>,
+}
+
+/// A number that scatters on its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// Its name.
+    pub name: String,
+    /// Dimensions it changes, each by how much per unit, in the kernel's frame.
+    pub changes: Vec<(BuildParameter, f64)>,
+    /// How it scatters.
+    pub law: Law,
+    /// Of an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
+    pub side: Option<Side>,
+}
+
+/// How a number scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// Normally, about 0.
+    Normal {
+        /// Standard deviation.
+        sigma: f64,
+    },
+    /// Evenly between two ends.
+    Uniform {
+        /// The lowest value.
+        low: f64,
+        /// The highest value.
+        high: f64,
+    },
+}
+
+/// What something is to keep to, in radians or length units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// What of: a characteristic, or a quantity of an axle (both wheels' where no side is named).
+    pub of: Subject,
+    /// At which drive value, or value of what [`Band::site`] is over; everywhere in the motion, or over it, without it.
+    pub at: Option<f64>,
+    /// Of an axle: over what, and where the rest is; everywhere in the motion without it.
+    pub site: Option<AxleSite>,
+    /// Lowest and highest value; infinite where there is none.
+    pub between: [f64; 2],
+}

@@ -1,0 +1,374 @@
+//! A block of designs in, their values out.
+//!
+//! This is the seam between a sweep and the solver: what is above it knows of samples, threads and
+//! files, what is below it of poses. A design's values depend on that design alone, never on its
+//! neighbours in the block, and nothing is allocated from block to block but for failures.
+
+use super::Stations;
+use super::aligned::Aligned;
+use super::lanes::{LaneSolver, NotInLanes};
+use super::one_by_one::OneByOne;
+use crate::axle::AxleFailure;
+use crate::characteristics::Quantity;
+use crate::curves::Status;
+use crate::mechanism::{DesignFault, Failure};
+use crate::model::Suspension;
+use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
+
+/// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
+/// number `k * BLOCK` and on always go together, whatever the threads do.
+pub const BLOCK: usize = 128;
+/// Designs whose values lie side by side, as they come out of the lanes.
+pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
+const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
+
+/// A station of a design without a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailedStation {
+    /// Number of the design in the block.
+    pub design: usize,
+    /// Number of the station.
+    pub station: usize,
+    /// Why it has no pose.
+    pub failure: StationFailure,
+}
+
+/// Why a station of a design has no pose, or none of what a rocker moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StationFailure {
+    /// Of a single wheel.
+    Wheel(Failure),
+    /// Of an axle.
+    Axle(AxleFailure),
+}
+
+impl StationFailure {
+    /// The word in the `status` column.
+    pub fn word(&self) -> &'static str {
+        match self {
+            StationFailure::Wheel(failure) => Status::Failed(*failure).word(),
+            StationFailure::Axle(failure) => failure.word(),
+        }
+    }
+}
+
+impl std::fmt::Display for StationFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StationFailure::Wheel(failure) => failure.fmt(f),
+            StationFailure::Axle(failure) => failure.fmt(f),
+        }
+    }
+}
+
+/// The values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN where
+/// there is none.
+#[derive(Clone, Debug)]
+pub struct Block {
+    outputs: usize,
+    stations: usize,
+    /// Slopes of each design.
+    gains: usize,
+    designs: usize,
+    /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
+    values: Aligned,
+    /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
+    /// position; of an axle by each number that moves.
+    slopes: Aligned,
+    /// By rising number of the design.
+    pub(super) failures: Vec<FailedStation>,
+    /// Designs that cannot be solved at all, by rising number.
+    pub(super) faults: Vec<(usize, DesignFault)>,
+}
+
+impl Block {
+    /// Room for so many outputs at so many stations.
+    pub fn new(outputs: usize, stations: usize) -> Self {
+        Block::with_gains(outputs, stations, outputs)
+    }
+
+    /// The same with so many slopes of each design.
+    pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
+        // Where there are none, there is a place for them all the same.
+        let gains = gains.max(1);
+        Block {
+            outputs,
+            stations,
+            gains,
+            designs: 0,
+            values: Aligned::new(f64::NAN, BLOCK * outputs * stations),
+            slopes: Aligned::new(f64::NAN, BLOCK * gains),
+            failures: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
+
+    /// Makes ready for so many designs. Their values are still those of another block.
+    pub(super) fn clear(&mut self, designs: usize) {
+        assert!(designs <= BLOCK);
+        self.designs = designs;
+        self.failures.clear();
+        self.faults.clear();
+    }
+
+    /// Number of designs.
+    pub fn designs(&self) -> usize {
+        self.designs
+    }
+
+    /// The value of an output of a design at a station.
+    #[inline]
+    pub fn value(&self, design: usize, output: usize, station: usize) -> f64 {
+        self.values[self.place(design, output, station)]
+    }
+
+    /// The values of an output of a design, by station.
+    pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
+        (0..self.stations).map(move |station| self.value(design, output, station))
+    }
+
+    /// The values of an output of all designs at a station, in pieces, by rising number of the design.
+    pub(crate) fn across(&self, output: usize, station: usize) -> impl Iterator<Item = &[f64]> {
+        (0..self.designs).step_by(SIDE_BY_SIDE).map(move |first| {
+            let count = (self.designs - first).min(SIDE_BY_SIDE);
+            &self.values[self.place(first, output, station)..][..count]
+        })
+    }
+
+    /// The derivative by the drive in the design position; NaN for what is made of velocities itself, unless a sweep
+    /// asks for it.
+    #[inline]
+    pub fn slope(&self, design: usize, output: usize) -> f64 {
+        self.slopes[self.slope_place(design, output)]
+    }
+
+    /// Writes down a value, or NaN for one that is not finite (a swing arm of a wheel that does not turn).
+    pub(super) fn put(&mut self, design: usize, output: usize, station: usize, value: f64) {
+        let place = self.place(design, output, station);
+        self.values[place] = value.finite();
+    }
+
+    /// Writes down a slope, or NaN for one that is not finite.
+    pub(super) fn put_slope(&mut self, design: usize, output: usize, slope: f64) {
+        let place = self.slope_place(design, output);
+        self.slopes[place] = slope.finite();
+    }
+
+    /// Room for the values and the slopes of the designs from one on, as many as are solved together: those
+    /// of the next station [`SIDE_BY_SIDE`] numbers on, those of the next output after all stations.
+    #[inline(always)]
+    pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
+        let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));
+        (&mut self.values[value..], &mut self.slopes[slope..])
+    }
+
+    /// Leaves a design without values.
+    pub(super) fn forget(&mut self, design: usize) {
+        for output in 0..self.outputs {
+            for station in 0..self.stations {
+                self.put(design, output, station, f64::NAN);
+            }
+        }
+        for gain in 0..self.gains {
+            self.put_slope(design, gain, f64::NAN);
+        }
+    }
+
+    #[inline(always)]
+    fn place(&self, design: usize, output: usize, station: usize) -> usize {
+        let row = (design / SIDE_BY_SIDE * self.outputs + output) * self.stations + station;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
+    }
+
+    #[inline(always)]
+    fn slope_place(&self, design: usize, gain: usize) -> usize {
+        let row = design / SIDE_BY_SIDE * self.gains + gain;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
+    }
+
+    /// The stations without a pose, by rising number of the design.
+    pub fn failures(&self) -> &[FailedStation] {
+        &self.failures
+    }
+
+    /// The designs that cannot be solved at all, by rising number.
+    pub fn faults(&self) -> &[(usize, DesignFault)] {
+        &self.faults
+    }
+}
+
+/// Evaluates blocks of designs. One for each thread.
+///
+/// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
+/// sailing, and everything else, one by one. Which of the two depends on the design
+/// alone.
+pub struct Evaluator<'a> {
+    points: usize,
+    lanes: Result<LaneSolver<'a>, NotInLanes>,
+    one_by_one: ByRateOrder<'a>,
+    /// Designs of the block left to be solved one by one, by number.
+    left: Vec<usize>,
+}
+
+/// The pose's derivatives that values take.
+enum ByRateOrder<'a> {
+    Positions(Box<OneByOne<'a, 1>>),
+    Rates(Box<OneByOne<'a, 2>>),
+}
+
+impl<'a> Evaluator<'a> {
+    /// An evaluator of these quantities. An error says why the suspension's own design cannot be solved.
+    pub fn new(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+    ) -> Result<Self, DesignFault> {
+        Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
+    }
+
+    /// As [`Evaluator::new`], in lanes of a width, or one by one alone.
+    pub fn with_width(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+        width: Option<Width>,
+    ) -> Result<Self, DesignFault> {
+        let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
+        let one_by_one = match depth {
+            0 => ByRateOrder::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+            _ => ByRateOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+        };
+        Ok(Evaluator {
+            points: suspension.design.len(),
+            lanes: match width {
+                Some(width) => LaneSolver::new(suspension, stations, quantities, width),
+                None => Err(NotInLanes::Asked),
+            },
+            one_by_one,
+            left: Vec::new(),
+        })
+    }
+
+    /// Why no design is solved in lanes; `None` where most are.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        self.lanes.as_ref().err().copied()
+    }
+
+    /// Leaves every pose to the continuation: more slowly to the same values, for comparison.
+    pub fn by_continuation(self) -> Self {
+        Evaluator {
+            lanes: Err(NotInLanes::Asked),
+            one_by_one: match self.one_by_one {
+                ByRateOrder::Positions(solver) => {
+                    ByRateOrder::Positions(Box::new(solver.by_continuation()))
+                }
+                ByRateOrder::Rates(solver) => {
+                    ByRateOrder::Rates(Box::new(solver.by_continuation()))
+                }
+            },
+            ..self
+        }
+    }
+
+    /// The designs of the last block that were left to be solved one by one, by rising number.
+    pub fn one_by_one(&self) -> &[usize] {
+        &self.left
+    }
+
+    /// Evaluates designs given as the points of one after the other, in the kernel's frame. Returns how
+    /// many were left to be solved one by one.
+    pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {
+        let count = designs.len() / self.points;
+        block.clear(count);
+        self.left.clear();
+        match &mut self.lanes {
+            Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
+            Err(_) => self.left.extend(0..count),
+        }
+        match &mut self.one_by_one {
+            ByRateOrder::Positions(solver) => solver.evaluate(designs, &self.left, block),
+            ByRateOrder::Rates(solver) => solver.evaluate(designs, &self.left, block),
+        }
+        self.left.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characteristics::Characteristic;
+    use crate::curves::curves;
+    use crate::plan::Plan;
+    use crate::study::Study;
+    use std::path::Path;
+
+    const QUANTITIES: [Quantity; 3] = [
+        Quantity::Characteristic(Characteristic::Camber),
+        Quantity::Characteristic(Characteristic::Toe),
+        Quantity::Characteristic(Characteristic::BumpSteer),
+    ];
+
+    fn study() -> Study {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/macpherson_bump_steer.toml");
+        Study::read(
+            &path,
+            &["motion.travel=[-400.0, -60.0, 0.0, 60.0]".to_owned()],
+        )
+        .unwrap()
+    }
+
+    /// Values found one by one are those of `hardpoint solve`, to the bit, and a design's do not depend on its
+    /// neighbours, nor on what the evaluator did before.
+    #[test]
+    fn values_are_those_of_the_curves_whatever_the_neighbours() {
+        let study = study();
+        let suspension = &study.suspension;
+        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let mut evaluator = Evaluator::new(suspension, &stations, &QUANTITIES).unwrap();
+        let mut block = Block::new(QUANTITIES.len(), stations.count());
+        let mut flat = suspension.design.clone();
+        // No arm at all: the outer joint is put on the axis of the inner ones.
+        let mechanism = &suspension.mechanism;
+        let [front, outer] =
+            ["lower_arm_front", "lower_ball_joint"].map(|name| mechanism.point(name).unwrap().0);
+        flat[outer] = flat[front];
+        let designs = [flat.clone(), suspension.design.clone(), flat].concat();
+        evaluator.evaluate(&designs, &mut block);
+        assert_eq!(block.designs(), 3);
+        assert_eq!(
+            block.faults().iter().map(|f| f.0).collect::<Vec<_>>(),
+            [0, 2]
+        );
+        assert!(block.values(0, 0).all(|v| v.is_nan()));
+
+        let curves = curves(suspension, &Plan::of(&study)).unwrap();
+        let camber = Quantity::Characteristic(Characteristic::Camber);
+        let factor = 180.0 / std::f64::consts::PI;
+        assert_eq!(QUANTITIES[0], camber);
+        for (station, solved) in curves.stations.iter().enumerate() {
+            let value = block.value(1, 0, station);
+            assert_eq!(
+                solved.values[2],
+                (!value.is_nan()).then_some(value * factor)
+            );
+        }
+        let failed: Vec<_> = block
+            .failures()
+            .iter()
+            .map(|f| (f.design, f.station))
+            .collect();
+        assert_eq!(failed, [(1, 0)]);
+        // The slope of toe is the bump steer.
+        let bump_steer = block.value(1, 2, stations.design());
+        assert!((block.slope(1, 1) - bump_steer).abs() < 1e-15);
+        assert!(block.slope(1, 0) != 0.0);
+
+        let before = block.clone();
+        evaluator.evaluate(&designs[suspension.design.len()..], &mut block);
+        let alone = block.values(0, 1).skip(1);
+        assert!(alone.eq(before.values(1, 1).skip(1)));
+        assert_eq!(block.slope(0, 1), before.slope(1, 1));
+        assert!(block.slope(0, 2).is_nan());
+    }
+}

@@ -1,0 +1,101 @@
+//! What a benchmark measured, as tables and as a picture.
+
+use super::accuracy_plot;
+use super::table::{Cell, Table};
+use crate::bench::accuracy::Accuracy;
+use crate::bench::effects::Effects;
+use crate::bench::throughput::Throughput;
+
+/// Poses per second, a row for each thing asked and each way to it.
+pub fn throughput_table(throughput: &Throughput) -> Table {
+    let mut table = Table::new([
+        "asked",
+        "method",
+        "threads",
+        "ns_per_pose",
+        "spread_percent",
+        "million_poses_per_s",
+        "million_poses_per_s_and_thread",
+        "times_the_paper",
+        "times_the_limit",
+    ]);
+    let (paper, limit) = (throughput.by_the_paper(), throughput.limit());
+    for m in &throughput.measurements {
+        let times = paper.map(|p| p.timing.median / m.timing.median);
+        table.push([
+            Cell::from(m.asked),
+            m.method.as_str().into(),
+            m.threads.into(),
+            Cell::rounded(m.timing.median, 1),
+            Cell::rounded(100.0 * m.timing.spread(), 0),
+            Cell::rounded(m.millions(), 3),
+            Cell::rounded(m.millions() / m.threads as f64, 3),
+            times.map(|t| Cell::rounded(t, 1)).into(),
+            limit
+                .map(|l| Cell::rounded(m.timing.median / l.timing.median, 2))
+                .into(),
+        ]);
+    }
+    table
+}
+
+/// What each effect costs, alone and added to the pose.
+pub fn effects_table(effects: &Effects) -> Table {
+    let mut table = Table::new([
+        "effect",
+        "alone_ns",
+        "spread_percent",
+        "alone_ratio",
+        "added_ns",
+        "added_ratio",
+        "factorisations",
+        "right_hand_sides",
+    ]);
+    let position = effects.measurements[0].alone.median;
+    for m in &effects.measurements {
+        let per_pose = |count: u64| Cell::rounded(count as f64 / m.poses as f64, 2);
+        table.push([
+            Cell::from(m.effect.as_str()),
+            Cell::rounded(m.alone.median, 0),
+            Cell::rounded(100.0 * m.alone.spread(), 1),
+            Cell::rounded(m.alone.median / position, 2),
+            Cell::rounded(m.added.median, 0),
+            Cell::rounded(m.added.median / position, 2),
+            per_pose(m.work.factorisations),
+            per_pose(m.work.right_hand_sides),
+        ]);
+    }
+    table
+}
+
+/// What a digit costs, a row for each way to a number.
+pub fn accuracy_table(accuracy: &Accuracy) -> Table {
+    let mut table = Table::new([
+        "family",
+        "method",
+        "setting",
+        "ns_per_pose",
+        "spread_percent",
+        "evaluations",
+        "error",
+        "unit",
+    ]);
+    for m in &accuracy.measurements {
+        table.push([
+            Cell::from(m.family.name()),
+            m.method.as_str().into(),
+            m.setting.as_str().into(),
+            Cell::rounded(m.time.median, 1),
+            Cell::rounded(100.0 * m.time.spread(), 1),
+            m.evaluations.map(|e| Cell::rounded(e, 2)).into(),
+            Cell::shown(m.error, format!("{:.2e}", m.error)),
+            m.family.unit().into(),
+        ]);
+    }
+    table
+}
+
+/// The same as a picture (SVG).
+pub fn accuracy_picture(accuracy: &Accuracy, caption: &str) -> String {
+    accuracy_plot::svg(accuracy, caption)
+}

@@ -1,0 +1,47 @@
+//! Where the stations of a sweep are, as the columns of its curves say it.
+
+use crate::model::Axis;
+use crate::report::axle::Place;
+use crate::study::{AxleStudy, Study};
+use crate::sweep::SweepPlan;
+use crate::sweep::csv::CurvesCsv;
+
+/// The names of the columns that say where a station is, and by station of the motion its number in a block and the
+/// values of these.
+type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
+
+fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
+    let (motion, suspension) = (&study.motion, &study.suspension);
+    let mut names = vec![plan.record.drive.clone()];
+    names.extend(
+        motion
+            .rack_moves
+            .then(|| format!("rack_{}", suspension.length_unit.symbol())),
+    );
+    names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
+    let sign = suspension.frame.sign(Axis::Y);
+    let station = |(rack, value): (usize, usize)| {
+        let mut values = vec![motion.drive.printed(plan.stations.values()[value])];
+        values.extend(motion.rack_moves.then(|| plan.stations.racks[rack] * sign));
+        values.extend(motion.time.as_ref().map(|law| law.times[value]));
+        (plan.stations.number(rack, value), values)
+    };
+    (names, plan.stations.of_motion().map(station).collect())
+}
+
+/// What the motion says of each position; what follows from it (the travels in roll) is not kept.
+fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
+    let place = Place { plan, axle };
+    let placements = plan.course.placements().into_iter().enumerate();
+    let stations = placements.map(|(number, at)| (number, place.given(number, &at)));
+    (place.given_names(), stations.collect())
+}
+
+/// The curves of a sweep.
+pub(super) fn curves_csv(plan: &SweepPlan, study: &Study) -> CurvesCsv {
+    let (places, stations) = match &study.axle {
+        Some(both) => of_axle(both),
+        None => of_wheel(plan, study),
+    };
+    CurvesCsv::of(plan, places, stations)
+}

@@ -107,43 +107,9 @@ pub mod results;
 #[doc(hidden)]
 pub mod studio;
 
-#[doc(hidden)]
-pub use hardpoint_engine::{
-    analyse, attia, axle, bench, build, characteristics, curves, derive, evaluate, mechanism,
-    model, number, optimise, plan, solve, study, sweep, tolerance,
-};
-
-// Suspensions.
-pub use hardpoint_engine::{
-    Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Side,
-    Suspension, Topology, TorquePath, Vehicle,
-};
-pub use hardpoint_engine::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
-
-// What is asked of them.
-pub use hardpoint_engine::{Characteristic, Info, Measure, Need, Quantity, Unit};
-pub use hardpoint_engine::{
-    Constraint, DesignTable, Designs, Drive, FileFormat, Formulation, Interpolation, Limit,
-    Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs, Sampled, Sampling, Site,
-    Study, StudyError, StudyErrors, Subject, Sweep, SweepVariable, Target, TimeLaw, Turn, Variable,
-    Wanted,
-};
-
-// The answers.
-pub use hardpoint_engine::{
-    Best, ConstraintOutcome, Control, Deviation, Direction, Fulfilment, Identifiability,
-    Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
-    Termination, Tuning,
-};
-pub use hardpoint_engine::{Column, Curves, Proof, Sensitivity, Station, Status};
-pub use hardpoint_engine::{DesignFault, Failure, LimitCause, Unproven};
-pub use hardpoint_engine::{
-    DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError,
-};
-pub use hardpoint_engine::{Error, SuspensionPose, SweepControl};
-pub use hardpoint_engine::{Failing, Rows};
-
-pub use hardpoint_engine::nalgebra;
+// By the same names: what is public, and the rooms of the engine for those here.
+#[doc(inline)]
+pub use hardpoint_engine::*;
 
 /// The example of the manual's page is run.
 #[cfg(doctest)]

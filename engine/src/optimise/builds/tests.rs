@@ -20,7 +20,7 @@ const TRAVEL: &str = "motion.travel={ from = -20.0, to = 20.0, steps = 3 }";
 
 fn study(file: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
+        .join("../studies")
         .join(file);
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))

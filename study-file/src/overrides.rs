@@ -1,11 +1,11 @@
 //! `--set path=value`: edits of a study's text before it is read.
 
-use super::error::{StudyError, StudyErrors};
+use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
 /// The text with the overrides applied in order. A text that is not TOML stays as it is: reading it
 /// says what is wrong.
-pub(super) fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
+pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return Ok(text.to_owned());
     };

@@ -1,13 +1,10 @@
 //! Names: looking them up, and what was probably meant.
 
-use super::error::Problems;
-use super::value::Text;
+use crate::error::Problems;
+use crate::value::Text;
 
 /// The candidate that was probably meant by `name`.
-pub(crate) fn nearest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     let length = name.chars().count();
@@ -26,7 +23,7 @@ pub(crate) fn nearest<'a>(
 }
 
 /// "a", "a or b", "a, b or c", each in quotes.
-pub(super) fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("\"{n}\"")).collect();
     match names.as_slice() {
         [] => String::new(),
@@ -36,7 +33,7 @@ pub(super) fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> Stri
 }
 
 /// The option of this name, or an error that says which there are.
-pub(super) fn choose<T: Clone>(
+pub fn choose<T: Clone>(
     text: &Text,
     what: &str,
     options: &[(&str, T)],

@@ -3,7 +3,7 @@
 //! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
 //! carries its place. `flatten` and tagged enums are avoided because they lose places.
 
-use super::value::{
+use crate::value::{
     LimitText, MemberName, Number, Numbers, RightWheel, Selection, Text, Values, Whole,
 };
 use serde::Deserialize;
@@ -12,12 +12,12 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 
 /// Coordinates, three if they are right.
-pub(super) type Coordinates = Spanned<Vec<Number>>;
+pub type Coordinates = Spanned<Vec<Number>>;
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct File {
+pub struct File {
     /// `[suspension]`
     pub suspension: Suspension,
     /// `[wheel]`
@@ -61,7 +61,7 @@ pub(super) struct File {
 /// `[suspension]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Suspension {
+pub struct Suspension {
     /// Name of the topology.
     pub topology: Text,
     /// `left` or `right`.
@@ -86,7 +86,7 @@ pub(super) struct Suspension {
 /// A point that is not a hardpoint.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ExtraPoint {
+pub struct ExtraPoint {
     /// The body it moves with.
     pub body: Text,
     /// Its design position.
@@ -96,7 +96,7 @@ pub(super) struct ExtraPoint {
 /// `[wheel]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Wheel {
+pub struct Wheel {
     /// Loaded radius.
     pub radius: Option<Number>,
     /// Camber in the design position, degrees.
@@ -108,7 +108,7 @@ pub(super) struct Wheel {
 /// `[vehicle]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Vehicle {
+pub struct Vehicle {
     /// Distance between the axles.
     pub wheelbase: Option<Number>,
     /// Distance between the wheels of the axle.
@@ -134,7 +134,7 @@ pub(super) struct Vehicle {
 /// `[axle]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Axle {
+pub struct Axle {
     /// `"mirrored"`, or what differs from the mirror image; the mirror image where it is not given.
     pub right: Option<Spanned<RightWheel>>,
 }
@@ -142,7 +142,7 @@ pub(super) struct Axle {
 /// `[axle.right]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct OwnRight {
+pub struct OwnRight {
     /// Hardpoints that are not the mirror image of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
@@ -158,7 +158,7 @@ pub(super) struct OwnRight {
 /// `[axle.right.wheel]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct OwnAngles {
+pub struct OwnAngles {
     /// Camber in the design position, degrees.
     pub static_camber: Option<Number>,
     /// Toe in the design position, degrees.
@@ -168,7 +168,7 @@ pub(super) struct OwnAngles {
 /// `[steering]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Steering {
+pub struct Steering {
     /// Rack displacement along +y per turn of the steering wheel to the left.
     pub c_factor: Number,
 }
@@ -176,7 +176,7 @@ pub(super) struct Steering {
 /// `[spring]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Spring {
+pub struct Spring {
     /// Force per length.
     pub rate: Option<Number>,
     /// Force in the design position.
@@ -188,7 +188,7 @@ pub(super) struct Spring {
 /// `[bump_stop]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct BumpStop {
+pub struct BumpStop {
     /// How far the spring is shortened from the design position when the stop is met.
     pub gap: Number,
     /// Pairs of compression and force.
@@ -198,7 +198,7 @@ pub(super) struct BumpStop {
 /// `[anti_roll_bar]` and `[tyre]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Rate {
+pub struct Rate {
     /// Torque per angle, or force per length.
     pub rate: Number,
 }
@@ -206,7 +206,7 @@ pub(super) struct Rate {
 /// `[motion]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Motion {
+pub struct Motion {
     /// `travel`, `arm_angle` or `paper_theta`.
     pub drive: Option<Text>,
     /// Heights of the wheel centre above its design position.
@@ -240,7 +240,7 @@ pub(super) struct Motion {
 /// `time` of `[motion]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Time {
+pub struct Time {
     /// Coefficients, lowest power first.
     pub polynomial: Spanned<Vec<Number>>,
     /// First time, seconds.
@@ -254,7 +254,7 @@ pub(super) struct Time {
 /// `[solver]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Solver {
+pub struct Solver {
     /// `knuckle_pose` or `point_coordinates`.
     pub formulation: Option<Text>,
     /// Was what poses may be off by: refused, with a sentence.
@@ -264,7 +264,7 @@ pub(super) struct Solver {
 /// `[outputs]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Outputs {
+pub struct Outputs {
     /// Names of characteristics.
     #[serde(default)]
     pub characteristics: Vec<Text>,
@@ -286,7 +286,7 @@ pub(super) struct Outputs {
 /// An element of `loads`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Load {
+pub struct Load {
     /// What its columns begin with.
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
@@ -302,7 +302,7 @@ pub(super) struct Load {
 /// `[sweep]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sweep {
+pub struct Sweep {
     /// How the variables are sampled.
     pub method: Option<Text>,
     /// Number of samples.
@@ -322,7 +322,7 @@ pub(super) struct Sweep {
 /// An element of `variables` of `[sweep]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SweepVariable {
+pub struct SweepVariable {
     /// Name of the hardpoint,
     pub hardpoint: Option<Text>,
     /// or names of several that move together.
@@ -344,7 +344,7 @@ pub(super) struct SweepVariable {
 /// `[optimise]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Optimise {
+pub struct Optimise {
     /// Name of the method.
     pub method: Option<Text>,
     /// Number of starts.
@@ -373,7 +373,7 @@ pub(super) struct Optimise {
 /// An element of `variables`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Variable {
+pub struct Variable {
     /// Name of the hardpoint,
     pub hardpoint: Option<Text>,
     /// or names of several that move together,
@@ -399,7 +399,7 @@ pub(super) struct Variable {
 /// An element of `targets`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Target {
+pub struct Target {
     /// Name of the characteristic,
     pub characteristic: Option<Text>,
     /// or of a point,
@@ -455,7 +455,7 @@ pub(super) struct Target {
 /// `[setup]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Setup {
+pub struct Setup {
     /// What may be adjusted, in the order a mechanic does it.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
     /// Wanted static values by characteristic.
@@ -467,7 +467,7 @@ pub(super) struct Setup {
 /// An element of `adjust`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Adjustment {
+pub struct Adjustment {
     /// The member whose length is adjusted,
     pub length: Option<Spanned<MemberName>>,
     /// or the hardpoint under which shims lie,
@@ -483,7 +483,7 @@ pub(super) struct Adjustment {
 /// `[tolerance]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Tolerance {
+pub struct Tolerance {
     /// Number of builds.
     pub builds: Option<Whole>,
     /// Seed of the builds.
@@ -499,7 +499,7 @@ pub(super) struct Tolerance {
 /// An element of `scatter`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Scatter {
+pub struct Scatter {
     /// A hardpoint,
     pub hardpoint: Option<Text>,
     /// or several, each on its own,
@@ -525,7 +525,7 @@ pub(super) struct Scatter {
 /// An element of `bands`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Band {
+pub struct Band {
     /// Name of the characteristic.
     pub characteristic: Text,
     /// Where it is looked at; everywhere in the motion without it.
@@ -557,7 +557,7 @@ pub(super) struct Band {
 /// An element of `constraints`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Constraint {
+pub struct Constraint {
     /// What it is called.
     pub name: Option<Text>,
     /// A length: of a member, or between two points.
@@ -605,7 +605,7 @@ pub(super) struct Constraint {
 /// A place, one of these.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Region {
+pub struct Region {
     /// Two opposite corners.
     #[serde(rename = "box")]
     pub corners: Option<Spanned<Vec<Coordinates>>>,
@@ -626,7 +626,7 @@ pub(super) struct Region {
 /// `half_space`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct HalfSpace {
+pub struct HalfSpace {
     /// A point of its border.
     pub point: Coordinates,
     /// Into it.
@@ -636,7 +636,7 @@ pub(super) struct HalfSpace {
 /// `sphere`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sphere {
+pub struct Sphere {
     /// Its centre.
     pub centre: Coordinates,
     /// Its radius.
@@ -646,7 +646,7 @@ pub(super) struct Sphere {
 /// `cylinder`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Cylinder {
+pub struct Cylinder {
     /// One end of its axis.
     pub from: Coordinates,
     /// The other.

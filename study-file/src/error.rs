@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A text that was read, by the name it goes by in messages.
 #[derive(Debug, PartialEq)]
-pub(super) struct Source {
+pub struct Source {
     /// The file's path as the user wrote it.
     pub name: String,
     /// Its content.
@@ -27,7 +27,7 @@ pub struct StudyError {
 
 impl StudyError {
     /// A mistake in the file as a whole.
-    pub(super) fn of_file(name: impl Into<String>, message: impl Into<String>) -> Self {
+    pub fn of_file(name: impl Into<String>, message: impl Into<String>) -> Self {
         let source = Source {
             name: name.into(),
             text: String::new(),
@@ -36,7 +36,7 @@ impl StudyError {
     }
 
     /// A mistake at a place, or in the source as a whole.
-    pub(super) fn new(
+    pub fn new(
         source: Arc<Source>,
         span: Option<Range<usize>>,
         message: impl Into<String>,
@@ -52,19 +52,19 @@ impl StudyError {
     }
 
     /// Names the key the mistake is in.
-    pub(super) fn key_named(&mut self, key: Option<String>) -> &mut Self {
+    pub fn key_named(&mut self, key: Option<String>) -> &mut Self {
         self.key = key;
         self
     }
 
     /// Adds what could be done about it.
-    pub(super) fn help(&mut self, help: impl Into<String>) -> &mut Self {
+    pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = Some(help.into());
         self
     }
 
     /// Shows another place that has to do with it.
-    pub(super) fn related(&mut self, span: Range<usize>, label: impl Into<String>) -> &mut Self {
+    pub fn related(&mut self, span: Range<usize>, label: impl Into<String>) -> &mut Self {
         let span = within_line(&self.source.text, span);
         self.related.push((span, label.into()));
         self
@@ -188,14 +188,14 @@ impl fmt::Display for StudyError {
 impl std::error::Error for StudyError {}
 
 /// The mistakes found so far in one study.
-pub(super) struct Problems {
+pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
 }
 
 impl Problems {
     /// None yet.
-    pub(super) fn new(source: Arc<Source>) -> Self {
+    pub fn new(source: Arc<Source>) -> Self {
         Problems {
             source,
             errors: Vec::new(),
@@ -203,12 +203,8 @@ impl Problems {
     }
 
     /// Notes a mistake at a place of the study file.
-    pub(super) fn add(
-        &mut self,
-        span: Range<usize>,
-        message: impl Into<String>,
-    ) -> &mut StudyError {
-        let key = super::parse::key_at(&self.source.text, span.start);
+    pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
+        let key = crate::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
         error.key_named(key);
         self.errors.push(error);
@@ -216,12 +212,12 @@ impl Problems {
     }
 
     /// Notes mistakes found in another file.
-    pub(super) fn append(&mut self, errors: StudyErrors) {
+    pub fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);
     }
 
     /// The result, if there is nothing wrong.
-    pub(super) fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
+    pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),
             _ => {

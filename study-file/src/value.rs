@@ -8,14 +8,14 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 /// A text.
-pub(super) type Text = Spanned<String>;
+pub type Text = Spanned<String>;
 
 /// A whole number; the resolver knows its bounds.
-pub(super) type Whole = Spanned<i64>;
+pub type Whole = Spanned<i64>;
 
 /// A finite number.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Number {
+pub struct Number {
     /// The number, within [`Number::MOST`] of zero.
     pub value: f64,
     /// Its place.
@@ -24,10 +24,10 @@ pub(super) struct Number {
 
 impl Number {
     /// The largest magnitude: far beyond any dimension, far below where products overflow.
-    pub(super) const MOST: f64 = 1e12;
+    pub const MOST: f64 = 1e12;
 
     /// The value, or what it should have been.
-    pub(super) fn checked(value: f64) -> Result<f64, String> {
+    pub fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
         if value.abs() <= most {
             Ok(value)
@@ -39,7 +39,7 @@ impl Number {
     }
 
     /// The value of a text, or what it should have been.
-    pub(super) fn parsed(text: &str) -> Result<f64, String> {
+    pub fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
 }
@@ -87,7 +87,7 @@ impl Visitor<'_> for FiniteVisitor {
 
 /// One value, a list of values, or a range.
 #[derive(Clone, Debug)]
-pub(super) enum Values {
+pub enum Values {
     /// One value.
     One(f64),
     /// A list.
@@ -99,7 +99,7 @@ pub(super) enum Values {
 /// Evenly spaced values, ends included.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Range {
+pub struct Range {
     /// First value.
     pub from: Number,
     /// Last value.
@@ -146,11 +146,11 @@ impl<'de> Visitor<'de> for ValuesVisitor {
 
 /// What `right` of `[axle]` is.
 #[derive(Debug)]
-pub(super) enum RightWheel {
+pub enum RightWheel {
     /// A word.
     Word(String),
     /// `[axle.right]`
-    Own(Box<super::file::OwnRight>),
+    Own(Box<crate::file::OwnRight>),
 }
 
 impl<'de> Deserialize<'de> for RightWheel {
@@ -173,14 +173,14 @@ impl<'de> Visitor<'de> for RightWheelVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RightWheel, A::Error> {
-        let own = super::file::OwnRight::deserialize(MapAccessDeserializer::new(map))?;
+        let own = crate::file::OwnRight::deserialize(MapAccessDeserializer::new(map))?;
         Ok(RightWheel::Own(Box::new(own)))
     }
 }
 
 /// All, none, or those named.
 #[derive(Clone, Debug)]
-pub(super) enum Selection {
+pub enum Selection {
     /// All or none.
     All(bool),
     /// Those named.
@@ -217,7 +217,7 @@ impl<'de> Visitor<'de> for SelectionVisitor {
 
 /// A member: by its name, or by its two ends.
 #[derive(Clone, Debug)]
-pub(super) enum MemberName {
+pub enum MemberName {
     /// As in the columns of loads.
     Name(String),
     /// The names of its ends.
@@ -254,7 +254,7 @@ impl<'de> Visitor<'de> for MemberNameVisitor {
 
 /// One number, or a list of them.
 #[derive(Clone, Debug)]
-pub(super) enum Numbers {
+pub enum Numbers {
     /// One.
     One(f64),
     /// Several.
@@ -295,7 +295,7 @@ impl<'de> Visitor<'de> for NumbersVisitor {
 
 /// A limit: one number, or a curve of pairs.
 #[derive(Clone, Debug)]
-pub(super) enum LimitText {
+pub enum LimitText {
     /// The same everywhere.
     Value(f64),
     /// Pairs of drive value and limit.

@@ -5,14 +5,14 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// The longest study or curve, in bytes: millions of points of a curve.
-pub(super) const LONGEST_TEXT: u64 = 64 << 20;
+pub const LONGEST_TEXT: u64 = 64 << 20;
 
 /// The longest file of designs, in bytes: some ten million designs, which a sweep keeps in memory.
-pub(super) const LONGEST_TABLE: u64 = 1 << 30;
+pub const LONGEST_TABLE: u64 = 1 << 30;
 
 /// The content of a text file of at most so many bytes, or why there is none. A pipe is read to its end, a
 /// device, which may have none, is refused.
-pub(super) fn read_text(path: &Path, longest: u64) -> Result<String, String> {
+pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
         ErrorKind::PermissionDenied => "permission denied".to_owned(),
@@ -37,7 +37,7 @@ pub(super) fn read_text(path: &Path, longest: u64) -> Result<String, String> {
 }
 
 /// What comes from standard input, up to so many bytes.
-pub(super) fn read_input(longest: u64) -> Result<String, String> {
+pub fn read_input(longest: u64) -> Result<String, String> {
     let mut bytes = Vec::new();
     let read = std::io::stdin()
         .lock()

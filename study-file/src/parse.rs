@@ -1,14 +1,14 @@
 //! From text to the file as written, and the parser's messages in plain words.
 
-use super::error::{Source, StudyError, StudyErrors};
-use super::file::File;
-use super::names::nearest;
+use crate::error::{Source, StudyError, StudyErrors};
+use crate::file::File;
+use crate::names::nearest;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a study.
-pub(super) fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
+pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
         return Err(StudyError::of_file(&source.name, "the file is empty").into());
@@ -34,7 +34,7 @@ pub(super) fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
 }
 
 /// The path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
-pub(super) fn key_at(text: &str, at: usize) -> Option<String> {
+pub fn key_at(text: &str, at: usize) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     key_in_table(root.get_ref(), at, "")
 }

@@ -1,0 +1,604 @@
+//! The JSON schema of studies, for editors.
+//!
+//! It is found by asking the reader: the types of [`file`](crate::file) are read from a source that has no
+//! text, notes what each of them asks for (a text, a list, a table with these keys) and hands out
+//! something of that kind. Where a type takes what comes, every kind is offered; whether a key is needed
+//! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list
+//! of them. What a key is for, it has from the manual, `docs/study.md`.
+//!
+//! Paths say where in a study something is: `motion.travel`, `optimise.targets[]` for each element,
+//! `suspension.hardpoints{}` for each value of a table whose keys are names.
+
+use crate::file::File;
+use serde::Deserialize;
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value, json};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// What a value may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Number,
+    Whole,
+    Truth,
+    Text,
+    List,
+    /// A table whose keys are names.
+    Names,
+    /// A table with these keys.
+    Table,
+}
+
+/// What a type that takes what comes is offered.
+const OFFERS: [Kind; 5] = [
+    Kind::Number,
+    Kind::Truth,
+    Kind::Text,
+    Kind::List,
+    Kind::Table,
+];
+
+/// What is known of a place.
+#[derive(Clone, Debug, Default)]
+struct Place {
+    kinds: BTreeSet<Kind>,
+    keys: Vec<&'static str>,
+    /// Whether the type there takes what comes.
+    takes_any: bool,
+}
+
+/// What one reading is offered, and what it notes.
+#[derive(Debug, Default)]
+struct Notes {
+    places: BTreeMap<String, Place>,
+    /// What is offered where any kind may be; a number where nothing is said.
+    offers: BTreeMap<String, Kind>,
+    /// Keys of tables whose type did not say them beforehand.
+    keys: BTreeMap<String, Vec<&'static str>>,
+    /// A key that is withheld.
+    withheld: Option<String>,
+    /// The place of the offer that was refused.
+    refused: Option<String>,
+    /// Whether keys were learnt, so that the same offer may come through now.
+    has_learnt: bool,
+}
+
+/// Why a reading ended.
+#[derive(Debug)]
+enum Refusal {
+    /// A key is unknown; these are known.
+    UnknownKey(&'static [&'static str]),
+    /// Anything else.
+    Other,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("not what was expected")
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl serde::de::Error for Refusal {
+    fn custom<T: fmt::Display>(_: T) -> Self {
+        Refusal::Other
+    }
+
+    fn unknown_field(_: &str, expected: &'static [&'static str]) -> Self {
+        Refusal::UnknownKey(expected)
+    }
+}
+
+/// The source without text, at a place.
+struct Source<'a> {
+    notes: &'a RefCell<Notes>,
+    path: String,
+}
+
+impl<'a> Source<'a> {
+    fn note(&self, kind: Kind) {
+        let mut notes = self.notes.borrow_mut();
+        notes
+            .places
+            .entry(self.path.clone())
+            .or_default()
+            .kinds
+            .insert(kind);
+    }
+
+    fn at(&self, path: String) -> Source<'a> {
+        Source {
+            notes: self.notes,
+            path,
+        }
+    }
+
+    fn keys(&self, keys: &[&'static str]) -> Keys<'a> {
+        let key_path = |key: &str| match self.path.as_str() {
+            "" => key.to_owned(),
+            path => format!("{path}.{key}"),
+        };
+        let withheld = self.notes.borrow().withheld.clone();
+        let given = keys.iter().map(|key| (*key, key_path(key)));
+        let given = given.filter(|(_, path)| withheld.as_ref() != Some(path));
+        Keys {
+            notes: self.notes,
+            left: given.collect(),
+            value: String::new(),
+        }
+    }
+}
+
+/// Keys of a table and the places of their values.
+struct Keys<'a> {
+    notes: &'a RefCell<Notes>,
+    left: std::collections::VecDeque<(&'static str, String)>,
+    value: String,
+}
+
+impl<'de> MapAccess<'de> for Keys<'_> {
+    type Error = Refusal;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Refusal> {
+        let Some((key, path)) = self.left.pop_front() else {
+            return Ok(None);
+        };
+        self.value = path;
+        seed.deserialize(Key(key)).map(Some)
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
+        let path = std::mem::take(&mut self.value);
+        seed.deserialize(Source {
+            notes: self.notes,
+            path,
+        })
+    }
+}
+
+/// A key, which may carry its place in the file as values do.
+struct Key(&'static str);
+
+impl<'de> Deserializer<'de> for Key {
+    type Error = Refusal;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        visitor.visit_borrowed_str(self.0)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Refusal> {
+        visitor.visit_map(Spanned {
+            fields,
+            next: 0,
+            value: Some(self),
+        })
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// What the type of such a value calls itself (the crate `serde_spanned`).
+const SPANNED: &str = "$__serde_spanned_private";
+
+/// A value between its first and its last byte, as the reader of TOML hands it over.
+struct Spanned<T> {
+    fields: &'static [&'static str],
+    next: usize,
+    value: Option<T>,
+}
+
+impl<'de, T: Deserializer<'de, Error = Refusal>> MapAccess<'de> for Spanned<T> {
+    type Error = Refusal;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Refusal> {
+        let Some(field) = self.fields.get(self.next) else {
+            return Ok(None);
+        };
+        self.next += 1;
+        seed.deserialize(Key(field)).map(Some)
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
+        match self.value.take() {
+            Some(value) if self.next == self.fields.len() => seed.deserialize(value),
+            value => {
+                self.value = value;
+                seed.deserialize(serde::de::value::UsizeDeserializer::new(0))
+            }
+        }
+    }
+}
+
+/// A list of one element.
+struct One<'a>(Option<Source<'a>>);
+
+impl<'de> SeqAccess<'de> for One<'_> {
+    type Error = Refusal;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Refusal> {
+        let element = self.0.take();
+        element.map(|source| seed.deserialize(source)).transpose()
+    }
+}
+
+/// A table with one name as its key.
+struct OneName<'a>(Option<Source<'a>>);
+
+impl<'de> MapAccess<'de> for OneName<'_> {
+    type Error = Refusal;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Refusal> {
+        let is_left = self.0.is_some();
+        is_left.then(|| seed.deserialize(Key("name"))).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
+        seed.deserialize(self.0.take().expect("a value follows its key"))
+    }
+}
+
+impl<'de> Deserializer<'de> for Source<'_> {
+    type Error = Refusal;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        let path = self.path.clone();
+        let offer = {
+            let mut notes = self.notes.borrow_mut();
+            notes.places.entry(path.clone()).or_default().takes_any = true;
+            notes.offers.get(&path).copied().unwrap_or(Kind::Number)
+        };
+        let notes = self.notes;
+        let keys = notes.borrow().keys.get(&path).cloned();
+        let read = match offer {
+            Kind::Number => visitor.visit_f64(1.0),
+            Kind::Truth => visitor.visit_bool(true),
+            Kind::Text => visitor.visit_str("text"),
+            Kind::List => {
+                let element = self.at(format!("{path}[]"));
+                visitor.visit_seq(One(Some(element)))
+            }
+            _ => visitor.visit_map(self.keys(keys.as_deref().unwrap_or(&["a key nobody has"]))),
+        };
+        let mut notes = notes.borrow_mut();
+        match &read {
+            Ok(_) => {
+                let place = notes.places.entry(path).or_default();
+                place.kinds.insert(offer);
+                if offer == Kind::Table {
+                    place.keys = keys.unwrap_or_default();
+                }
+            }
+            Err(Refusal::UnknownKey(known)) if offer == Kind::Table && keys.is_none() => {
+                notes.keys.insert(path, known.to_vec());
+                notes.has_learnt = true;
+            }
+            Err(_) if notes.refused.is_none() => notes.refused = Some(path),
+            Err(_) => (),
+        }
+        read
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Refusal> {
+        if name.starts_with(SPANNED) {
+            return visitor.visit_map(Spanned {
+                fields,
+                next: 0,
+                value: Some(self),
+            });
+        }
+        self.note(Kind::Table);
+        {
+            let mut notes = self.notes.borrow_mut();
+            notes.places.entry(self.path.clone()).or_default().keys = fields.to_vec();
+        }
+        visitor.visit_map(self.keys(fields))
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::Names);
+        let value = self.at(format!("{}{{}}", self.path));
+        visitor.visit_map(OneName(Some(value)))
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::List);
+        let element = self.at(format!("{}[]", self.path));
+        visitor.visit_seq(One(Some(element)))
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::Truth);
+        visitor.visit_bool(true)
+    }
+
+    fn deserialize_i64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::Whole);
+        visitor.visit_i64(1)
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::Number);
+        visitor.visit_f64(1.0)
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+        self.note(Kind::Text);
+        StrDeserializer::new("text").deserialize_str(visitor)
+    }
+
+    serde::forward_to_deserialize_any! {
+        i8 i16 i32 u8 u16 u32 u64 f32 char str bytes byte_buf unit unit_struct newtype_struct tuple
+        tuple_struct enum identifier ignored_any
+    }
+}
+
+/// Everything the reader asks for, by place, and the keys it needs.
+fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
+    let notes = RefCell::new(Notes::default());
+    let read = || {
+        notes.borrow_mut().refused = None;
+        let source = Source {
+            notes: &notes,
+            path: String::new(),
+        };
+        File::deserialize(source).is_ok()
+    };
+    // Offers that are refused are followed by the next one, until a reading comes through.
+    let settle = || {
+        for _ in 0..1000 {
+            if read() {
+                return true;
+            }
+            let mut notes = notes.borrow_mut();
+            if std::mem::take(&mut notes.has_learnt) {
+                continue;
+            }
+            let Some(path) = notes.refused.clone() else {
+                return false;
+            };
+            let offer = notes.offers.get(&path).copied().unwrap_or(Kind::Number);
+            let mut next = OFFERS.iter().skip_while(|kind| **kind != offer);
+            match next.nth(1) {
+                Some(next) => drop(notes.offers.insert(path, *next)),
+                None => return false,
+            }
+        }
+        false
+    };
+    let comes_through = settle();
+    debug_assert!(comes_through, "the reader's types can be read from nothing");
+    // Every other kind at every place that takes what comes, until nothing new turns up.
+    let mut tried = BTreeSet::new();
+    loop {
+        let open: Vec<(String, Kind)> = {
+            let notes = notes.borrow();
+            let any = notes.places.iter().filter(|(_, place)| place.takes_any);
+            let all = any.flat_map(|(path, _)| OFFERS.map(|kind| (path.clone(), kind)));
+            all.filter(|offer| !tried.contains(offer)).collect()
+        };
+        if open.is_empty() {
+            break;
+        }
+        for (path, kind) in open {
+            tried.insert((path.clone(), kind));
+            let before = notes.borrow().offers.clone();
+            notes.borrow_mut().offers.insert(path.clone(), kind);
+            // A table's keys are known after it has been offered once.
+            if !read() && std::mem::take(&mut notes.borrow_mut().has_learnt) {
+                read();
+            }
+            notes.borrow_mut().offers = before;
+        }
+    }
+    // Keys that cannot be left out. Tables among several kinds are offered as such.
+    let mut needed = BTreeSet::new();
+    let found = notes.borrow().places.clone();
+    for (path, place) in &found {
+        if !place.kinds.contains(&Kind::Table) {
+            continue;
+        }
+        let before = notes.borrow().offers.clone();
+        if place.takes_any {
+            notes.borrow_mut().offers.insert(path.clone(), Kind::Table);
+        }
+        for key in &place.keys {
+            let key = if path.is_empty() {
+                (*key).to_owned()
+            } else {
+                format!("{path}.{key}")
+            };
+            notes.borrow_mut().withheld = Some(key.clone());
+            if !read() {
+                needed.insert(key);
+            }
+        }
+        notes.borrow_mut().withheld = None;
+        notes.borrow_mut().offers = before;
+    }
+    (found, needed)
+}
+
+/// What the manual says of each key, by its place there.
+fn manual() -> BTreeMap<(String, String), String> {
+    let mut said = BTreeMap::new();
+    for section in include_str!("../../docs/study.md").split("\n## ").skip(1) {
+        let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
+        let name = name.split(" (").next().unwrap_or(name);
+        for row in rows.lines() {
+            let cells: Vec<&str> = row
+                .split(" | ")
+                .map(|cell| cell.trim_matches([' ', '|']))
+                .collect();
+            let key = row.strip_prefix("| `").and_then(|row| row.split_once('`'));
+            if let (Some((key, _)), Some(what)) = (key, cells.last()) {
+                said.insert((name.to_owned(), key.to_owned()), (*what).to_owned());
+            }
+        }
+    }
+    said
+}
+
+/// The JSON schema (draft 4) of a study: its keys, which of them are needed, and of what type their values
+/// are. In later drafts 8.0 is an integer, which it is not in TOML. Names that a text may be, or the keys of a table,
+/// as far as there is a list of them, are asked for by the place.
+pub fn schema(names: fn(&str) -> Option<Vec<&'static str>>) -> Value {
+    let (places, needed) = places();
+    let book = Book {
+        places,
+        needed,
+        manual: manual(),
+        names,
+    };
+    let mut schema = Map::new();
+    schema.insert(
+        "$schema".to_owned(),
+        json!("http://json-schema.org/draft-04/schema#"),
+    );
+    schema.insert("title".to_owned(), json!("A study of hardpoint"));
+    if let Value::Object(root) = book.of("") {
+        schema.extend(root);
+    }
+    Value::Object(schema)
+}
+
+/// Everything known, while it is written down.
+struct Book {
+    places: BTreeMap<String, Place>,
+    needed: BTreeSet<String>,
+    manual: BTreeMap<(String, String), String>,
+    names: fn(&str) -> Option<Vec<&'static str>>,
+}
+
+impl Book {
+    fn of(&self, path: &str) -> Value {
+        let Some(place) = self.places.get(path) else {
+            return json!({});
+        };
+        let kinds = place.kinds.iter().map(|kind| match kind {
+            Kind::Number => json!({ "type": "number" }),
+            Kind::Whole => json!({ "type": "integer" }),
+            Kind::Truth => json!({ "type": "boolean" }),
+            Kind::Text => match (self.names)(path) {
+                Some(names) => json!({ "type": "string", "enum": names }),
+                None => json!({ "type": "string" }),
+            },
+            Kind::List => json!({ "type": "array", "items": self.of(&format!("{path}[]")) }),
+            Kind::Names => {
+                let value = self.of(&format!("{path}{{}}"));
+                match (self.names)(path) {
+                    Some(names) => {
+                        let named = names.iter().map(|name| ((*name).to_owned(), value.clone()));
+                        let properties: Map<String, Value> = named.collect();
+                        json!({ "type": "object", "properties": properties, "additionalProperties": false })
+                    }
+                    None => json!({ "type": "object", "additionalProperties": value }),
+                }
+            }
+            Kind::Table => self.table(path, place),
+        });
+        let mut kinds: Vec<Value> = kinds.collect();
+        match kinds.len() {
+            1 => kinds.remove(0),
+            _ => json!({ "anyOf": kinds }),
+        }
+    }
+
+    fn table(&self, path: &str, place: &Place) -> Value {
+        let dot = if path.is_empty() { "" } else { "." };
+        let section = path.replace("[]", "").replace("{}", ".NAME");
+        let mut properties = Map::new();
+        for key in &place.keys {
+            let mut value = self.of(&format!("{path}{dot}{key}"));
+            let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
+            // The manual explains ranges once.
+            let said = said(&section).or_else(|| said("motion.travel"));
+            if let (Some(said), Value::Object(value)) = (said, &mut value) {
+                value.insert("description".to_owned(), json!(said));
+            }
+            properties.insert((*key).to_owned(), value);
+        }
+        let is_needed = |key: &&&str| self.needed.contains(&format!("{path}{dot}{key}"));
+        let needed: Vec<_> = place.keys.iter().filter(is_needed).collect();
+        let mut table = json!({
+            "type": "object",
+            "properties": properties,
+            "additionalProperties": false,
+        });
+        // An empty list is none in draft 4.
+        if !needed.is_empty() {
+            table["required"] = json!(needed);
+        }
+        table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_types_and_needs_are_those_of_the_reader() {
+        let schema = schema(|_| None);
+        let at = |pointer: &str| {
+            schema
+                .pointer(pointer)
+                .unwrap_or_else(|| panic!("{pointer}: {schema:#}"))
+        };
+        assert_eq!(at("/required"), &json!(["suspension", "motion"]));
+        assert_eq!(at("/additionalProperties"), &json!(false));
+        assert_eq!(
+            at("/properties/suspension/required"),
+            &json!(["topology", "hardpoints"])
+        );
+        let coordinates = "/properties/suspension/properties/hardpoints/additionalProperties";
+        assert_eq!(
+            at(coordinates),
+            &json!({ "type": "array", "items": { "type": "number" } })
+        );
+        let travel = at("/properties/motion/properties/travel/anyOf");
+        assert_eq!(travel.as_array().unwrap().len(), 3, "{travel}");
+        assert_eq!(travel[2]["required"], json!(["from", "to", "steps"]));
+        assert_eq!(travel[2]["properties"]["steps"]["type"], "integer");
+        let sensitivities = at("/properties/outputs/properties/sensitivities/anyOf");
+        assert_eq!(sensitivities[0]["type"], "boolean");
+        assert_eq!(sensitivities[1]["items"]["type"], "string");
+        let tolerance = "/properties/optimise/properties/targets/items/properties/tolerance";
+        assert_eq!(
+            at(tolerance)["description"],
+            "the deviation that still is acceptable"
+        );
+    }
+}

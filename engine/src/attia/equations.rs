@@ -122,7 +122,7 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
 
 fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>) {
     let column = 3 * (point - 5);
-    for (k, g) in gradient.to_array().into_iter().enumerate() {
+    for (k, g) in gradient.to_array().iter().enumerate() {
         jacobian[row][column + k] += g;
     }
 }

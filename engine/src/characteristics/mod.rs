@@ -270,9 +270,9 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
     let mut seeded = inputs.map(Dual::<T, 3>::constant);
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
-    for (place, slot) in gradient.iter_mut().zip(F::INFO.reads) {
+    for (k, slot) in F::INFO.reads.iter().enumerate() {
         slot.seed(&mut seeded, one);
-        *place = Vector3::from(F::evaluate(&seeded).partials);
+        gradient[k] = Vector3::from(F::evaluate(&seeded).partials);
         slot.seed(&mut seeded, zero);
     }
     gradient

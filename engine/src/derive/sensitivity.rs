@@ -231,7 +231,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
     }
 
     /// By the angle of a rocker.
-    #[inline]
+    #[inline(always)]
     pub fn rocker_angle(&mut self, id: RockerId, gradient: T) {
         self.at.push_rocker_angle(id, gradient, &mut self.adjoint);
     }

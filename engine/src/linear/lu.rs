@@ -24,6 +24,7 @@ pub(crate) type Lu6<T> = Lu<T, 6>;
 impl<T: Scalar> Lu6<T> {
     /// Of a Jacobian, whose last three columns (moments) are lengths; `size` is the one they are compared with, so that
     /// the determinant is free of scale: +-1 for six orthogonal unit lines, 0 at a singularity.
+    #[inline]
     pub(crate) fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
     }
@@ -126,14 +127,15 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         for k in 0..M {
             let mut right = each(b, |series| series[k]);
             for i in 1..=k {
-                for (r, line) in right.iter_mut().zip(matrix) {
-                    for (entry, known) in line.iter().zip(&x) {
-                        *r = *r - entry[i] * known[k - i];
+                for row in 0..N {
+                    for column in 0..N {
+                        right[row] = right[row] - matrix[row][column][i] * x[column][k - i];
                     }
                 }
             }
-            for (part, series) in self.solve(right).into_iter().zip(&mut x) {
-                series.0[k] = part;
+            let part = self.solve(right);
+            for row in 0..N {
+                x[row].0[k] = part[row];
             }
         }
         x
@@ -152,14 +154,15 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         for k in 0..M {
             let mut right = each(b, |series| series[k]);
             for i in 1..=k {
-                for (line, multiplier) in matrix.iter().zip(&x) {
-                    for (r, entry) in right.iter_mut().zip(line) {
-                        *r = *r - entry[i] * multiplier[k - i];
+                for row in 0..N {
+                    for column in 0..N {
+                        right[column] = right[column] - matrix[row][column][i] * x[row][k - i];
                     }
                 }
             }
-            for (part, series) in self.solve_transposed(right).into_iter().zip(&mut x) {
-                series.0[k] = part;
+            let part = self.solve_transposed(right);
+            for row in 0..N {
+                x[row].0[k] = part[row];
             }
         }
         x

@@ -169,8 +169,8 @@ impl<T: Real> Closure<T> {
     #[inline(always)]
     pub(crate) fn residuals_inlined(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
-        for (residual, row) in residuals.iter_mut().zip(&self.rows) {
-            *residual = row.residual(at);
+        for (k, row) in self.rows.iter().enumerate() {
+            residuals[k] = row.residual(at);
         }
         residuals[5] = driver.residual(at);
         residuals
@@ -305,9 +305,9 @@ impl<T: Real> Closure<T> {
         weights: &Vector6<T>,
         sink: &mut impl Sink<T>,
     ) {
-        for (number, (row, weight)) in self.rows.iter().zip(weights).enumerate() {
+        for (number, row) in self.rows.iter().enumerate() {
             if rows.holds(number) {
-                row.differential(at, *weight, sink);
+                row.differential(at, weights[number], sink);
             }
         }
         if rows.holds(driver.row()) {

@@ -297,8 +297,8 @@ impl<'a, T: Real> Configuration<'a, T> {
             inputs: arm::Inputs<T> = self.arm_inputs(arm, id), gradient: Vector3<T> = gradient
                 => arm::Inputs<T> { arm_point_gradient(inputs, gradient) }
         );
-        for (hardpoint, by) in [arm.front, arm.rear, arm.outer, id].into_iter().zip(by) {
-            sink.hardpoint(hardpoint, by);
+        for (k, hardpoint) in [arm.front, arm.rear, arm.outer, id].iter().enumerate() {
+            sink.hardpoint(*hardpoint, by[k]);
         }
         self.push_carried(arm.outer, by[4], sink);
     }

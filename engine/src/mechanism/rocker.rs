@@ -390,8 +390,8 @@ impl<T: Real> Configuration<'_, T> {
         );
         let rocker = self.mechanism.rocker(id);
         let designed = [rocker.first, rocker.second, rocker.inner, rocker.outer];
-        for (id, gradient) in designed.into_iter().zip(by) {
-            sink.hardpoint(id, gradient);
+        for (k, id) in designed.iter().enumerate() {
+            sink.hardpoint(*id, by[k]);
         }
         self.push_point(rocker.outer, by[4], sink);
         by_point

@@ -56,8 +56,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn plus(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = *p + q;
+        for k in 0..N {
+            let (p, q) = (partials[k], other.partials[k]);
+            partials[k] = p + q;
         }
         Dual {
             value: self.value + other.value,
@@ -68,8 +69,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn minus(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = *p - q;
+        for k in 0..N {
+            let (p, q) = (partials[k], other.partials[k]);
+            partials[k] = p - q;
         }
         Dual {
             value: self.value - other.value,
@@ -80,8 +82,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn times(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = *p * other.value + self.value * q;
+        for k in 0..N {
+            let (p, q) = (partials[k], other.partials[k]);
+            partials[k] = p * other.value + self.value * q;
         }
         Dual {
             value: self.value * other.value,
@@ -94,8 +97,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
         let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = (*p - value * q) * inverse;
+        for k in 0..N {
+            let (p, q) = (partials[k], other.partials[k]);
+            partials[k] = (p - value * q) * inverse;
         }
         Dual { value, partials }
     }
@@ -117,8 +121,9 @@ impl<T: Real, const N: usize> Dual<T, N> {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
         let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(x.partials) {
-            *p = *p * by_y + q * by_x;
+        for k in 0..N {
+            let (p, q) = (partials[k], x.partials[k]);
+            partials[k] = p * by_y + q * by_x;
         }
         Dual {
             value: self.value.atan2(x.value),

@@ -201,21 +201,25 @@ impl<'a> LaneReader<'a> {
     }
 
     /// Whether poses have to be read in the order of the march: rods of rockers are watched from station to station.
+    #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()
     }
 
     /// The mechanism that is read.
+    #[inline]
     pub(crate) fn mechanism(&self) -> &'a Mechanism {
         self.mechanism
     }
 
     /// The quantities, in the order of the values.
+    #[inline]
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
     }
 
     /// Whether the quantities read velocities.
+    #[inline]
     pub fn reads_rates(&self) -> bool {
         self.rates
     }

@@ -77,10 +77,10 @@ impl Solver<'_> {
             w.right_hand_sides += N as u64 - 1;
         });
         // The path may have passed a toggle: then the closed form speaks of another assembly.
-        let turned = series.rotation.columns.iter().zip(pose.rotation.columns);
-        let turned: f64 = turned
-            .map(|(a, b)| (a.map(|c| c[0]) - b).norm_squared())
-            .sum();
+        let mut turned = 0.0;
+        for (k, column) in series.rotation.columns.iter().enumerate() {
+            turned += (column.map(|c| c[0]) - pose.rotation.columns[k]).norm_squared();
+        }
         let moved = (series.origin.map(|c| c[0]) - pose.origin).norm_squared();
         let size = self.size;
         let is_same = moved + turned * size * size <= (SAME * size).powi(2);
@@ -103,9 +103,8 @@ impl Solver<'_> {
         // The value is the pose, whatever the order of the series.
         let mut with_pose = pose.map(Jet::constant);
         with_pose.origin = with_constant(series.origin, pose.origin);
-        let columns = series.rotation.columns.iter().zip(pose.rotation.columns);
-        for (column, (series, value)) in with_pose.rotation.columns.iter_mut().zip(columns) {
-            *column = with_constant(*series, value);
+        for (k, column) in with_pose.rotation.columns.iter_mut().enumerate() {
+            *column = with_constant(series.rotation.columns[k], pose.rotation.columns[k]);
         }
         Some((with_pose, condition))
     }
@@ -124,6 +123,7 @@ impl Solver<'_> {
 }
 
 /// The series with another constant part.
+#[inline]
 fn with_constant<const N: usize>(
     series: Vector3<Jet<f64, N>>,
     value: Vector3<f64>,

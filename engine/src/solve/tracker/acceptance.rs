@@ -51,6 +51,7 @@ impl Rejection {
     }
 
     /// The number that stands for it in a lane; 0 stands for none.
+    #[inline(always)]
     fn code(self) -> f64 {
         1.0 + self as u8 as f64
     }

@@ -86,6 +86,7 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
 struct AnyArc<B>(B);
 
 impl<B: SimdReal> Outlined for AnyArc<B> {
+    const IS_SMALL: bool = true;
     type Output = B;
     #[inline(always)]
     fn work(self) -> B {
@@ -116,6 +117,7 @@ struct AnyAngle<B> {
 }
 
 impl<B: SimdReal> Outlined for AnyAngle<B> {
+    const IS_SMALL: bool = true;
     type Output = B;
     #[inline(always)]
     fn work(self) -> B {

@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Outlined, Real, Scalar, apart, called, outlined};
+use super::{Outlined, Real, Scalar, called, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -96,8 +96,8 @@ macro_rules! by_coefficients {
             #[inline(always)]
             fn $operation(mut self, other: Self) -> Self {
                 if Self::IS_LONG {
-                    for (own, other) in self.0.iter_mut().zip(other.0) {
-                        *own = *own $operator other;
+                    for k in 0..N {
+                        self.0[k] = self.0[k] $operator other.0[k];
                     }
                 } else {
                     self.0[0] = self.0[0] $operator other.0[0];
@@ -174,10 +174,10 @@ impl<T: Real, const N: usize> Jet<T, N> {
         let (a, b) = (self.0, other.0);
         let mut product = a;
         if Self::IS_LONG {
-            for (k, p) in product.iter_mut().enumerate() {
-                *p = a[0] * b[k];
-                for i in 1..=k {
-                    *p = *p + a[i] * b[k - i];
+            for k in 0..N {
+                product[k] = a[0] * b[k];
+                for i in 0..k {
+                    product[k] = product[k] + a[i + 1] * b[k - i - 1];
                 }
             }
         } else {
@@ -259,7 +259,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
         match T::IN_REGISTERS {
             true => self.0[0].outlined(piece),
-            false => apart(piece),
+            false => piece.apart(),
         }
     }
 

@@ -12,7 +12,6 @@
 
 use super::registers::Registers;
 use super::{Outlined, Real, SimdReal, arc};
-use pulp::{Simd, WithSimd};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Numbers in SIMD registers.
@@ -108,7 +107,7 @@ impl<S: Registers> Real for Lanes<S> {
     }
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        self.simd.vectorize(InOwnFunction(piece))
+        self.simd.apart(piece)
     }
 }
 
@@ -242,12 +241,12 @@ impl Width {
         match self {
             Width::Avx512 => {
                 if let Some(simd) = pulp::x86::V4::try_new() {
-                    return Simd::vectorize(simd, Task(task, simd));
+                    return simd.apart(Task(task, simd));
                 }
             }
             Width::Avx2 => {
                 if let Some(simd) = pulp::x86::V3::try_new() {
-                    return Simd::vectorize(simd, Task(task, simd));
+                    return simd.apart(Task(task, simd));
                 }
             }
             Width::Scalar => {}
@@ -264,22 +263,12 @@ pub trait SimdTask {
     fn run<B: SimdReal>(self, like: B) -> Self::Output;
 }
 
-struct InOwnFunction<P>(P);
-
-impl<P: Outlined> WithSimd for InOwnFunction<P> {
-    type Output = P::Output;
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> P::Output {
-        self.0.work()
-    }
-}
-
 struct Task<T, R>(T, R);
 
-impl<T: SimdTask, R: Registers> WithSimd for Task<T, R> {
+impl<T: SimdTask, R: Registers> Outlined for Task<T, R> {
     type Output = T::Output;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> T::Output {
+    fn work(self) -> T::Output {
         self.0.run(Lanes::splat(self.1, 0.0))
     }
 }

@@ -11,6 +11,8 @@ mod arc;
 mod bundle;
 mod double_double;
 mod dual;
+#[cfg(target_arch = "x86_64")]
+mod instruction_set;
 mod interval;
 mod jet;
 mod lanes;
@@ -88,7 +90,7 @@ pub trait Real:
     /// what is inlined into one function all takes the compiler long.
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        apart(piece)
+        piece.apart()
     }
 
     /// The same number, known in another way as well: an interval is narrowed to what both contain, any other number
@@ -121,17 +123,20 @@ pub trait Real:
 }
 
 /// A piece of work on numbers of one kind.
-pub trait Outlined {
+pub trait Outlined: Sized {
+    /// Whether it is so small that numbers in registers may have it where it is called: each part of the crate then compiles
+    /// it for itself.
+    const IS_SMALL: bool = false;
     /// What it yields.
     type Output;
     /// Does it. To be marked `#[inline(always)]`.
     fn work(self) -> Self::Output;
-}
-
-/// Does a piece of work in a function of its own, compiled for no instruction set.
-#[inline(never)]
-fn apart<P: Outlined>(piece: P) -> P::Output {
-    piece.work()
+    /// Does it in a function of its own, compiled for no instruction set: as a method of the piece, with what stands around
+    /// the piece, so that a change elsewhere does not compile it again.
+    #[inline(never)]
+    fn apart(self) -> Self::Output {
+        self.work()
+    }
 }
 
 /// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
@@ -156,9 +161,11 @@ pub(crate) fn each<T: Copy, U: Copy, const N: usize>(array: &[T; N], f: impl Fn(
 
 /// A block in a function of its own by [`Real::outlined`], for a number of the type named first:
 /// `outlined!([T: Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live
-/// for `'p`; the length of a series may follow the types, as in `[T: Real; N]`.
+/// for `'p`; the length of a series may follow the types, as in `[T: Real; N]`. Begun with `small`, it is a small piece.
 macro_rules! outlined {
-    ([$($parameter:ident: $bound:path),* $(; $length:ident)?] $like:expr;
+    (small $($piece:tt)*) => { $crate::number::outlined!(@ true $($piece)*) };
+    ([$($parameter:tt)*] $($piece:tt)*) => { $crate::number::outlined!(@ false [$($parameter)*] $($piece)*) };
+    (@ $small:literal [$($parameter:ident: $bound:path),* $(; $length:ident)?] $like:expr;
         $($operand:ident: $kind:ty = $value:expr),* => $output:ty $body:block) => {{
         struct Piece<'p, $($parameter: $bound,)* $(const $length: usize)?>(
             $($kind,)*
@@ -167,6 +174,7 @@ macro_rules! outlined {
         impl<'p, $($parameter: $bound,)* $(const $length: usize)?> $crate::number::Outlined
             for Piece<'p, $($parameter,)* $($length)?>
         {
+            const IS_SMALL: bool = $small;
             type Output = $output;
             #[inline(always)]
             fn work(self) -> $output {

@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 
 /// Numbers side by side, and truth values of them.
-pub trait Registers: pulp::Simd {
+pub trait Registers: Copy + Debug {
     /// How many numbers there are.
     const LANES: usize;
     /// The numbers.
@@ -15,6 +15,8 @@ pub trait Registers: pulp::Simd {
     /// A truth value of each.
     type Truths: Copy + Debug;
 
+    /// Does a piece of work in a function of its own, compiled for the set.
+    fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output;
     /// The same number in every lane.
     fn splat(self, value: f64) -> Self::Numbers;
     /// a + b
@@ -63,7 +65,7 @@ pub struct Pair<R>(R, R);
 /// The operations of a set with registers of `$width` numbers, from what they are on one register.
 #[cfg(target_arch = "x86_64")]
 macro_rules! registers {
-    ($set:ty, $register:ty, $mask:ty, $width:literal, {
+    ($set:ty, $compiled:ident, $register:ty, $mask:ty, $width:literal, {
         fn splat($splat_simd:ident, $value:ident) $splat:block
         fn bits($bits_simd:ident, $one_mask:ident) $bits:block
     $(
@@ -74,6 +76,10 @@ macro_rules! registers {
             type Numbers = Pair<$register>;
             type Truths = Pair<$mask>;
 
+            #[inline(always)]
+            fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output {
+                crate::number::instruction_set::ForInstructionSet::$compiled(piece, self)
+            }
             $(
                 #[inline(always)]
                 fn $operation(self, $($operand: Self::$kind),*) -> Self::$result {
@@ -119,7 +125,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use std::arch::x86_64::{__m256d, __m512d, __mmask8, _CMP_LT_OQ};
 
-    registers!(V4, __m512d, __mmask8, 8, {
+    registers!(V4, with_avx512, __m512d, __mmask8, 8, {
         fn splat(simd, value) { simd.avx512f._mm512_set1_pd(value) }
         fn bits(_simd, mask) { u32::from(mask) }
         fn add(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx512f._mm512_add_pd(a, b) }
@@ -151,7 +157,7 @@ mod x86 {
         fn not(_simd, a: Truths) -> Truths { !a }
     });
 
-    registers!(V3, __m256d, __m256d, 4, {
+    registers!(V3, with_avx2, __m256d, __m256d, 4, {
         fn splat(simd, value) { simd.avx._mm256_set1_pd(value) }
         fn bits(simd, mask) { simd.avx._mm256_movemask_pd(mask) as u32 }
         fn add(simd, a: Numbers, b: Numbers) -> Numbers { simd.avx._mm256_add_pd(a, b) }
@@ -186,6 +192,10 @@ impl Registers for pulp::Scalar {
     const LANES: usize = 1;
     type Numbers = f64;
     type Truths = bool;
+    #[inline(always)]
+    fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output {
+        piece.apart()
+    }
 
     #[inline(always)]
     fn splat(self, value: f64) -> f64 {

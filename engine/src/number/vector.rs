@@ -106,7 +106,7 @@ impl<T: Real> Vector3<T> {
     pub fn dot(self, other: Self) -> T {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_here(b) }
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_here(b) }
             ),
             false => self.dot_here(other),
         }
@@ -117,7 +117,7 @@ impl<T: Real> Vector3<T> {
     pub fn cross(self, other: Self) -> Self {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_here(b) }
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_here(b) }
             ),
             false => self.cross_here(other),
         }
@@ -128,7 +128,7 @@ impl<T: Real> Vector3<T> {
     pub fn plus_scaled(self, other: Self, factor: T) -> Self {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] self.x;
+                small [T: Real] self.x;
                 a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_here(b, f) }
             ),
             false => self.plus_scaled_here(other, factor),
@@ -168,7 +168,7 @@ impl<T: Real> Vector3<T> {
     pub fn normalised(self) -> Self {
         match T::IS_NESTED {
             true => {
-                outlined!([T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() })
+                outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() })
             }
             false => self.normalised_here(),
         }
@@ -228,7 +228,7 @@ impl<T: Real> Mul<T> for Vector3<T> {
     fn mul(self, factor: T) -> Self {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_here(f) }
+                small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_here(f) }
             ),
             false => self.times_here(factor),
         }
@@ -290,7 +290,7 @@ impl<T: Real> Matrix3<T> {
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_here(v) }
+                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_here(v) }
             ),
             false => self.apply_here(v),
         }
@@ -309,7 +309,7 @@ impl<T: Real> Matrix3<T> {
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
         match T::IS_NESTED {
             true => outlined!(
-                [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_here(v) }
+                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_here(v) }
             ),
             false => self.apply_transposed_here(v),
         }

@@ -56,11 +56,12 @@
 //!
 //! Inside, data goes one way, from a study to its results. What is public is at the root of the crate; the rooms
 //! behind it are documented at the head of their files and may change with every version. What computes is a crate
-//! of its own in `engine` (`hardpoint-engine`), which knows nothing of files of results, pages and commands:
+//! of its own in `engine` (`hardpoint-engine`), which knows nothing of files of results, pages and commands, and has the
+//! keys of studies and the words for what is wrong with them from another, in `study-file` (`hardpoint-study-file`):
 //!
 //! | module of `engine` | what |
 //! |---|---|
-//! | `study` | the file as written, what it means, everything that can be wrong with it |
+//! | `study` | what the file means, everything that can be wrong with it |
 //! | `model` | hardpoints, bodies, constraints; one file for each topology |
 //! | `mechanism` | a design in a pose, the constraint rows that hold it, why there may be no pose |
 //! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |

@@ -1,4 +1,4 @@
-//! Studies: the file as written, and what it means.
+//! Studies: what the file as written (`hardpoint-study-file`) means.
 //!
 //! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
 //! units (see the fields), defaults are filled in, and nothing is left to interpret.

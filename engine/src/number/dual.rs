@@ -56,9 +56,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn plus(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for k in 0..N {
-            let (p, q) = (partials[k], other.partials[k]);
-            partials[k] = p + q;
+        for (k, p) in partials.iter_mut().enumerate() {
+            *p = *p + other.partials[k];
         }
         Dual {
             value: self.value + other.value,
@@ -69,9 +68,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn minus(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for k in 0..N {
-            let (p, q) = (partials[k], other.partials[k]);
-            partials[k] = p - q;
+        for (k, p) in partials.iter_mut().enumerate() {
+            *p = *p - other.partials[k];
         }
         Dual {
             value: self.value - other.value,
@@ -82,9 +80,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn times(self, other: Self) -> Self {
         let mut partials = self.partials;
-        for k in 0..N {
-            let (p, q) = (partials[k], other.partials[k]);
-            partials[k] = p * other.value + self.value * q;
+        for (k, p) in partials.iter_mut().enumerate() {
+            *p = *p * other.value + self.value * other.partials[k];
         }
         Dual {
             value: self.value * other.value,
@@ -97,9 +94,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
         let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
         let mut partials = self.partials;
-        for k in 0..N {
-            let (p, q) = (partials[k], other.partials[k]);
-            partials[k] = (p - value * q) * inverse;
+        for (k, p) in partials.iter_mut().enumerate() {
+            *p = (*p - value * other.partials[k]) * inverse;
         }
         Dual { value, partials }
     }
@@ -121,9 +117,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
         let inverse = self.value.one() / (self.value.squared() + x.value.squared());
         let (by_y, by_x) = (x.value * inverse, -self.value * inverse);
         let mut partials = self.partials;
-        for k in 0..N {
-            let (p, q) = (partials[k], x.partials[k]);
-            partials[k] = p * by_y + q * by_x;
+        for (k, p) in partials.iter_mut().enumerate() {
+            *p = *p * by_y + x.partials[k] * by_x;
         }
         Dual {
             value: self.value.atan2(x.value),

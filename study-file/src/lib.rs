@@ -6,7 +6,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`file`], [`value`] | the sections and keys, and what may stand there |
+//! | [`mod@file`], [`value`] | the sections and keys, and what may stand there |
 //! | [`parse`] | from text to the file, the parser's messages in plain words |
 //! | [`overrides`] | `--set path=value` |
 //! | [`error`] | mistakes with file, line, key and help |

@@ -1,6 +1,6 @@
 //! The JSON schema of studies, for editors.
 //!
-//! It is found by asking the reader: the types of [`file`](crate::file) are read from a source that has no
+//! It is found by asking the reader: the types of [`file`](mod@crate::file) are read from a source that has no
 //! text, notes what each of them asks for (a text, a list, a table with these keys) and hands out
 //! something of that kind. Where a type takes what comes, every kind is offered; whether a key is needed
 //! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list

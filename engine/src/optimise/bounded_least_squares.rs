@@ -16,7 +16,7 @@
 //! No normal equations are formed: they would square singular values that already spread over eight
 //! decades.
 
-use super::qr::{back_substitute, dot, triangularise};
+use super::qr::{back_substitute, dot, scale_columns, triangularise};
 use nalgebra::{DMatrix, DVector};
 
 /// Where a variable is.
@@ -84,12 +84,7 @@ impl BoundedLeastSquares {
         let n = self.variables;
         // With fewer residuals than variables, residuals that are always zero make up the difference.
         let rows = residuals.len().max(n);
-        self.matrix.clear();
-        for (column, width) in jacobian.column_iter().zip(width.iter()) {
-            self.matrix.extend(column.iter().map(|j| j * width));
-            self.matrix
-                .resize(self.matrix.len() + rows - column.len(), 0.0);
-        }
+        scale_columns(jacobian, width.as_slice(), rows, &mut self.matrix);
         self.vector.clear();
         self.vector.extend_from_slice(residuals.as_slice());
         self.vector.resize(rows, 0.0);

@@ -200,8 +200,10 @@ fn write(
     into.residuals[row] = deviation * wish.scale;
     // Within its band nothing changes.
     let is_in = wish.wanted.is_band() && deviation == 0.0;
-    for column in 0..into.jacobian.ncols() {
-        into.jacobian[(row, column)] = match is_in {
+    let rows = into.jacobian.nrows();
+    let entries = into.jacobian.as_mut_slice().iter_mut();
+    for (column, entry) in entries.skip(row).step_by(rows).enumerate() {
+        *entry = match is_in {
             true => 0.0,
             false => slope(column) * wish.scale,
         };

@@ -4,8 +4,22 @@
 //! nalgebra's own decomposition allocates and keeps Q; here only R and Q^T b are wanted, tens of
 //! thousands of times, of matrices of a few hundred entries.
 
+use nalgebra::DMatrix;
+
 /// Below this a column counts as zero: the square of a smaller norm is not a normal number.
 const SMALLEST_NORM: f64 = 1.5e-154;
+
+/// The columns of a Jacobian, each times its factor, with zeros below up to so many rows.
+pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to: &mut Vec<f64>) {
+    to.clear();
+    to.resize(by.len() * rows, 0.0);
+    let columns = jacobian.as_slice().chunks_exact(jacobian.nrows().max(1));
+    for (j, column) in columns.enumerate() {
+        for (row, entry) in column.iter().enumerate() {
+            to[j * rows + row] = entry * by[j];
+        }
+    }
+}
 
 /// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
 ///
@@ -54,30 +68,40 @@ pub(super) fn back_substitute(a: &[f64], rows: usize, b: &mut [f64]) {
 /// x - scale mirror (mirror . x).
 fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
     let factor = scale * dot(mirror, x);
-    for (x, m) in x.iter_mut().zip(mirror) {
-        *x -= factor * m;
+    let mirror = &mirror[..x.len()];
+    for (k, x) in x.iter_mut().enumerate() {
+        *x -= factor * mirror[k];
     }
 }
 
 /// Scalar product, in eight running sums so that additions need not wait for each other.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len());
+    let (a, b) = (&a[..count], &b[..count]);
     let (a_eights, a_rest) = a.as_chunks::<8>();
     let (b_eights, b_rest) = b.as_chunks::<8>();
     let mut sums = [0.0; 8];
-    for (a, b) in a_eights.iter().zip(b_eights) {
+    for (k, a) in a_eights.iter().enumerate() {
         for lane in 0..8 {
-            sums[lane] += a[lane] * b[lane];
+            sums[lane] += a[lane] * b_eights[k][lane];
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    let mut rest = 0.0;
+    for (k, a) in a_rest.iter().enumerate() {
+        rest += a * b_rest[k];
+    }
+    let mut sum = 0.0;
+    for part in sums {
+        sum += part;
+    }
+    sum + rest
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::DVector;
 
     /// R^T R = A^T A and R^T Q^T b = A^T b, to the rounding of products of `rows` terms.
     #[test]

@@ -261,9 +261,13 @@ impl<'a> Gradients<'a> {
         let at_once = self.at_once();
         let room = self.reader.quantities().len() * self.found.directions * at_once;
         self.found.slopes.resize(room, 0.0);
+        // Most points stay where they are.
         self.spread.clear();
-        for rate in along {
-            self.spread.extend(std::iter::repeat_n(*rate, at_once));
+        self.spread.resize(along.len() * at_once, 0.0);
+        for (k, rate) in along.iter().enumerate() {
+            if *rate != 0.0 {
+                self.spread[k * at_once..][..at_once].fill(*rate);
+            }
         }
         let along = std::mem::take(&mut self.spread);
         let slopes = Task::Slopes {

@@ -1,7 +1,7 @@
 //! The convex model of a problem about a point, and the step it proposes.
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
-use super::super::qr::{dot, triangularise};
+use super::super::qr::{dot, scale_columns, triangularise};
 use super::super::{Bounds, Evaluation};
 use super::Assessment;
 use nalgebra::DVector;
@@ -34,11 +34,7 @@ impl Squares {
     fn reduce(&mut self, of: &Evaluation, width: &[f64], matrix: &mut Vec<f64>) {
         let n = self.offset.len();
         let rows = of.residuals.len().max(n);
-        matrix.clear();
-        for (column, width) in of.jacobian.column_iter().zip(width) {
-            matrix.extend(column.iter().map(|j| j * width));
-            matrix.resize(matrix.len() + rows - column.len(), 0.0);
-        }
+        scale_columns(&of.jacobian, width, rows, matrix);
         let mut vector = std::mem::take(&mut self.offset);
         vector.clear();
         vector.extend_from_slice(of.residuals.as_slice());
@@ -571,9 +567,17 @@ impl<'a> ConvexModel<'a> {
         let mut y = vec![0.0; n];
         for (j, y) in y.iter_mut().enumerate() {
             let part = |a: &Evaluation, b: &Evaluation, weights: &[f64]| {
-                let columns = b.jacobian.column(j).into_iter().zip(a.jacobian.column(j));
-                let terms = columns.zip(weights).map(|((b, a), w)| (b - a) * w);
-                terms.sum::<f64>() * self.half[j]
+                let rows = weights.len().min(b.jacobian.nrows());
+                let of = |e: &'_ Evaluation| e.jacobian.nrows() * j;
+                let (b, a) = (
+                    &b.jacobian.as_slice()[of(b)..],
+                    &a.jacobian.as_slice()[of(a)..],
+                );
+                let mut sum = 0.0;
+                for row in 0..rows {
+                    sum += (b[row] - a[row]) * weights[row];
+                }
+                sum * self.half[j]
             };
             *y = part(&before.goal, &after.goal, after.goal.residuals.as_slice())
                 + part(&before.rows, &after.rows, &self.row_multipliers);

@@ -43,8 +43,9 @@ pub struct Gradients<'a> {
     stations: Stations,
     right: [bool; MOST_LANES],
     found: Found,
-    /// Room for directions that are the same in every lane.
+    /// Directions that are the same in every lane, and those they are of: a tuning asks for the same ones each time.
     spread: Vec<f64>,
+    spread_from: Vec<f64>,
 }
 
 /// What has been found, side by side in the lanes.
@@ -194,6 +195,7 @@ impl<'a> Gradients<'a> {
             stations: stations.clone(),
             right: [false; MOST_LANES],
             spread: Vec::new(),
+            spread_from: Vec::new(),
             found: Found {
                 lanes: 1,
                 points,
@@ -261,13 +263,15 @@ impl<'a> Gradients<'a> {
         let at_once = self.at_once();
         let room = self.reader.quantities().len() * self.found.directions * at_once;
         self.found.slopes.resize(room, 0.0);
-        // Most points stay where they are.
-        self.spread.clear();
-        self.spread.resize(along.len() * at_once, 0.0);
-        for (k, rate) in along.iter().enumerate() {
-            if *rate != 0.0 {
-                self.spread[k * at_once..][..at_once].fill(*rate);
+        // Where a visitor panicked, nothing is left of them.
+        let is_spread = self.spread.len() == along.len() * at_once && self.spread_from == along;
+        if !is_spread {
+            self.spread.clear();
+            for rate in along {
+                self.spread.extend(std::iter::repeat_n(*rate, at_once));
             }
+            self.spread_from.clear();
+            self.spread_from.extend_from_slice(along);
         }
         let along = std::mem::take(&mut self.spread);
         let slopes = Task::Slopes {

@@ -117,56 +117,52 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
     }
 
     /// x with A x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
-    /// factors of the constant part of `matrix`: A_0 x_k = b_k - sum_i A_i x_(k-i).
+    /// factors of the constant part of `matrix`.
     pub(crate) fn solve_series<const M: usize>(
         &self,
         matrix: &[[Jet<T, M>; N]; N],
         b: &[Jet<T, M>; N],
     ) -> [Jet<T, M>; N] {
-        let mut x = *b;
-        for k in 0..M {
-            let mut right = each(b, |series| series[k]);
-            for i in 1..=k {
-                for row in 0..N {
-                    for column in 0..N {
-                        right[row] = right[row] - matrix[row][column][i] * x[column][k - i];
-                    }
-                }
-            }
-            let part = self.solve(right);
-            for row in 0..N {
-                x[row].0[k] = part[row];
-            }
-        }
-        x
+        let entry = |row: usize, column: usize, i: usize| matrix[row][column][i];
+        coefficient_by_coefficient(b, entry, |right| self.solve(right))
     }
 
-    /// x with A^T x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
-    /// factors of the constant part of `matrix`. Coefficient by coefficient:
-    /// A_0^T x_k = b_k - sum_i A_i^T x_(k-i).
+    /// The same of A^T x = b.
     #[inline]
     pub(crate) fn solve_transposed_series<const M: usize>(
         &self,
         matrix: &[[Jet<T, M>; N]; N],
         b: &[Jet<T, M>; N],
     ) -> [Jet<T, M>; N] {
-        let mut x = *b;
-        for k in 0..M {
-            let mut right = each(b, |series| series[k]);
-            for i in 1..=k {
-                for row in 0..N {
-                    for column in 0..N {
-                        right[column] = right[column] - matrix[row][column][i] * x[row][k - i];
-                    }
+        let entry = |row: usize, column: usize, i: usize| matrix[column][row][i];
+        coefficient_by_coefficient(b, entry, |right| self.solve_transposed(right))
+    }
+}
+
+/// x with A x = b, both series: A_0 x_k = b_k - sum_i A_i x_(k-i), where `entry` has A_i by row, column and i, and
+/// `solve` is that with A_0.
+#[inline(always)]
+fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
+    b: &[Jet<T, M>; N],
+    entry: impl Fn(usize, usize, usize) -> T,
+    solve: impl Fn([T; N]) -> [T; N],
+) -> [Jet<T, M>; N] {
+    let mut x = *b;
+    for k in 0..M {
+        let mut right = each(b, |series| series[k]);
+        for i in 1..=k {
+            for (row, sum) in right.iter_mut().enumerate() {
+                for (column, known) in x.iter().enumerate() {
+                    *sum = *sum - entry(row, column, i) * known[k - i];
                 }
             }
-            let part = self.solve_transposed(right);
-            for row in 0..N {
-                x[row].0[k] = part[row];
-            }
         }
-        x
+        let part = solve(right);
+        for row in 0..N {
+            x[row].0[k] = part[row];
+        }
     }
+    x
 }
 
 impl<const N: usize> Lu<f64, N> {

@@ -187,8 +187,8 @@ impl<T: Real> Closure<T> {
     pub(crate) fn wrenches(&self, at: &Configuration<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
         let mut wrenches = [Wrench::zero(like); 6];
-        for (wrench, row) in wrenches.iter_mut().zip(&self.rows) {
-            row.differential(at, like.one(), wrench);
+        for (k, row) in self.rows.iter().enumerate() {
+            row.differential(at, like.one(), &mut wrenches[k]);
         }
         driver.differential(at, like.one(), &mut wrenches[5]);
         wrenches
@@ -223,8 +223,8 @@ impl<T: Real> Closure<T> {
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
-        for (rate, row) in rates.iter_mut().zip(&self.rows) {
-            *rate = row.wrench_rate(at, along);
+        for (k, row) in self.rows.iter().enumerate() {
+            rates[k] = row.wrench_rate(at, along);
         }
         let centre = at.designed_lever(at.mechanism.wheel_centre);
         let velocity = along.turn.cross(at.pose.rotation.apply(centre));

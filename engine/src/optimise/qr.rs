@@ -91,7 +91,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
         rest += a * b_rest[k];
     }
     let mut sum = 0.0;
-    for part in sums {
+    for part in &sums {
         sum += part;
     }
     sum + rest

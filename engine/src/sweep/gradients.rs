@@ -43,9 +43,8 @@ pub struct Gradients<'a> {
     stations: Stations,
     right: [bool; MOST_LANES],
     found: Found,
-    /// Directions that are the same in every lane, and those they are of: a tuning asks for the same ones each time.
+    /// Directions that are the same in every lane.
     spread: Vec<f64>,
-    spread_from: Vec<f64>,
 }
 
 /// What has been found, side by side in the lanes.
@@ -195,7 +194,6 @@ impl<'a> Gradients<'a> {
             stations: stations.clone(),
             right: [false; MOST_LANES],
             spread: Vec::new(),
-            spread_from: Vec::new(),
             found: Found {
                 lanes: 1,
                 points,
@@ -263,15 +261,14 @@ impl<'a> Gradients<'a> {
         let at_once = self.at_once();
         let room = self.reader.quantities().len() * self.found.directions * at_once;
         self.found.slopes.resize(room, 0.0);
-        // Where a visitor panicked, nothing is left of them.
-        let is_spread = self.spread.len() == along.len() * at_once && self.spread_from == along;
+        // A tuning asks for the same directions each time.
+        let is_spread = self.spread.len() == along.len() * at_once
+            && self.spread.iter().step_by(at_once).eq(along);
         if !is_spread {
             self.spread.clear();
             for rate in along {
                 self.spread.extend(std::iter::repeat_n(*rate, at_once));
             }
-            self.spread_from.clear();
-            self.spread_from.extend_from_slice(along);
         }
         let along = std::mem::take(&mut self.spread);
         let slopes = Task::Slopes {

@@ -567,14 +567,10 @@ impl<'a> ConvexModel<'a> {
         let mut y = vec![0.0; n];
         for (j, y) in y.iter_mut().enumerate() {
             let part = |a: &Evaluation, b: &Evaluation, weights: &[f64]| {
-                let rows = weights.len().min(b.jacobian.nrows());
-                let of = |e: &'_ Evaluation| e.jacobian.nrows() * j;
-                let (b, a) = (
-                    &b.jacobian.as_slice()[of(b)..],
-                    &a.jacobian.as_slice()[of(a)..],
-                );
+                let (b, a) = (b.jacobian.column(j), a.jacobian.column(j));
+                let (b, a) = (b.as_slice(), a.as_slice());
                 let mut sum = 0.0;
-                for row in 0..rows {
+                for row in 0..weights.len().min(b.len()) {
                     sum += (b[row] - a[row]) * weights[row];
                 }
                 sum * self.half[j]

@@ -10,7 +10,7 @@
 //! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls. What is large is a function of
 //! its own by [`Real::outlined`].
 
-use super::registers::Registers;
+use super::registers::{Plain, Registers, Single};
 use super::{Outlined, Real, SimdReal, arc};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -251,7 +251,26 @@ impl Width {
             }
             Width::Scalar => {}
         }
-        task.run(Lanes::splat(pulp::Scalar, 0.0))
+        task.run(Lanes::splat(Single(Plain), 0.0))
+    }
+
+    /// Runs a task on one number at a time, with the instructions of this width: the same bits as in lanes.
+    pub fn run_one<T: SimdTask>(self, task: T) -> T::Output {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            Width::Avx512 => {
+                if let Some(simd) = pulp::x86::V4::try_new() {
+                    return simd.apart(Task(task, Single(simd)));
+                }
+            }
+            Width::Avx2 => {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    return simd.apart(Task(task, Single(simd)));
+                }
+            }
+            Width::Scalar => {}
+        }
+        task.run(Lanes::splat(Single(Plain), 0.0))
     }
 }
 

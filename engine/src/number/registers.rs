@@ -1,6 +1,9 @@
 //! The operations of each instruction set, a pair of registers at a time: one chain of dependent operations leaves a
 //! processor idle most of the time, two of them, independent of each other, fill the gaps.
 //!
+//! [`Single`] has one number at a time with the instructions of a set: for a chain of steps that wait for one another, which
+//! registers full of the same number would only make slower.
+//!
 //! Written for each set and not over all of them: a product is then two instructions, where a function generic over the
 //! set is a tower of them, which costs the compiler more than everything that is done with it.
 
@@ -57,6 +60,27 @@ pub trait Registers: Copy + Debug {
     fn store(self, a: Self::Numbers, to: &mut [f64]);
 }
 
+/// A set of instructions that work can be compiled for.
+pub(super) trait Instructions: Copy + Debug {
+    /// Does a piece of work in a function of its own, compiled for the set.
+    fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output;
+}
+
+/// What every processor has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plain;
+
+impl Instructions for Plain {
+    #[inline(always)]
+    fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
+        piece.apart()
+    }
+}
+
+/// One number at a time, with the instructions of a set.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Single<S>(pub(super) S);
+
 /// Two registers, or their masks. Aligned so that no register in memory lies across two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
@@ -65,12 +89,19 @@ pub struct Pair<R>(R, R);
 /// The operations of a set with registers of `$width` numbers, from what they are on one register.
 #[cfg(target_arch = "x86_64")]
 macro_rules! registers {
-    ($set:ty, $compiled:ident, $register:ty, $mask:ty, $width:literal, {
+    ($set:ty, $with:ident, $register:ty, $mask:ty, $width:literal, {
         fn splat($splat_simd:ident, $value:ident) $splat:block
         fn bits($bits_simd:ident, $one_mask:ident) $bits:block
     $(
         fn $operation:ident($simd:ident, $($operand:ident: $kind:ident),*) -> $result:ident $body:block
     )*}) => {
+        impl super::Instructions for $set {
+            #[inline(always)]
+            fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
+                crate::number::instruction_set::ForInstructionSet::$with(piece, self)
+            }
+        }
+
         impl Registers for $set {
             const LANES: usize = 2 * $width;
             type Numbers = Pair<$register>;
@@ -78,7 +109,7 @@ macro_rules! registers {
 
             #[inline(always)]
             fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output {
-                crate::number::instruction_set::ForInstructionSet::$compiled(piece, self)
+                super::Instructions::compiled(self, piece)
             }
             $(
                 #[inline(always)]
@@ -187,14 +218,13 @@ mod x86 {
     });
 }
 
-/// One number: every processor.
-impl Registers for pulp::Scalar {
+impl<S: Instructions> Registers for Single<S> {
     const LANES: usize = 1;
     type Numbers = f64;
     type Truths = bool;
     #[inline(always)]
     fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output {
-        piece.apart()
+        self.0.compiled(piece)
     }
 
     #[inline(always)]

@@ -45,6 +45,8 @@ pub struct Gradients<'a> {
     found: Found,
     /// Directions that are the same in every lane.
     spread: Vec<f64>,
+    /// The unknowns of a single design on its way.
+    history: Vec<f64>,
 }
 
 /// What has been found, side by side in the lanes.
@@ -194,6 +196,7 @@ impl<'a> Gradients<'a> {
             stations: stations.clone(),
             right: [false; MOST_LANES],
             spread: Vec::new(),
+            history: Vec::new(),
             found: Found {
                 lanes: 1,
                 points,
@@ -216,7 +219,7 @@ impl<'a> Gradients<'a> {
     /// solved. Which designs were right is known afterwards ([`Gradients::is_right`]): what is visited of
     /// others is anything, NaN included.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
-        self.evaluate(designs, false, Task::Jacobians(&mut visit));
+        self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
     /// As [`Gradients::jacobians`], along directions: `along` says how fast every coordinate moves in each,
@@ -233,7 +236,7 @@ impl<'a> Gradients<'a> {
         let room = self.reader.quantities().len() * self.found.directions * self.at_once();
         self.found.slopes.resize(room, 0.0);
         let visit = &mut visit;
-        self.evaluate(designs, false, Task::Slopes { along, visit });
+        self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
     /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets them as if they were
@@ -284,7 +287,16 @@ impl<'a> Gradients<'a> {
         if self.reader.watches_rods() {
             return false;
         }
-        self.evaluate(design, true, task);
+        self.right.fill(false);
+        let mut history = std::mem::take(&mut self.history);
+        history.clear();
+        let mut racks = 0..self.stations.racks.len();
+        let is_solved =
+            racks.all(|rack| (self.batch).track_one(self.width, design, rack, &mut history));
+        if is_solved {
+            self.evaluate(design, Some(&history), task);
+        }
+        self.history = history;
         self.is_right(0)
     }
 
@@ -309,16 +321,16 @@ impl<'a> Gradients<'a> {
         let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
-        self.evaluate(designs, false, Task::Deviations(wanted));
+        self.evaluate(designs, None, Task::Deviations(wanted));
         Deviations { found: &self.found }
     }
 
-    fn evaluate(&mut self, designs: &[Vector3<f64>], side_by_side: bool, task: Task<'_>) {
+    fn evaluate(&mut self, designs: &[Vector3<f64>], tracked: Option<&[f64]>, task: Task<'_>) {
         let width = self.width;
         width.run(Evaluation {
             gradients: self,
             designs,
-            side_by_side,
+            tracked,
             task,
         });
     }
@@ -346,8 +358,8 @@ struct Evaluation<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
     /// One in each lane; or a single one, in all of them.
     designs: &'s [Vector3<f64>],
-    /// Whether the stations of the single design are in the lanes.
-    side_by_side: bool,
+    /// The unknowns of the single design: its stations are side by side in the lanes.
+    tracked: Option<&'s [f64]>,
     task: Task<'t>,
 }
 
@@ -372,7 +384,10 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
         let mut group = vec![nothing; points];
-        let mut history = batch.history(like);
+        let mut history = match self.tracked {
+            Some(_) => Vec::new(),
+            None => batch.history(like),
+        };
         gather(self.designs, points, 0, count, &mut group);
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
@@ -386,22 +401,21 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
         let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
         let mut groups = 0;
+        let mut tracked = self.tracked;
         let mut rack = 0;
         while rack < stations.racks.len() {
             reading.rack = like.lit(stations.racks[rack]);
             reading.first = stations.number(rack, 0);
-            reading.passes = self.side_by_side;
             reading.inputs.begin();
-            let solved = batch.solve(&design, rack, &mut history, &mut reading);
-            reading.right = reading.right & solved.everywhere();
-            if self.side_by_side {
-                if !B::all(reading.right) {
-                    break;
-                }
-                reading.passes = false;
+            if let Some(history) = &mut tracked {
+                let (here, rest) = history.split_at(batch.steps(rack));
+                *history = rest;
                 reading.first = groups;
-                batch.revisit(&design, rack, &history, &mut reading);
+                batch.revisit(&design, rack, here, &mut reading);
                 groups += batch.revisited(rack).count().div_ceil(B::LANES);
+            } else {
+                let solved = batch.solve(&design, rack, &mut history, &mut reading);
+                reading.right = reading.right & solved.everywhere();
             }
             rack += 1;
         }
@@ -410,9 +424,9 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             reading.sum.store(&mut reading.found.sum);
         }
         for (lane, right) in right.iter_mut().enumerate() {
-            *right = match self.side_by_side {
-                true => B::all(solved),
-                false => lane < count && B::lane(solved, lane),
+            *right = match self.tracked {
+                Some(_) => B::all(solved),
+                None => lane < count && B::lane(solved, lane),
             };
         }
     }
@@ -487,8 +501,6 @@ struct Differentiating<'r, 't, B: SimdReal> {
     count: usize,
     first: usize,
     task: Task<'t>,
-    /// Whether poses are passed by, for now.
-    passes: bool,
     /// Of the deviations so far.
     sum: B,
     found: &'r mut Found,
@@ -529,7 +541,6 @@ impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
             count,
             first: 0,
             task,
-            passes: false,
             sum: zero,
             found,
         }
@@ -555,9 +566,6 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
-        if self.passes {
-            return;
-        }
         self.rack.outlined(AtPose {
             station: self.first + station,
             differentiating: self,

@@ -1,7 +1,7 @@
 //! Many designs at a time, one in each lane.
 //!
-//! All ordinary poses come from here: those of a sweep, a design in each lane, and those of a single design,
-//! which fills the lanes with itself. A mechanism with a closed form has one unknown ([`arm`]), any other one
+//! All ordinary poses come from here: those of a sweep, a design in each lane, and those of a single design, one number at
+//! a time ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one
 //! six ([`linkage`]). Along the travel the unknowns are predicted from the places visited; nearly always one
 //! correction is all it takes to get to rounding, elsewhere further steps follow. A lane is frozen once it has
 //! converged, so it does not matter what its neighbours still do.
@@ -307,6 +307,11 @@ impl<'a> Batch<'a> {
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
     }
 
+    /// How many unknowns a single design has on its way with the rack at its `rack`-th place.
+    pub(crate) fn steps(&self, rack: usize) -> usize {
+        self.unknowns() * self.routes[rack].places.len()
+    }
+
     /// Of one wheel.
     fn unknowns(&self) -> usize {
         match self.way {
@@ -465,7 +470,7 @@ impl Batch<'_> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations again of a design that all lanes hold, from the `history` of its [`Batch::solve`], which must have
+    /// Visits the stations of a design that all lanes hold, from the `history` of its [`Batch::track_one`], which must have
     /// accepted all of them: a station in each lane, group by group, the number of the group in place of that of a station.
     /// Lanes for which there are no more stations repeat the last.
     #[inline(always)]
@@ -473,25 +478,20 @@ impl Batch<'_> {
         &self,
         design: &LaneDesign<'_, B>,
         rack: usize,
-        history: &[B],
+        history: &[f64],
         visit: &mut impl Visit<B>,
     ) {
         let like = design.origin.x;
-        let unknowns = match self.way {
-            Method::Arm(_) => 1,
-            Method::Linkage(_) => linkage::UNKNOWNS,
-        };
+        let unknowns = self.unknowns();
         let places = &self.routes[rack].places;
         let mut lanes = [[0.0; MOST_LANES]; linkage::UNKNOWNS];
         let mut values = [0.0; MOST_LANES];
-        let mut first_lane = [0.0; MOST_LANES];
         let (mut filled, mut group) = (0, 0);
         for (number, place) in places.iter().enumerate() {
             if place.station.is_some() {
                 let here = &history[unknowns * number..];
                 for (lanes, unknown) in lanes[..unknowns].iter_mut().zip(here) {
-                    unknown.store(&mut first_lane);
-                    lanes[filled..].fill(first_lane[0]);
+                    lanes[filled..].fill(*unknown);
                 }
                 values[filled..].fill(place.value);
                 filled += 1;

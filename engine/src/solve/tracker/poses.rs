@@ -1,4 +1,4 @@
-//! The poses of a single design, which fills the lanes with itself.
+//! A single design: one number at a time, for nothing is gained from lanes that all hold the same.
 
 use super::{Acceptance, Batch, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -17,6 +17,8 @@ pub(crate) struct PoseTracker<'m> {
     base: Vec<Vector3<f64>>,
     width: Width,
     ways: Vec<Way<'m>>,
+    /// Room for the unknowns.
+    history: Vec<f64>,
 }
 
 /// The way through the stations.
@@ -55,6 +57,7 @@ impl<'m> PoseTracker<'m> {
             base: base.to_vec(),
             width: Width::widest(),
             ways: Vec::new(),
+            history: Vec::new(),
         }
     }
 
@@ -85,30 +88,74 @@ impl<'m> PoseTracker<'m> {
             }
         };
         if let Some(batch) = &self.ways[number].batch {
-            self.width.run(Tracking {
+            self.history.clear();
+            let legs = self.width.run_one(Tracking {
                 batch,
                 design,
+                number: 0,
                 rack,
-                station_order,
-                found,
+                into: &mut found.poses,
+                history: &mut self.history,
+                rounds: &mut found.rounds,
             });
+            // Where a leg has come to its end before a station, the reason is that of the leg.
+            for (side, rejection) in station_order.sides().into_iter().zip(legs) {
+                if let Some(reason) = rejection {
+                    for station in side {
+                        let pose = &mut found.poses[*station];
+                        if *pose == Err(Rejection::NotOnTheWay) {
+                            *pose = Err(reason);
+                        }
+                    }
+                }
+            }
         }
+    }
+}
+
+impl Batch<'_> {
+    /// Tracks a single design with the rack at its `rack`-th place, and adds to `history` what [`Batch::revisit`] takes.
+    /// Returns whether it was accepted everywhere.
+    pub(crate) fn track_one(
+        &self,
+        width: Width,
+        design: &[Vector3<f64>],
+        rack: usize,
+        history: &mut Vec<f64>,
+    ) -> bool {
+        let legs = width.run_one(Tracking {
+            batch: self,
+            design,
+            number: rack,
+            rack: 0.0,
+            into: &mut [],
+            history,
+            rounds: &mut 0,
+        });
+        legs == [None; 2]
     }
 }
 
 struct Tracking<'t, 'm> {
     batch: &'t Batch<'m>,
     design: &'t [Vector3<f64>],
+    /// The number of the rack's place, and where that is.
+    number: usize,
     rack: f64,
-    station_order: &'t StationOrder,
-    found: &'t mut TrackedPoses,
+    /// Takes the poses by station, if it has room for them.
+    into: &'t mut [Result<Pose<f64>, Rejection>],
+    /// Takes the unknowns, place by place.
+    history: &'t mut Vec<f64>,
+    /// Takes the rounds of corrections.
+    rounds: &'t mut u64,
 }
 
 impl SimdTask for Tracking<'_, '_> {
-    type Output = ();
+    /// Why it ended before the last station, above the design position and below.
+    type Output = [Option<Rejection>; 2];
 
     #[inline(always)]
-    fn run<B: SimdReal>(self, like: B) {
+    fn run<B: SimdReal>(self, like: B) -> Self::Output {
         let mut points = Vec::with_capacity(self.design.len());
         for point in self.design {
             points.push(Vector3::new(
@@ -121,21 +168,15 @@ impl SimdTask for Tracking<'_, '_> {
         let mut history = self.batch.history(like);
         let mut collecting = Collecting {
             rack: like.lit(self.rack),
-            poses: &mut self.found.poses,
+            poses: self.into,
         };
-        let tracked = self.batch.solve(&design, 0, &mut history, &mut collecting);
-        self.found.rounds = tracked.rounds;
-        // Where a leg has come to its end before a station, the reason is that of the leg.
-        for (side, leg) in self.station_order.sides().into_iter().zip(tracked.legs) {
-            if let Some(reason) = leg.reasons()[0] {
-                for station in side {
-                    let pose = &mut self.found.poses[*station];
-                    if *pose == Err(Rejection::NotOnTheWay) {
-                        *pose = Err(reason);
-                    }
-                }
-            }
+        let tracked = (self.batch).solve(&design, self.number, &mut history, &mut collecting);
+        *self.rounds = tracked.rounds;
+        for unknown in &history[..self.batch.steps(self.number)] {
+            self.history.push(first(*unknown));
         }
+        let [up, down] = tracked.legs;
+        [up.reasons()[0], down.reasons()[0]]
     }
 }
 
@@ -147,15 +188,15 @@ struct Collecting<'t, B> {
 impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
     #[inline(always)]
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>) {
-        if !B::any(accepted.lanes()) {
+        if self.poses.is_empty() || !B::any(accepted.lanes()) {
             return;
         }
         let Pose { origin, rotation } = at.configuration(self.rack).pose;
         let [x, y, z] = rotation.columns;
         self.poses[station] = Ok(Pose {
-            origin: first(origin),
+            origin: first_of(origin),
             rotation: Matrix3 {
-                columns: [first(x), first(y), first(z)],
+                columns: [first_of(x), first_of(y), first_of(z)],
             },
         });
     }
@@ -163,10 +204,14 @@ impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
 
 /// What the first lane holds.
 #[inline(always)]
-fn first<B: SimdReal>(vector: Vector3<B>) -> Vector3<f64> {
-    let mut lanes = [[0.0; MOST_LANES]; 3];
-    vector.x.store(&mut lanes[0]);
-    vector.y.store(&mut lanes[1]);
-    vector.z.store(&mut lanes[2]);
-    Vector3::new(lanes[0][0], lanes[1][0], lanes[2][0])
+fn first<B: SimdReal>(number: B) -> f64 {
+    let mut lanes = [0.0; MOST_LANES];
+    number.store(&mut lanes);
+    lanes[0]
+}
+
+/// The same of a vector.
+#[inline(always)]
+fn first_of<B: SimdReal>(vector: Vector3<B>) -> Vector3<f64> {
+    Vector3::new(first(vector.x), first(vector.y), first(vector.z))
 }

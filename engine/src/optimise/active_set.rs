@@ -178,15 +178,15 @@ impl ActiveSet {
                 let of = &triangle[k * n..];
                 let value = inverse[k] / of[k];
                 inverse[k] = value;
-                for (entry, r) in inverse[..k].iter_mut().zip(of) {
-                    *entry -= value * r;
+                for (i, entry) in inverse[..k].iter_mut().enumerate() {
+                    *entry -= value * of[i];
                 }
             }
         }
         self.step.fill(0.0);
-        for (column, q) in self.basis.chunks_exact(n).zip(offset) {
-            for (step, entry) in self.step.iter_mut().zip(column) {
-                *step -= q * entry;
+        for (j, column) in self.basis.chunks_exact(n).enumerate() {
+            for (i, step) in self.step.iter_mut().enumerate() {
+                *step -= offset[j] * column[i];
             }
         }
     }
@@ -354,14 +354,15 @@ impl ActiveSet {
     fn project(&mut self) {
         let n = self.variables;
         let q = self.held.len();
-        for (v, column) in self.projected.iter_mut().zip(self.basis.chunks_exact(n)) {
-            *v = dot(column, &self.normal);
+        for (j, column) in self.basis.chunks_exact(n).enumerate() {
+            self.projected[j] = dot(column, &self.normal);
         }
         self.way.fill(0.0);
         for k in q..n {
             let v = self.projected[k];
-            for (way, entry) in self.way.iter_mut().zip(&self.basis[k * n..]) {
-                *way += v * entry;
+            let column = &self.basis[k * n..][..n];
+            for (i, way) in self.way.iter_mut().enumerate() {
+                *way += v * column[i];
             }
         }
         self.change[..q].copy_from_slice(&self.projected[..q]);
@@ -369,8 +370,8 @@ impl ActiveSet {
             let column = &self.triangle[k * n..];
             let value = self.change[k] / column[k];
             self.change[k] = value;
-            for (entry, t) in self.change[..k].iter_mut().zip(column) {
-                *entry -= value * t;
+            for (i, entry) in self.change[..k].iter_mut().enumerate() {
+                *entry -= value * column[i];
             }
         }
     }

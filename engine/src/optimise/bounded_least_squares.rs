@@ -16,7 +16,7 @@
 //! No normal equations are formed: they would square singular values that already spread over eight
 //! decades.
 
-use super::qr::{back_substitute, dot, scale_columns, triangularise};
+use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
 
 /// Where a variable is.
@@ -247,25 +247,44 @@ impl BoundedLeastSquares {
 
     /// Writes the minimum over the free variables, the held ones where they are, into the head of
     /// `vector`, in the order of `free`.
+    ///
+    /// The row of the damping of a variable follows its row of R, so that columns stay short.
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();
-        self.free
-            .extend((0..n).filter(|&j| self.holds[j] == ActiveBound::Free));
-        let rows = n + self.free.len();
+        for (j, hold) in self.holds.iter().enumerate() {
+            if *hold == ActiveBound::Free {
+                self.free.push(j);
+            }
+        }
+        let free = &self.free;
+        let rows = n + free.len();
         self.matrix.clear();
-        for (place, &j) in self.free.iter().enumerate() {
-            self.matrix.extend_from_slice(&self.triangle[j * n..][..n]);
-            self.matrix.resize((place + 1) * rows, 0.0);
-            self.matrix[place * rows + n + place] = damping.sqrt();
+        self.matrix.resize(free.len() * rows, 0.0);
+        for (place, &j) in free.iter().enumerate() {
+            let (from, to) = (&self.triangle[j * n..], &mut self.matrix[place * rows..]);
+            let mut row = 0;
+            for (i, entry) in from[..=j].iter().enumerate() {
+                to[row] = *entry;
+                row += 1 + usize::from(self.holds[i] == ActiveBound::Free);
+            }
+            to[row - 1] = damping.sqrt();
         }
         self.vector.clear();
-        self.vector.extend(self.offset.iter().map(|c| -c));
-        for j in (0..n).filter(|&j| self.holds[j] != ActiveBound::Free) {
-            add_scaled(&self.triangle[j * n..], -self.step[j], &mut self.vector);
-        }
         self.vector.resize(rows, 0.0);
-        triangularise(&mut self.matrix, rows, &mut self.vector);
+        let mut row = 0;
+        for i in 0..n {
+            let mut sum = -self.offset[i];
+            for j in i..n {
+                if self.holds[j] != ActiveBound::Free {
+                    sum -= self.triangle[j * n + i] * self.step[j];
+                }
+            }
+            self.vector[row] = sum;
+            row += 1 + usize::from(self.holds[i] == ActiveBound::Free);
+        }
+        let end = |place: usize| free[place] + place + 2;
+        triangularise_within(&mut self.matrix, rows, end, &mut self.vector);
         back_substitute(&self.matrix, rows, &mut self.vector);
     }
 }

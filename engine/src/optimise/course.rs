@@ -2,10 +2,7 @@
 //! for a reason. The only place that knows how argmin is called.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
-use argmin::core::{
-    Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
-};
-use argmin::kv;
+use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};
 use nalgebra::DVector;
 use std::sync::atomic::Ordering;
 
@@ -24,6 +21,7 @@ pub(super) fn execute<P, S: Solver<P, State>>(
         .configure(|state| state.param(bounds.nearest(start)))
         // The process has one handler for Ctrl-C, and it is not argmin's.
         .ctrlc(false)
+        .timer(false)
         .run();
     match result {
         Ok(result) => Ok((result.solver, result.state)),
@@ -81,24 +79,16 @@ impl<'a> Course<'a> {
         (reason, self.history)
     }
 
-    /// Records an iteration that ended at `x`.
-    pub(super) fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) -> KV {
+    /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
+    /// observers, of which there are none.
+    pub(super) fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let holds = self.bounds.holds(x);
         let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
         iteration.held = held.count();
-        let log = kv!(
-            "misfit" => iteration.misfit;
-            "step" => iteration.step;
-            "damping" => iteration.damping;
-            "held" => iteration.held as u64;
-            "evaluations" => u64::from(iteration.evaluations);
-            "infeasible" => u64::from(iteration.infeasible);
-        );
         if let Some(watch) = self.control.watch {
             watch(self.start, &iteration);
         }
         self.history.push(iteration);
-        log
     }
 
     /// Whether the run goes on: argmin asks after every iteration.

@@ -200,10 +200,10 @@ fn write(
     into.residuals[row] = deviation * wish.scale;
     // Within its band nothing changes.
     let is_in = wish.wanted.is_band() && deviation == 0.0;
-    let rows = into.jacobian.nrows();
-    let entries = into.jacobian.as_mut_slice().iter_mut();
-    for (column, entry) in entries.skip(row).step_by(rows).enumerate() {
-        *entry = match is_in {
+    let (rows, columns) = into.jacobian.shape();
+    let entries = into.jacobian.as_mut_slice();
+    for column in 0..columns {
+        entries[column * rows + row] = match is_in {
             true => 0.0,
             false => slope(column) * wish.scale,
         };

@@ -221,8 +221,8 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             evaluations: 1,
             infeasible: 0,
         };
-        let log = self.course.record(x, iteration);
-        Ok((state.cost(cost), Some(log)))
+        self.course.record(x, iteration);
+        Ok((state.cost(cost), None))
     }
 
     fn next_iter(
@@ -310,8 +310,8 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             evaluations,
             infeasible,
         };
-        let log = self.course.record(&x, iteration);
-        Ok((state.param(x).cost(cost), Some(log)))
+        self.course.record(&x, iteration);
+        Ok((state.param(x).cost(cost), None))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {

@@ -27,9 +27,21 @@ pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to
 /// the upper triangle of `a` is R and `b` is Q^T b; what is left below the diagonal means nothing.
 /// Backward stable whatever the rank: dependent columns show as small diagonal entries.
 pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
+    triangularise_within(a, rows, |_| rows, b);
+}
+
+/// As [`triangularise`], where the column k has nothing but zeros from the row `end(k)` on, which comes no earlier from
+/// column to column: of triangles stacked with their rows one after the other's, a third of the work.
+pub(super) fn triangularise_within(
+    a: &mut [f64],
+    rows: usize,
+    end: impl Fn(usize) -> usize,
+    b: &mut [f64],
+) {
     for k in 0..a.len() / rows {
+        let end = end(k);
         let (done, ahead) = a.split_at_mut((k + 1) * rows);
-        let mirror = &mut done[k * rows + k..];
+        let mirror = &mut done[k * rows + k..][..end - k];
         let norm = dot(mirror, mirror).sqrt();
         if norm < SMALLEST_NORM {
             mirror[0] = 0.0;
@@ -41,9 +53,9 @@ pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
         mirror[0] = first - diagonal;
         let scale = 1.0 / (norm * (norm + first.abs()));
         for column in ahead.chunks_exact_mut(rows) {
-            reflect(mirror, scale, &mut column[k..]);
+            reflect(mirror, scale, &mut column[k..end]);
         }
-        reflect(mirror, scale, &mut b[k..]);
+        reflect(mirror, scale, &mut b[k..end]);
         mirror[0] = diagonal;
     }
 }
@@ -102,6 +114,31 @@ mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
     use nalgebra::DVector;
+
+    /// Zeros that are known are left as they are: the same triangle.
+    #[test]
+    fn known_zeros_change_nothing() {
+        let mut noise = Noise::new(2);
+        for ends in [vec![2, 4, 6], vec![1, 3, 3, 7], vec![5; 5]] {
+            let (columns, rows) = (ends.len(), 7);
+            let a = DMatrix::from_fn(rows, columns, |i, j| match i < ends[j] {
+                true => noise.next(),
+                false => 0.0,
+            });
+            let b = DVector::from_fn(rows, |_, _| noise.next());
+            let (mut r, mut c) = (a.clone(), b.clone());
+            triangularise(r.as_mut_slice(), rows, c.as_mut_slice());
+            let (mut within, mut d) = (a.clone(), b.clone());
+            triangularise_within(within.as_mut_slice(), rows, |k| ends[k], d.as_mut_slice());
+            let difference =
+                within.rows(0, columns).upper_triangle() - r.rows(0, columns).upper_triangle();
+            assert!(difference.amax() < 1e-14, "{ends:?}");
+            assert!(
+                (d.rows(0, columns) - c.rows(0, columns)).amax() < 1e-14,
+                "{ends:?}"
+            );
+        }
+    }
 
     /// R^T R = A^T A and R^T Q^T b = A^T b, to the rounding of products of `rows` terms.
     #[test]

@@ -77,6 +77,8 @@ pub(super) struct Trade<'a, P> {
     lowered: &'a Aim,
     held: Vec<(&'a Aim, f64)>,
     assessment: Assessment,
+    /// Where that is known beforehand.
+    known: Option<DVector<f64>>,
 }
 
 impl<'a, P: Constrained> Trade<'a, P> {
@@ -93,7 +95,20 @@ impl<'a, P: Constrained> Trade<'a, P> {
             distance,
             lowered,
             held,
+            known: None,
         }
+    }
+
+    /// The same, the residuals at a point being known; not of problems with rows.
+    pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Evaluation) -> Self {
+        assert_eq!(
+            self.assessment.rows.residuals.len(),
+            0,
+            "rows are not known"
+        );
+        self.assessment.goal.clone_from(residuals);
+        self.known = Some(x.clone());
+        self
     }
 
     fn write(&self, aim: &Aim, x: &DVector<f64>, into: &mut Evaluation) {
@@ -133,7 +148,9 @@ impl<P: Constrained> Constrained for Trade<'_, P> {
     }
 
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        self.problem.assess(x, &mut self.assessment)?;
+        if self.known.take().is_none_or(|known| known != *x) {
+            self.problem.assess(x, &mut self.assessment)?;
+        }
         self.write(self.lowered, x, &mut into.goal);
         for ((aim, _), level) in self.held.iter().zip(&mut into.levels) {
             self.write(aim, x, level);

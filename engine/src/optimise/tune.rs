@@ -305,7 +305,10 @@ impl<'a, const N: usize> Tuner<'a, N> {
     fn draw_near(&self, index: usize, fit: &mut Fit, misfit: f64, options: &Options) {
         let (distance, movement) = (self.distance(), Aim::movement());
         let all = self.all_targets();
-        let near = Trade::new(self.problem(), &distance, &movement, vec![(&all, misfit)]);
+        let mut near = Trade::new(self.problem(), &distance, &movement, vec![(&all, misfit)]);
+        if fit.constraints.is_none() {
+            near = near.knowing(&fit.x, &fit.evaluation);
+        }
         let Ok(mut found) =
             constrained_fit(index, near, &self.bounds, &fit.x, options, self.control)
         else {
@@ -321,11 +324,17 @@ impl<'a, const N: usize> Tuner<'a, N> {
                 x[j] = self.design[j];
             }
         }
-        let mut problem = self.problem();
-        let mut at = super::Assessment::new(&problem.shape(), x.len());
-        if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
-            return;
-        }
+        let (targets, rows) = if x == found.x {
+            // What is held to a level are all targets.
+            (found.at.levels.swap_remove(0), found.at.rows)
+        } else {
+            let mut problem = self.problem();
+            let mut at = super::Assessment::new(&problem.shape(), x.len());
+            if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
+                return;
+            }
+            (at.goal, at.rows)
+        };
         let is_good_enough = misfit <= self.optimise.good_enough;
         let ended = match found.termination.at_minimum() {
             true if is_good_enough => Termination::NearestGoodEnough,
@@ -338,11 +347,11 @@ impl<'a, const N: usize> Tuner<'a, N> {
         }
         fit.holds = self.bounds.holds(&x);
         fit.x = x;
-        fit.evaluation = at.goal;
+        fit.evaluation = targets;
         fit.termination = ended;
         fit.history.append(&mut found.history);
         if let Some(state) = &mut fit.constraints {
-            state.values = at.rows.residuals;
+            state.values = rows.residuals;
             state.violation = found.violation;
         }
     }

@@ -16,11 +16,13 @@ pub struct Sample {
 
 impl Sample {
     /// Whether anything between two limits will do.
+    #[inline]
     pub fn is_band(&self) -> bool {
         self.low < self.high
     }
 
     /// How far a value is from what is wanted: 0 within the limits.
+    #[inline]
     pub fn deviation(&self, found: f64) -> f64 {
         found - found.clamp(self.low, self.high)
     }

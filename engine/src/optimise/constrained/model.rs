@@ -1,7 +1,7 @@
 //! The convex model of a problem about a point, and the step it proposes.
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
-use super::super::qr::{dot, scale_columns, triangularise};
+use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
 use super::super::{Bounds, Evaluation};
 use super::Assessment;
 use nalgebra::DVector;
@@ -56,9 +56,9 @@ impl Squares {
     /// R d, into `to`.
     fn image(&self, d: &[f64], to: &mut [f64]) {
         to.fill(0.0);
-        for (column, d) in self.triangle.chunks_exact(d.len()).zip(d) {
-            for (to, r) in to.iter_mut().zip(column) {
-                *to += r * d;
+        for (j, column) in self.triangle.chunks_exact(d.len()).enumerate() {
+            for i in 0..=j {
+                to[i] += column[i] * d[j];
             }
         }
     }
@@ -302,32 +302,35 @@ impl<'a> ConvexModel<'a> {
                 .zip(&self.held)
                 .filter(|(w, _)| **w > 0.0)
         };
-        let stacked = (2 + weighed().count()) * n;
+        let stacked = 2 + weighed().count();
+        let rows = stacked * n;
         let pivot = weighed().fold(self.goal.largest_pivot(), |most, (w, held)| {
             most.max(w.sqrt() * held.largest_pivot())
         });
         let damping = if pivot > 0.0 { DAMPING * pivot } else { 1.0 };
+        // Row by row, the triangles' rows one after the other's: columns stay short.
         self.matrix.clear();
-        for j in 0..n {
-            self.matrix
-                .extend_from_slice(&self.goal.triangle[j * n..][..n]);
-            for (weight, held) in weighed() {
-                let (root, held) = (weight.sqrt(), &held.triangle[j * n..][..n]);
-                self.matrix.extend(held.iter().map(|r| root * r));
-            }
-            self.matrix.resize((j + 1) * stacked, 0.0);
-            self.matrix[j * stacked + stacked - n + j] = damping;
-        }
+        self.matrix.resize(n * rows, 0.0);
         self.vector.clear();
-        self.vector.extend_from_slice(&self.goal.offset);
-        for (weight, held) in weighed() {
-            let root = weight.sqrt();
-            self.vector.extend(held.offset.iter().map(|q| root * q));
+        self.vector.resize(rows, 0.0);
+        let stack = std::iter::once((1.0, &self.goal));
+        let stack = stack.chain(weighed().map(|(weight, held)| (weight.sqrt(), held)));
+        for (place, (root, squares)) in stack.enumerate() {
+            for j in 0..n {
+                let (from, to) = (&squares.triangle[j * n..], &mut self.matrix[j * rows..]);
+                for i in 0..=j {
+                    to[i * stacked + place] = root * from[i];
+                }
+                self.vector[j * stacked + place] = root * squares.offset[j];
+            }
         }
-        self.vector.resize(stacked, 0.0);
-        triangularise(&mut self.matrix, stacked, &mut self.vector);
         for j in 0..n {
-            self.matrix.copy_within(j * stacked..j * stacked + n, j * n);
+            self.matrix[j * rows + (j + 1) * stacked - 1] = damping;
+        }
+        let end = |k: usize| (k + 1) * stacked;
+        triangularise_within(&mut self.matrix, rows, end, &mut self.vector);
+        for j in 0..n {
+            self.matrix.copy_within(j * rows..j * rows + n, j * n);
             self.matrix[j * n + j + 1..(j + 1) * n].fill(0.0);
         }
         self.matrix.truncate(n * n);

@@ -199,8 +199,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             evaluations: 1,
             infeasible: 0,
         };
-        let log = self.course.record(x, iteration);
-        Ok((state.cost(cost), Some(log)))
+        self.course.record(x, iteration);
+        Ok((state.cost(cost), None))
     }
 
     fn next_iter(
@@ -307,8 +307,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             evaluations,
             infeasible,
         };
-        let log = self.course.record(&x, iteration);
-        Ok((state.param(x).cost(cost), Some(log)))
+        self.course.record(&x, iteration);
+        Ok((state.param(x).cost(cost), None))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {

@@ -92,15 +92,14 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted
     }
 
-    /// Why each lane is rejected.
+    /// Why a lane is rejected.
     #[inline(always)]
-    pub fn reasons(&self) -> [Option<Rejection>; MOST_LANES] {
+    pub fn reason(&self, lane: usize) -> Option<Rejection> {
         let mut codes = [0.0; MOST_LANES];
         self.reason.store(&mut codes);
-        let mut reasons = [None; MOST_LANES];
-        for (reason, code) in reasons.iter_mut().zip(codes) {
-            *reason = Rejection::of_code(code);
+        match codes[lane] {
+            0.0 => None,
+            code => Rejection::of_code(code),
         }
-        reasons
     }
 }

@@ -490,8 +490,8 @@ impl Batch<'_> {
         for (number, place) in places.iter().enumerate() {
             if place.station.is_some() {
                 let here = &history[unknowns * number..];
-                for (lanes, unknown) in lanes[..unknowns].iter_mut().zip(here) {
-                    lanes[filled..].fill(*unknown);
+                for (k, lanes) in lanes[..unknowns].iter_mut().enumerate() {
+                    lanes[filled..].fill(here[k]);
                 }
                 values[filled..].fill(place.value);
                 filled += 1;

@@ -176,7 +176,7 @@ impl SimdTask for Tracking<'_, '_> {
             self.history.push(first(*unknown));
         }
         let [up, down] = tracked.legs;
-        [up.reasons()[0], down.reasons()[0]]
+        [up.reason(0), down.reason(0)]
     }
 }
 

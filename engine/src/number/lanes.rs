@@ -254,21 +254,14 @@ impl Width {
         task.run(Lanes::splat(Single(Plain), 0.0))
     }
 
-    /// Runs a task on one number at a time, with the instructions of this width: the same bits as in lanes.
+    /// Runs a task on one number at a time, with the processor's products and sums where this width has them: the same bits
+    /// as in lanes. AVX-512 has nothing to add for one number, so it is compiled once less.
     pub fn run_one<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
-        match self {
-            Width::Avx512 => {
-                if let Some(simd) = pulp::x86::V4::try_new() {
-                    return simd.apart(Task(task, Single(simd)));
-                }
-            }
-            Width::Avx2 => {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    return simd.apart(Task(task, Single(simd)));
-                }
-            }
-            Width::Scalar => {}
+        if self != Width::Scalar
+            && let Some(simd) = pulp::x86::V3::try_new()
+        {
+            return simd.apart(Task(task, Single(simd)));
         }
         task.run(Lanes::splat(Single(Plain), 0.0))
     }

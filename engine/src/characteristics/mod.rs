@@ -268,7 +268,8 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
-    let mut seeded = inputs.map(Dual::<T, 3>::constant);
+    let nothing = Dual::<T, 3>::constant(zero.lit(f64::NAN));
+    let mut seeded = inputs.only(F::INFO.reads, nothing, Dual::constant);
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
     for (k, slot) in F::INFO.reads.iter().enumerate() {
         slot.seed(&mut seeded, one);

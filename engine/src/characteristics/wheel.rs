@@ -171,6 +171,34 @@ impl Slot {
         Slots::default().with(&[self]).contain_steering_axis()
     }
 
+    /// Takes this slot over from inputs of another kind of number.
+    #[inline(always)]
+    fn carry<T: Real, U>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
+        match self {
+            Slot::SpinAxis => to.now.spin_axis = from.now.spin_axis.map(f),
+            Slot::Centre => to.now.centre = from.now.centre.map(f),
+            Slot::SteeringPoint => to.now.steering_point = from.now.steering_point.map(f),
+            Slot::SteeringDirection => {
+                to.now.steering_direction = from.now.steering_direction.map(f);
+            }
+            Slot::SpringLength => to.now.spring_length = f(from.now.spring_length),
+            Slot::Spring => to.now.spring = from.now.spring.map(f),
+            Slot::RockerAngle => to.now.rocker_angle = f(from.now.rocker_angle),
+            Slot::BarAngle => to.now.bar_angle = f(from.now.bar_angle),
+            Slot::StrutUpper => to.now.strut_upper = from.now.strut_upper.map(f),
+            Slot::SpinAxisRate => to.rate.spin_axis = from.rate.spin_axis.map(f),
+            Slot::CentreRate => to.rate.centre = from.rate.centre.map(f),
+            Slot::SteeringDirectionRate => {
+                to.rate.steering_direction = from.rate.steering_direction.map(f);
+            }
+            Slot::SpringLengthRate => to.rate.spring_length = f(from.rate.spring_length),
+            Slot::BarAngleRate => to.rate.bar_angle = f(from.rate.bar_angle),
+            Slot::Turn => to.turn = from.turn.map(f),
+            Slot::DesignSpinAxis => to.design.spin_axis = from.design.spin_axis.map(f),
+            Slot::DesignCentre => to.design.centre = from.design.centre.map(f),
+        }
+    }
+
     /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0, constants again.
     #[inline]
     pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
@@ -284,6 +312,21 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
+    /// These slots over another kind of number; what else there is is `nothing`, which is not a number.
+    #[inline(always)]
+    pub(super) fn only<U: Real>(
+        &self,
+        slots: &[Slot],
+        nothing: U,
+        f: impl Fn(T) -> U + Copy,
+    ) -> Inputs<U> {
+        let mut inputs = Inputs::unknown(nothing, self.constants);
+        for slot in slots {
+            slot.carry(self, &mut inputs, f);
+        }
+        inputs
+    }
+
     /// The inputs over another kind of number.
     #[inline]
     pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Inputs<U> {

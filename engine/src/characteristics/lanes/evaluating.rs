@@ -89,23 +89,21 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     }
 }
 
-/// What one lane holds.
+/// What a lane of a number holds.
 #[inline(always)]
-pub(super) fn of_lane<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<f64> {
-    inputs.map(
-        #[inline(always)]
-        |number| {
-            let mut lanes = [0.0; MOST_LANES];
-            number.store(&mut lanes);
-            lanes[lane]
-        },
-    )
+pub(super) fn in_lane<B: SimdReal>(lane: usize) -> impl Fn(B) -> f64 + Copy {
+    #[inline(always)]
+    move |number| {
+        let mut lanes = [0.0; MOST_LANES];
+        number.store(&mut lanes);
+        lanes[lane]
+    }
 }
 
-/// The same as series in the drive.
+/// What one lane holds, as series in the drive.
 #[inline(always)]
 fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
-    let one = of_lane(inputs, lane);
+    let one = inputs.map(in_lane(lane));
     let nothing = Wheel::filled(Jet([f64::NAN; 2]));
     Inputs {
         now: one.now.with_rate(&one.rate),

@@ -268,8 +268,7 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
-    let nothing = Dual::<T, 3>::constant(zero.lit(f64::NAN));
-    let mut seeded = inputs.only(F::INFO.reads, nothing, Dual::constant);
+    let mut seeded = constants(inputs, F::INFO.reads);
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
     for (k, slot) in F::INFO.reads.iter().enumerate() {
         slot.seed(&mut seeded, one);
@@ -277,6 +276,13 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
         slot.seed(&mut seeded, zero);
     }
     gradient
+}
+
+/// What a formula reads, as constants: once for all formulas.
+#[inline(never)]
+fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
+    let nothing = Dual::constant(inputs.turn.x.lit(f64::NAN));
+    inputs.only(reads, nothing, Dual::constant)
 }
 
 #[cfg(test)]

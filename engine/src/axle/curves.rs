@@ -405,7 +405,7 @@ fn gradients<const N: usize>(
         Of::Turn(..) | Of::Force { .. } => None,
     });
     let (of, sought): (Vec<_>, Vec<_>) = sought.unzip();
-    solver.gradients_of(placed, &sought, |number, [left, right]| {
+    solver.gradients_of(placed, &sought, &mut |number, [left, right]| {
         let column = of[number];
         let factor = columns[column].factor;
         for point in &plan.sensitivities {

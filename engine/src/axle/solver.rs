@@ -1097,10 +1097,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &mut self,
         placed: &Placed,
         quantities: &[Quantity],
-        receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
+        mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
     ) -> Result<(), AxleFailure> {
         let sought: Vec<_> = quantities.iter().copied().map(Sought::Quantity).collect();
-        self.gradients_of(placed, &sought, receive)
+        self.gradients_of(placed, &sought, &mut receive)
     }
 
     /// The same, of coordinates of points too, these in the frame of their side.
@@ -1108,7 +1108,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &mut self,
         placed: &Placed,
         sought: &[Sought],
-        mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
+        receive: &mut dyn FnMut(usize, [&[Vector3<f64>]; 2]),
     ) -> Result<(), AxleFailure> {
         let by_heave = match placed.at_load {
             Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),

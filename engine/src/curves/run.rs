@@ -109,8 +109,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::KnucklePose => self.by_knuckle_pose()?,
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
-        // The march goes outward; results are in the order of the motion.
-        self.sensitivities.sort_by_key(|s| s.station);
+        in_order(&mut self.sensitivities);
         Ok(Curves {
             columns: self.columns,
             stations: self.stations,
@@ -390,4 +389,9 @@ impl ByTime {
             _ => second * velocity * velocity + first * acceleration,
         }
     }
+}
+
+/// The march goes outward; results are in the order of the motion.
+fn in_order(sensitivities: &mut [Sensitivity]) {
+    sensitivities.sort_by_key(|s| s.station);
 }

@@ -198,6 +198,7 @@ impl Branch {
 
     /// Squares that are negative where there is no assembly, of the upper end and of the tie rod's; and f - travel
     /// as a series in the angle.
+    #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
         let (state, upper_square) = self.state(&form, angle);

@@ -48,6 +48,10 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
+/// Gets the number of a station and its pose, or the reason there is none; may break off the march.
+type Visitor<'v, 'm> =
+    dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
+
 /// A pose with the motion point it was found at.
 pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 
@@ -168,6 +172,17 @@ impl<'m> Solver<'m> {
         station_order: &StationOrder,
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
+    ) -> Result<(), DesignFault> {
+        self.march(drive, station_order, rack, &mut visit)
+    }
+
+    /// The same, compiled once for all visitors.
+    fn march(
+        &mut self,
+        drive: Drive,
+        station_order: &StationOrder,
+        rack: f64,
+        visit: &mut Visitor<'_, 'm>,
     ) -> Result<(), DesignFault> {
         let design = self.start(drive)?;
         let mut tracked = std::mem::take(&mut self.tracked);

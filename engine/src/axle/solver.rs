@@ -224,6 +224,9 @@ pub(super) fn both<T>(
     }
 }
 
+/// Gets the number of what was asked for and its gradients by the points of the left wheel and of the right.
+pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
+
 /// A position that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
@@ -1108,7 +1111,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &mut self,
         placed: &Placed,
         sought: &[Sought],
-        receive: &mut dyn FnMut(usize, [&[Vector3<f64>]; 2]),
+        receive: &mut ReceiveGradients<'_>,
     ) -> Result<(), AxleFailure> {
         let by_heave = match placed.at_load {
             Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),

@@ -306,7 +306,8 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let (distance, movement) = (self.distance(), Aim::movement());
         let all = self.all_targets();
         let mut near = Trade::new(self.problem(), &distance, &movement, vec![(&all, misfit)]);
-        if fit.constraints.is_none() {
+        let is_known = fit.constraints.is_none();
+        if is_known {
             near = near.knowing(&fit.x, &fit.evaluation);
         }
         let Ok(mut found) =
@@ -344,6 +345,9 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let steps = fit.history.last().map_or(0, |i| i.iteration);
         for iteration in &mut found.history {
             iteration.iteration += steps + 1;
+        }
+        if is_known && let Some(first) = found.history.first_mut() {
+            first.evaluations = 0;
         }
         fit.holds = self.bounds.holds(&x);
         fit.x = x;

@@ -78,18 +78,28 @@ fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     ((a.origin - b.origin).norm() / size).max(turned)
 }
 
-/// Ten thousand sensible struts over +-80 mm: both formulations find the same poses to 1e-11 of the
+#[test]
+fn both_formulations_find_the_same_poses() {
+    agreement_of(2_500);
+}
+
+#[test]
+#[ignore = "10,000 struts: with .ci/long"]
+fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
+    agreement_of(10_000);
+}
+
+/// So many sensible struts over +-80 mm: both formulations find the same poses to 1e-11 of the
 /// strut's size.
 ///
 /// Each hardpoint of a road car is moved by up to 20 mm along every axis. Those for which the paper's
 /// equations have a condition number of 1e4 or more do not count (the road car's is about a hundred):
 /// they are one or two in a hundred, mostly with the ball joint close to the strut's axis, and
 /// production solves them like the others.
-#[test]
-fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
+fn agreement_of(struts: u32) {
     let mut scatter = Scatter(2003);
     let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
-    while compared < 10_000 {
+    while compared < struts {
         let strut = scatter.strut(0.02);
         let (ours, size) = production(&strut).unwrap_or_else(|| panic!("{strut:?}"));
         let ours = ours.map(|pose| pose.unwrap_or_else(|| panic!("{strut:?}")));
@@ -105,7 +115,7 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
     }
     println!("poses are {worst:.1e} apart at most; {unfit} struts left out");
     assert!(worst < 1e-11, "{worst:e}");
-    assert!(unfit < 200, "{unfit}");
+    assert!(50 * unfit < struts, "{unfit}");
 }
 
 /// Where the paper's equations are singular though the suspension is sound, it refuses by name and the

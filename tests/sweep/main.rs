@@ -2,6 +2,7 @@
 //! failures counted, mistakes named.
 
 mod answers;
+mod blocks;
 mod bytes;
 mod mistakes;
 

@@ -6,20 +6,30 @@ use super::{characteristics, template, travel};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::number::Vector3;
 
-/// Ten thousand designs around the template, each at one place of +-80 mm travel and +-40 mm rack.
 #[test]
+fn random_designs_agree_with_thirty_digits() {
+    random_designs(2_500);
+}
+
+#[test]
+#[ignore = "10,000 designs: with .ci/long"]
 fn ten_thousand_random_designs_agree_with_thirty_digits() {
+    random_designs(10_000);
+}
+
+/// So many designs around the template, each at one place of +-80 mm travel and +-40 mm rack.
+fn random_designs(designs: usize) {
     let suspension = template("double_wishbone");
     let mut random = Random(1);
     let mut errors = Errors::default();
-    for i in 0..10_000 {
+    for i in 0..designs {
         let design = random.scattered(&suspension.design, 40.0);
         let (value, rack) = (80.0 * random.signed(), 40.0 * random.signed());
         errors.check(&suspension.mechanism, &design, value, rack, i % 100 == 0);
     }
     println!("{errors:?}");
     assert_eq!(errors.disagreed, 0);
-    assert!(errors.solved > 9_000, "{errors:?}");
+    assert!(10 * errors.solved > 9 * designs, "{errors:?}");
     assert!(errors.by_order[0].0 < 1e-13, "{errors:?}");
     for e in [errors.by_order[1], errors.by_order[2]] {
         assert!(e.0 < 1e-10, "{errors:?}");

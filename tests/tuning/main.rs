@@ -1,5 +1,7 @@
 //! A planted geometry comes back.
 
+mod builds;
+mod constraints;
 mod minima;
 
 use hardpoint::optimise::{

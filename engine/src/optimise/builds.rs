@@ -188,6 +188,3 @@ pub(super) fn follower(study: &Suspension, assembled: &Suspension) -> Option<(Po
     let added = assembled.design.len() > study.design.len();
     added.then_some((PointId(study.design.len()), study.mechanism.wheel_centre))
 }
-
-#[cfg(test)]
-mod tests;

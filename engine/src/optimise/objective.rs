@@ -14,7 +14,7 @@
 //! Constraints hold between the stations, too: see [`extremes`](super::extremes).
 
 use super::axle::{AxleRows, Moved, axle_rows};
-use super::builds::Builds;
+use super::builds::{Builds, follower};
 use super::carried::{self, AlongVariables};
 use super::constrained::{Assessment, Constrained, Shape};
 use super::extremes::{self, SEARCHES, Search};
@@ -255,15 +255,14 @@ impl<'a, const N: usize> Objective<'a, N> {
         })
     }
 
-    /// The same, robust: residuals are those of builds. `suspension` is as [`crate::build::Assembler`] has it; of the study's
-    /// own it may have a spindle more, which `follower` says with the point it follows. In lanes of a width, or build by
-    /// build.
-    pub(super) fn of_builds(
+    /// The same, robust: residuals are those of builds, in lanes of a width or build by build. `suspension` is the `study`'s
+    /// own as [`crate::build::Assembler`] has it: it may have a spindle more.
+    pub fn of_builds(
+        study: &Suspension,
         suspension: &'a Suspension,
         variables: &'a [Variable],
         layout: &'a TargetLayout,
         scatter: &'a Scatter,
-        follower: Option<(PointId, PointId)>,
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
         let mut objective = Objective::new(suspension, variables, layout)?;
@@ -277,21 +276,19 @@ impl<'a, const N: usize> Objective<'a, N> {
         objective.lane_builds =
             width.map(|width| LaneBuilds::new(builds.draws(), points, variables.len(), width));
         objective.builds = Some(builds);
-        objective.follower = follower;
+        objective.follower = follower(study, suspension);
         Ok(objective)
     }
 
-    /// The same in lanes of a width, or station by station.
-    #[cfg(test)]
-    pub(super) fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
+    /// The same in lanes of a width, or station by station: for comparison.
+    #[must_use]
+    pub fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
         self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
-        assert!(width.is_none() || self.lanes.is_some());
         self
     }
 
     /// Whether the design at `x` is evaluated in lanes.
-    #[cfg(test)]
-    pub(super) fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
+    pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
         let mut into = Evaluation::new(self.layout.residuals(), x.len());
         let mut rows = Evaluation::new(self.layout.labels.len(), x.len());
@@ -299,8 +296,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     }
 
     /// How many builds were evaluated in lanes.
-    #[cfg(test)]
-    pub(super) fn builds_in_lanes(&self) -> usize {
+    pub fn builds_in_lanes(&self) -> usize {
         let builds = self.builds.as_ref().map_or(0, Builds::count);
         let lanes = self.lane_builds.as_ref().filter(|_| self.lanes.is_some());
         (0..builds)

@@ -5,7 +5,6 @@
 //! the designs with a misfit up to m then goes back towards the study's own as far as m and the constraints
 //! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
 
-use super::builds::follower;
 use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
 use super::fit::fit_start;
 use super::multistart::every_start;
@@ -186,9 +185,8 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let variables = &optimise.variables;
         let made = match (&optimise.scatter, self.assembled) {
             (Some(scatter), Some(assembled)) => {
-                let follower = follower(self.suspension, assembled);
-                let width = Some(Width::widest());
-                Objective::of_builds(assembled, variables, layout, scatter, follower, width)
+                let (study, width) = (self.suspension, Some(Width::widest()));
+                Objective::of_builds(study, assembled, variables, layout, scatter, width)
             }
             _ => Objective::new(self.suspension, variables, layout),
         };

@@ -1,10 +1,9 @@
 //! Derivatives of builds, and what builds are.
 
-use super::super::builds::follower;
-use super::super::{Evaluation, LeastSquares, Objective, TargetLayout};
-use crate::build::Assembler;
-use crate::number::Width;
-use crate::study::{Optimise, Study};
+use hardpoint::build::Assembler;
+use hardpoint::number::Width;
+use hardpoint::optimise::{Evaluation, LeastSquares, Objective, TargetLayout};
+use hardpoint::study::{Optimise, Study};
 use nalgebra::DVector;
 use std::path::Path;
 
@@ -20,7 +19,7 @@ const TRAVEL: &str = "motion.travel={ from = -20.0, to = 20.0, steps = 3 }";
 
 fn study(file: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../studies")
+        .join("studies")
         .join(file);
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
@@ -43,10 +42,10 @@ fn with_problem<R>(
     let assembler = Assembler::new(suspension).unwrap();
     let assembled = assembler.suspension();
     let scatter = optimise.scatter.as_ref().unwrap();
-    let follows = follower(suspension, assembled);
     let variables = &optimise.variables;
     let mut problem =
-        Objective::<2>::of_builds(assembled, variables, &layout, scatter, follows, width).unwrap();
+        Objective::<2>::of_builds(suspension, assembled, variables, &layout, scatter, width)
+            .unwrap();
     let count = layout.residuals();
     f(&mut |x| {
         let mut at = Evaluation::new(count, x.len());

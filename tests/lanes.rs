@@ -490,11 +490,14 @@ fn ordinary_designs_stay_in_the_lanes() {
     }
 }
 
-/// How many of a thousand scattered designs lanes leave to be solved one by one.
+/// How many of a thousand scattered designs lanes leave to be solved one by one; a block of them is compared with the
+/// continuation.
 fn left_of_a_thousand(study: &Study, by: f64) -> usize {
     let suspension = &study.suspension;
     let stations = Stations::of(&study.motion, &suspension.frame, &[]);
     let quantities = quantities(study);
+    let compared = compare(study, &quantities, by, 3, BLOCK);
+    assert_eq!(compared.left, 0, "{compared:?}");
     let mut lanes = Evaluator::new(suspension, &stations, &quantities).expect("it is sound");
     let mut scatter = Scatter {
         random: Random(3),

@@ -1,11 +1,11 @@
 //! Derivatives of builds, and what builds are.
 
+use super::edited;
 use hardpoint::build::Assembler;
 use hardpoint::number::Width;
 use hardpoint::optimise::{Evaluation, LeastSquares, Objective, TargetLayout};
 use hardpoint::study::{Optimise, Study};
 use nalgebra::DVector;
-use std::path::Path;
 
 const VARIABLES: &str = "optimise.variables=[\
     { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }, \
@@ -16,14 +16,6 @@ const TARGETS: &str = "optimise.targets=[\
     { characteristic = \"toe\", at = 0.0, value = 0.4, tolerance = 0.05 }, \
     { characteristic = \"bump_steer\", at = 5.0, value = 0.02, tolerance = 0.001 }]";
 const TRAVEL: &str = "motion.travel={ from = -20.0, to = 20.0, steps = 3 }";
-
-fn study(file: &str, overrides: &[&str]) -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(file);
-    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// The residuals of a study's builds at `x`.
 fn with_problem<R>(
@@ -70,7 +62,7 @@ fn derivatives_of_builds_are_exact() {
         ("double_wishbone_tolerance.toml", "tolerance.aligned=true"),
         ("macpherson_tolerance.toml", "tolerance.aligned=false"),
     ] {
-        let study = study(
+        let study = edited(
             file,
             &[
                 TRAVEL,
@@ -115,25 +107,12 @@ fn derivatives_of_builds_are_exact() {
 #[test]
 fn builds_of_exact_parts_are_the_drawing() {
     let exact = "tolerance.scatter=[{ hardpoint = \"upper_arm_front\", sigma = 1e-9 }]";
-    let study = study(
+    let study = edited(
         "double_wishbone_tolerance.toml",
         &[TRAVEL, VARIABLES, TARGETS, "optimise.scatter=2", exact],
     );
     let x = DVector::from_fn(8, |j, _| ((j * 5 + 1) as f64).sin());
-    let plain = Optimise {
-        scatter: None,
-        ..study.optimise.clone().unwrap()
-    };
-    let suspension = &study.suspension;
-    let layout = TargetLayout::of(
-        &plain,
-        &study.motion,
-        &suspension.frame,
-        &suspension.mechanism,
-    );
-    let mut drawing = Objective::<2>::new(suspension, &plain.variables, &layout).unwrap();
-    let mut wanted = Evaluation::new(layout.residuals(), 8);
-    LeastSquares::evaluate(&mut drawing, &x, &mut wanted).unwrap();
+    let wanted = drawing_at(&study, Some(Width::widest()), &x);
     let found = with_problem(&study, None, |at| at(&x));
     for build in 0..2 {
         for row in 0..wanted.residuals.len() {
@@ -218,7 +197,7 @@ fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
                 overrides.push(format!("setup.adjust=[{adjust}]"));
             }
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
-            let study = study(&format!("{name}.toml"), &overrides);
+            let study = edited(&format!("{name}.toml"), &overrides);
             let count = study.optimise.as_ref().unwrap().variables.len();
             let x = DVector::from_fn(count, |j, _| 3.0 * ((j * 7 + 3) as f64).sin());
             let of_builds = |width| with_problem(&study, width, |at| at(&x));

@@ -1,10 +1,9 @@
 //! Constraints in lanes against constraints station by station.
 
+use super::{DRIVE_SHAFT, edited};
 use hardpoint::number::Width;
 use hardpoint::optimise::{Assessment, Constrained, Objective, TargetLayout};
-use hardpoint::study::Study;
 use nalgebra::DVector;
-use std::path::Path;
 
 /// Every kind of constraint that lanes tell, on a wishbone with a drive shaft.
 const CONSTRAINTS: &str = "optimise.constraints=[\
@@ -25,18 +24,8 @@ const CONSTRAINTS: &str = "optimise.constraints=[\
 /// In lanes rows and their derivatives are those of one station after the other, and the same bits at every width.
 #[test]
 fn rows_in_lanes_are_those_of_station_by_station() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_front.toml");
-    let joint = |at: &str, body: &str, [x, y, z]: [f64; 3]| {
-        format!(
-            "suspension.extra_points.drive_shaft_{at}={{ body = \"{body}\", position = [{x}, {y}, {z}] }}"
-        )
-    };
-    let overrides = [
-        joint("inner", "chassis", [5.0, 250.0, 310.0]),
-        joint("outer", "knuckle", [3.0, 690.0, 300.0]),
-        CONSTRAINTS.to_owned(),
-    ];
-    let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
+    let [inner, outer] = DRIVE_SHAFT;
+    let study = edited("double_wishbone_front.toml", &[inner, outer, CONSTRAINTS]);
     let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
     let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
     let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);

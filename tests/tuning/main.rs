@@ -12,8 +12,7 @@ use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted}
 use std::path::Path;
 
 fn strut() -> Study {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
-    Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
+    edited("macpherson_front.toml", &[])
 }
 
 /// The study's tuning, wanted what its own design has.

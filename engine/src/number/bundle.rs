@@ -23,6 +23,13 @@ pub trait SimdReal: Real {
     fn load(self, from: &[f64]) -> Self;
     /// Writes the lanes to the beginning of a slice.
     fn store(self, to: &mut [f64]);
+    /// The number in one lane.
+    #[inline(always)]
+    fn in_lane(self, lane: usize) -> f64 {
+        let mut lanes = [0.0; MOST_LANES];
+        self.store(&mut lanes);
+        lanes[lane]
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// The magnitude of `self` with the sign of `other`.

@@ -3,7 +3,7 @@
 use super::{Evaluation, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Wheel};
-use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, outlined};
+use crate::number::{Jet, Outlined, SimdReal, outlined};
 use std::hint::black_box;
 
 impl LaneReader<'_> {
@@ -89,21 +89,13 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     }
 }
 
-/// What a lane of a number holds.
-#[inline(always)]
-pub(super) fn in_lane<B: SimdReal>(lane: usize) -> impl Fn(B) -> f64 + Copy {
-    #[inline(always)]
-    move |number| {
-        let mut lanes = [0.0; MOST_LANES];
-        number.store(&mut lanes);
-        lanes[lane]
-    }
-}
-
 /// What one lane holds, as series in the drive.
 #[inline(always)]
 fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
-    let one = inputs.map(in_lane(lane));
+    let one = inputs.map(
+        #[inline(always)]
+        |number: B| number.in_lane(lane),
+    );
     let nothing = Wheel::filled(Jet([f64::NAN; 2]));
     Inputs {
         now: one.now.with_rate(&one.rate),

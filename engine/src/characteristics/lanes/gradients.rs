@@ -1,6 +1,5 @@
 //! Gradients of quantities by the hardpoints: what seeds an adjoint in lanes.
 
-use super::evaluating::in_lane;
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Slot};
@@ -228,7 +227,12 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
 fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
     let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
     for lane in 0..B::LANES {
-        let inputs = inputs.only(c.info().reads, f64::NAN, in_lane(lane));
+        let inputs = inputs.only(
+            c.info().reads,
+            f64::NAN,
+            #[inline(always)]
+            |number: B| number.in_lane(lane),
+        );
         let gradient = c.gradient(&inputs);
         for (slot, by) in lanes.iter_mut().zip(gradient) {
             slot[0][lane] = by.x;

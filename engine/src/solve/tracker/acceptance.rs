@@ -1,6 +1,6 @@
 //! Which lanes the tracker vouches for, and why it does not vouch for the others.
 
-use crate::number::{MOST_LANES, SimdReal};
+use crate::number::SimdReal;
 
 /// Why the tracker does not vouch for a pose. Continuation takes over from the last one it does vouch for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -95,9 +95,7 @@ impl<B: SimdReal> Acceptance<B> {
     /// Why a lane is rejected.
     #[inline(always)]
     pub fn reason(&self, lane: usize) -> Option<Rejection> {
-        let mut codes = [0.0; MOST_LANES];
-        self.reason.store(&mut codes);
-        match codes[lane] {
+        match self.reason.in_lane(lane) {
             0.0 => None,
             code => Rejection::of_code(code),
         }

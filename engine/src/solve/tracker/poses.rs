@@ -3,7 +3,7 @@
 use super::{Acceptance, Batch, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
 use crate::model::{Drive, Mechanism};
-use crate::number::{MOST_LANES, Matrix3, SimdReal, SimdTask, Vector3, Width};
+use crate::number::{Matrix3, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::StationOrder;
 
 /// Ways that are kept, each for a drive, a rack and an order of stations.
@@ -173,7 +173,7 @@ impl SimdTask for Tracking<'_, '_> {
         let tracked = (self.batch).solve(&design, self.number, &mut history, &mut collecting);
         *self.rounds = tracked.rounds;
         for unknown in &history[..self.batch.steps(self.number)] {
-            self.history.push(first(*unknown));
+            self.history.push(unknown.in_lane(0));
         }
         let [up, down] = tracked.legs;
         [up.reason(0), down.reason(0)]
@@ -192,26 +192,20 @@ impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
             return;
         }
         let Pose { origin, rotation } = at.configuration(self.rack).pose;
-        let [x, y, z] = rotation.columns;
         self.poses[station] = Ok(Pose {
             origin: first_of(origin),
             rotation: Matrix3 {
-                columns: [first_of(x), first_of(y), first_of(z)],
+                columns: rotation.columns.map(first_of),
             },
         });
     }
 }
 
-/// What the first lane holds.
-#[inline(always)]
-fn first<B: SimdReal>(number: B) -> f64 {
-    let mut lanes = [0.0; MOST_LANES];
-    number.store(&mut lanes);
-    lanes[0]
-}
-
-/// The same of a vector.
+/// What the first lanes of a vector hold.
 #[inline(always)]
 fn first_of<B: SimdReal>(vector: Vector3<B>) -> Vector3<f64> {
-    Vector3::new(first(vector.x), first(vector.y), first(vector.z))
+    vector.map(
+        #[inline(always)]
+        |number| number.in_lane(0),
+    )
 }

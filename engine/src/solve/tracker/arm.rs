@@ -2,9 +2,10 @@
 
 use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
+use super::track::{Equations, predicted, weighted};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Tracked, Visit, weighted, within_half,
+    Visit, within_half,
 };
 use crate::derive::Gradient;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -234,117 +235,156 @@ impl ByArm {
         });
     }
 
-    /// Visits every place.
+    /// A wheel on its own, of a design of this batch.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "a batch's state, part by part")]
-    pub(crate) fn track<B: SimdReal>(
+    pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
+        &'w self,
+        design: &'w ArmDesign<'d, B>,
+        drive: Drive,
+        tolerance: f64,
+        visitor: &'w mut V,
+    ) -> ArmCorner<'w, 'd, B, V> {
+        let zero = design.form.like().zero();
+        ArmCorner {
+            way: self,
+            design,
+            drive,
+            tolerance: zero.lit(tolerance),
+            visitor,
+            slope: zero,
+            state: design.form.at_half_tangent(zero, zero),
+            step: zero,
+            missed: [zero; 2],
+        }
+    }
+
+    /// Accepts lanes where the closed form is well conditioned and the arm on its branch, the inverse of the way from
+    /// the guard before in the drive being given on the stations' legs.
+    #[inline(always)]
+    fn guard<B: SimdReal>(
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
-        places: &[RouteStep],
-        tolerance: f64,
-        start: Acceptance<B>,
-        history: &mut [B],
-        visit: &mut impl Visit<B>,
-    ) -> Tracked<B> {
-        let form = &design.form;
-        let like = form.like();
-        let zero = like.zero();
-        let tolerance = like.lit(tolerance);
-
-        let mut tracked = Tracked::start(start);
-        let slope = like.lit(self.slope);
-        let mut last = [BranchGuard {
-            tangent: zero,
-            rate: slope,
-            margin: zero,
-        }; 2];
-        history[0] = zero;
-        for (number, place) in places.iter().enumerate() {
-            let mut accepted = tracked.legs[place.leg.side()];
-            let target = like.lit(place.value);
-            let rack = like.lit(place.rack);
-            let (predicted, mut slope_here) = match drive {
-                Drive::ArmAngle => (like.lit((0.5 * place.value).tan()), zero),
-                Drive::Travel => {
-                    let tangent = weighted::<1, _, B>(&place.prediction, history, 0, like);
-                    let tangent = tangent + like.lit(self.slope * place.along_slope);
-                    let slope = match &place.slope {
-                        Some(stencil) => weighted::<1, _, B>(stencil, history, 0, like),
-                        None => slope,
-                    };
-                    (tangent, slope)
-                }
-            };
-            // What other places are predicted from must be a number even where nothing was found.
-            if !B::any(accepted.lanes()) {
-                history[number] = predicted;
-                continue;
-            }
-            let mut tangent = predicted;
-            let mut settled = zero.less(zero);
-            let mut round = 1;
-            loop {
-                // Two at a time: a correction is always needed, and a branch that cannot be foreseen
-                // would cost more than the second. A lane that has settled stays where it is. By the arm angle
-                // there is nothing to solve.
-                let mut missed = zero;
-                if drive == Drive::Travel {
-                    missed = form.travel(&form.at_half_tangent(tangent, rack)) - target;
-                }
-                let step = B::select(settled, zero, -(missed * slope_here));
-                let corrected = tangent + step;
-                let state = form.at_half_tangent(corrected, rack);
-                let mut miss = zero;
-                if drive == Drive::Travel {
-                    miss = form.travel(&state) - target;
-                }
-                settled = miss.abs().less(tolerance);
-                tracked.rounds += 1;
-                if round < MOST_ROUNDS && !B::all(settled | !accepted.lanes()) {
-                    slope_here = B::select(settled, slope_here, step / (miss - missed));
-                    let next = corrected - miss * slope_here;
-                    tangent = B::select(settled, corrected, next);
-                    round += 1;
-                    continue;
-                }
-                let tangent = corrected;
-                accepted.require(settled, Rejection::NotSettled);
-                BranchGuard::check(&state, tangent, &mut accepted);
-                if place.leg == Leg::Rack {
-                    let rate = match drive {
-                        Drive::Travel => design.slope(&state, tangent),
-                        Drive::ArmAngle => slope,
-                    };
-                    let watch = BranchGuard::start(&state, tangent, rate);
-                    watch.check_slope(&watch, self.steepest, &mut accepted);
-                    if number > 0 {
-                        watch.check_step(&last[0], &mut accepted);
-                    }
-                    last = [watch; 2];
-                } else {
-                    let before = last[place.leg.side()];
-                    let watch = before.next(&state, tangent, like.lit(1.0 / place.step));
-                    watch.check_slope(&before, self.steepest, &mut accepted);
-                    watch.check_step(&before, &mut accepted);
-                    last[place.leg.side()] = watch;
-                }
-                history[number] = B::select(accepted.lanes(), tangent, predicted);
-                tracked.set(place.leg, accepted);
-                if let Some(station) = place.station {
-                    let pose = ArmPose {
-                        roles: &self.roles,
-                        design,
-                        state,
-                        tangent,
-                        drive,
-                    };
-                    visit.pose(station, &pose, accepted);
-                }
-                break;
-            }
+        (state, tangent): (&State<B>, B),
+        before: &Option<BranchGuard<B>>,
+        inverse_step: Option<B>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        BranchGuard::check(state, tangent, accepted);
+        if let (Some(before), Some(inverse_step)) = (before, inverse_step) {
+            let guard = before.next(state, tangent, inverse_step);
+            guard.check_slope(before, self.steepest, accepted);
+            guard.check_step(before, accepted);
+            return guard;
         }
-        tracked
+        let rate = match drive {
+            Drive::Travel => design.slope(state, tangent),
+            Drive::ArmAngle => tangent.lit(self.slope),
+        };
+        let guard = BranchGuard::start(state, tangent, rate);
+        guard.check_slope(&guard, self.steepest, accepted);
+        if let Some(before) = before {
+            guard.check_step(before, accepted);
+        }
+        guard
+    }
+}
+
+/// A wheel on its own.
+pub(super) struct ArmCorner<'w, 'd, B, V> {
+    way: &'w ByArm,
+    design: &'w ArmDesign<'d, B>,
+    drive: Drive,
+    tolerance: B,
+    visitor: &'w mut V,
+    /// The tangent by the drive, by which corrections go.
+    slope: B,
+    /// Of the last correction: the state it came to, its step, and how far from the travel wanted it was before and after.
+    state: State<B>,
+    step: B,
+    missed: [B; 2],
+}
+
+impl<B: SimdReal, V: Visit<B>> Equations<B, 1> for ArmCorner<'_, '_, B, V> {
+    const MOST_ROUNDS: usize = MOST_ROUNDS;
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
+        let like = history[0];
+        if self.drive == Drive::ArmAngle {
+            return [like.lit((0.5 * place.value).tan())];
+        }
+        self.slope = match &place.slope {
+            Some(stencil) => weighted::<1, _, B>(stencil, history, 0),
+            None => like.lit(self.way.slope),
+        };
+        predicted(place, history, [self.way.slope * place.along_slope])
+    }
+
+    /// Two corrections at a time: one is always needed, and a branch that cannot be foreseen would cost more than the second.
+    /// By the arm angle there is nothing to solve.
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        [tangent]: &mut [B; 1],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask {
+        let form = &self.design.form;
+        let (target, rack) = (tangent.lit(place.value), tangent.lit(place.rack));
+        if round > 1 {
+            let [before, after] = self.missed;
+            self.slope = B::select(settled, self.slope, self.step / (after - before));
+            *tangent = B::select(settled, *tangent, *tangent - after * self.slope);
+        }
+        let zero = tangent.zero();
+        self.missed = [zero; 2];
+        if self.drive == Drive::Travel {
+            self.missed[0] = form.travel(&form.at_half_tangent(*tangent, rack)) - target;
+        }
+        self.step = B::select(settled, zero, -(self.missed[0] * self.slope));
+        *tangent = *tangent + self.step;
+        self.state = form.at_half_tangent(*tangent, rack);
+        if self.drive == Drive::Travel {
+            self.missed[1] = form.travel(&self.state) - target;
+        }
+        self.missed[1].abs().less(self.tolerance)
+    }
+
+    #[inline(always)]
+    fn check(
+        &mut self,
+        place: &RouteStep,
+        &[tangent]: &[B; 1],
+        before: &Option<BranchGuard<B>>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        let inverse_step = match place.leg {
+            Leg::Rack => None,
+            _ => Some(tangent.lit(1.0 / place.step)),
+        };
+        let at = (&self.state, tangent);
+        (self.way).guard(self.design, self.drive, at, before, inverse_step, accepted)
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        _: &RouteStep,
+        station: usize,
+        &[tangent]: &[B; 1],
+        accepted: Acceptance<B>,
+    ) {
+        let pose = ArmPose {
+            roles: &self.way.roles,
+            design: self.design,
+            state: self.state,
+            tangent,
+            drive: self.drive,
+        };
+        self.visitor.pose(station, &pose, accepted);
     }
 }
 
@@ -463,16 +503,6 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
     }
 
     #[inline(always)]
-    fn start(&self) -> BranchGuard<B> {
-        let zero = self.missed.zero();
-        BranchGuard {
-            tangent: zero,
-            rate: zero.lit(self.way.slope),
-            margin: zero,
-        }
-    }
-
-    #[inline(always)]
     fn linear(&mut self, &[tangent]: &[B; 1], rack: B, travel: B, _: B::Mask) -> Linear<B> {
         let form = &self.design.form;
         self.state = form.at_half_tangent(tangent, rack);
@@ -519,28 +549,23 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
     fn check(
         &self,
         &[tangent]: &[B; 1],
-        before: Option<&BranchGuard<B>>,
+        before: &Option<BranchGuard<B>>,
         step: Option<B>,
         accepted: &mut Acceptance<B>,
     ) -> BranchGuard<B> {
-        let state = &self.state;
-        BranchGuard::check(state, tangent, accepted);
-        match (before, step) {
-            (Some(before), Some(step)) => {
-                let watch = before.next(state, tangent, tangent.one() / step);
-                watch.check_slope(before, self.way.steepest, accepted);
-                watch.check_step(before, accepted);
-                watch
-            }
-            (before, _) => {
-                let watch = BranchGuard::start(state, tangent, self.design.slope(state, tangent));
-                watch.check_slope(&watch, self.way.steepest, accepted);
-                if let Some(before) = before {
-                    watch.check_step(before, accepted);
-                }
-                watch
-            }
-        }
+        let inverse_step = step.map(
+            #[inline(always)]
+            |step| tangent.one() / step,
+        );
+        let at = (&self.state, tangent);
+        (self.way).guard(
+            self.design,
+            Drive::Travel,
+            at,
+            before,
+            inverse_step,
+            accepted,
+        )
     }
 
     #[inline(always)]

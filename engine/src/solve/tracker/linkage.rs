@@ -31,10 +31,11 @@
 )]
 
 use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
-use super::route::{Leg, RouteStep};
+use super::route::RouteStep;
+use super::track::{Equations, kept, predicted};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Tracked, Visit, weighted, within_half,
+    Visit, within_half,
 };
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
@@ -669,144 +670,22 @@ impl ByLinkage {
         });
     }
 
-    /// Visits every place.
+    /// A wheel on its own, of a design of this batch.
     #[inline(always)]
-    pub(crate) fn track<B: SimdReal>(
-        &self,
-        linkage: &LinkageDesign<'_, B>,
-        places: &[RouteStep],
+    pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
+        &'w self,
+        linkage: &'w LinkageDesign<'d, B>,
         tolerance: f64,
-        start: Acceptance<B>,
-        history: &mut [B],
-        visit: &mut impl Visit<B>,
-    ) -> Tracked<B> {
-        let zero = linkage.design[0].x.zero();
-        let tolerance = zero.lit(tolerance);
-        let largest = zero.lit(LARGEST_CORRECTION);
-        let inverse_size = zero.lit(1.0 / self.size);
-        let room = RefCell::new(Linear::unformed(self, zero));
-        let mut tracked = Tracked::start(start);
-        // Unused stencil entries point at place 0 with weight 0; place 0 is cleared, since 0 times NaN is NaN.
-        history[..UNKNOWNS].fill(zero);
-        let mut last = [BranchGuard {
-            turned: Vector3::new(zero, zero, zero),
-            determinants: [zero; 2],
-        }; 2];
-        for (number, place) in places.iter().enumerate() {
-            let mut accepted = tracked.legs[place.leg.side()];
-            let rack = zero.lit(place.rack);
-            let travel = zero.lit(place.value);
-            let driver = Driver::Travel(travel);
-            let first = UNKNOWNS * number;
-            let mut unknowns = [zero; UNKNOWNS];
-            for k in 0..UNKNOWNS {
-                let slope =
-                    self.by_travel[k] * place.along_slope + self.by_rack[k] * place.along_rack;
-                unknowns[k] = weighted::<UNKNOWNS, _, B>(&place.prediction, history, k, zero)
-                    + zero.lit(slope);
-            }
-            let predicted = unknowns;
-            // What other places are predicted from must be a number even where nothing was found.
-            if !B::any(accepted.lanes()) {
-                history[first..first + UNKNOWNS].copy_from_slice(&predicted);
-                continue;
-            }
-            let mut settled = zero.less(zero);
-            let mut close = settled;
-            let mut determinants = [zero; 2];
-            let mut round = 1;
-            loop {
-                let at = linkage.configuration(unknowns, rack);
-                let mut linear = room.borrow_mut();
-                zero.outlined(Linearising {
-                    linkage,
-                    at: &at,
-                    travel,
-                    linear: &mut linear,
-                });
-                let twist = -linear.blocks.solve(linear.residuals);
-                let next = moved(unknowns, &twist);
-                if round == 1 {
-                    close =
-                        is_less(twist.shift * inverse_size, largest) & is_less(twist.turn, largest);
-                }
-                let at = linkage.configuration(next, rack);
-                let missed = linkage.closure.residuals_inlined(&at, driver);
-                let [a, b, c, d, e, g] = missed;
-                let small = is_less(Vector3::new(a, b, c), tolerance)
-                    & is_less(Vector3::new(d, e, g), tolerance);
-                // What is left goes by the Jacobian at hand, for the sake of rates. A lane that has settled
-                // stays where it is.
-                let rest = moved(next, &-linear.blocks.solve(missed));
-                for k in 0..UNKNOWNS {
-                    let next = B::select(small, rest[k], next[k]);
-                    unknowns[k] = B::select(settled, unknowns[k], next);
-                }
-                let [a, s] = linear.blocks.determinants();
-                determinants = [
-                    B::select(settled, determinants[0], a),
-                    B::select(settled, determinants[1], s),
-                ];
-                settled = settled | small;
-                tracked.rounds += 1;
-                if round < MOST_ROUNDS && !B::all(settled | !accepted.lanes()) {
-                    round += 1;
-                    continue;
-                }
-                let [_, _, _, x, y, z] = unknowns;
-                let watch = BranchGuard {
-                    turned: Vector3::new(x, y, z),
-                    determinants,
-                };
-                accepted.require(settled, Rejection::NotSettled);
-                accepted.require(close, Rejection::ChangedTooMuch);
-                watch.check(&self.determinants, &mut accepted);
-                let side = place.leg.side();
-                if number > 0 {
-                    watch.check_step(&last[side], &mut accepted);
-                }
-                for k in 0..UNKNOWNS {
-                    history[first + k] = B::select(accepted.lanes(), unknowns[k], predicted[k]);
-                }
-                tracked.set(place.leg, accepted);
-                match place.leg {
-                    Leg::Rack => last = [watch; 2],
-                    _ => last[side] = watch,
-                }
-                drop(linear);
-                if let Some(station) = place.station {
-                    let pose = LinkagePose {
-                        linkage,
-                        at: linkage.configuration(unknowns, rack),
-                        travel,
-                        linear: &room,
-                        is_linear: Cell::new(false),
-                    };
-                    visit.pose(station, &pose, accepted);
-                }
-                break;
-            }
+        visitor: &'w mut V,
+    ) -> LinkageCorner<'w, 'd, B, V> {
+        let steps = NewtonSteps::of(self, linkage, tolerance);
+        LinkageCorner {
+            is_near: steps.determinants[0].everywhere(),
+            steps,
+            visitor,
         }
-        tracked
     }
-}
 
-/// A wheel of a pair.
-pub(super) struct LinkageWheel<'w, 'd, B> {
-    way: &'w ByLinkage,
-    linkage: &'w LinkageDesign<'d, B>,
-    on_knuckle: WheelOnKnuckle<B>,
-    tolerance: f64,
-    /// The equations about the last unknowns they were formed at.
-    linear: RefCell<Linear<B>>,
-    /// Of the linearisation with which each lane settled.
-    determinants: [B; 2],
-    /// Of the last linearisation: the way to the travel wanted, and that by the travel.
-    rest: Twist<B>,
-    by_travel: Twist<B>,
-}
-
-impl ByLinkage {
     /// A wheel of a pair, of a design of this batch.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
@@ -815,23 +694,212 @@ impl ByLinkage {
         on_knuckle: WheelOnKnuckle<B>,
         tolerance: f64,
     ) -> LinkageWheel<'w, 'd, B> {
-        let zero = linkage.design[0].x.zero();
+        let steps = NewtonSteps::of(self, linkage, tolerance);
+        let zero = steps.determinants[0];
         let null = Vector3::new(zero, zero, zero);
         let rest = Twist {
             shift: null,
             turn: null,
         };
         LinkageWheel {
-            way: self,
-            linkage,
+            steps,
             on_knuckle,
-            tolerance,
-            linear: RefCell::new(Linear::unformed(self, zero)),
-            determinants: [zero; 2],
             rest,
             by_travel: rest,
         }
     }
+}
+
+/// Newton's steps in the six unknowns.
+struct NewtonSteps<'w, 'd, B> {
+    way: &'w ByLinkage,
+    linkage: &'w LinkageDesign<'d, B>,
+    tolerance: f64,
+    /// The equations about the last unknowns they were formed at.
+    linear: RefCell<Linear<B>>,
+    /// Of the linearisation with which each lane settled.
+    determinants: [B; 2],
+}
+
+impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
+    #[inline(always)]
+    fn of(way: &'w ByLinkage, linkage: &'w LinkageDesign<'d, B>, tolerance: f64) -> Self {
+        let zero = linkage.design[0].x.zero();
+        NewtonSteps {
+            way,
+            linkage,
+            tolerance,
+            linear: RefCell::new(Linear::unformed(way, zero)),
+            determinants: [zero; 2],
+        }
+    }
+
+    /// Linearises about unknowns, lanes being frozen that have settled. Returns the step to where the equations hold.
+    #[inline(always)]
+    fn linearise(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+        settled: B::Mask,
+    ) -> (Configuration<'d, B>, Twist<B>) {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let linear = self.linear.get_mut();
+        travel.outlined(Linearising {
+            linkage: self.linkage,
+            at: &at,
+            travel,
+            linear,
+        });
+        let [a, s] = linear.blocks.determinants();
+        let [known_a, known_s] = self.determinants;
+        self.determinants = [
+            B::select(settled, known_a, a),
+            B::select(settled, known_s, s),
+        ];
+        let step = -linear.blocks.solve(linear.residuals);
+        (at, step)
+    }
+
+    /// Where a step is small.
+    #[inline(always)]
+    fn is_near(&self, step: &Twist<B>) -> B::Mask {
+        let like = step.shift.x;
+        let largest = like.lit(LARGEST_CORRECTION);
+        let inverse_size = like.lit(1.0 / self.way.size);
+        is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
+    }
+
+    /// Looks at what a step has come to: where the residuals are rounding, and the unknowns with what is left of them taken away
+    /// by the Jacobian at hand, for the sake of rates.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+    ) -> (Configuration<'d, B>, B::Mask, [B; UNKNOWNS]) {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let driver = Driver::Travel(travel);
+        let missed = self.linkage.closure.residuals_inlined(&at, driver);
+        let [a, b, c, d, e, g] = missed;
+        let tolerance = travel.lit(self.tolerance);
+        let is_settled =
+            is_less(Vector3::new(a, b, c), tolerance) & is_less(Vector3::new(d, e, g), tolerance);
+        let rest = -self.linear.get_mut().blocks.solve(missed);
+        (at, is_settled, moved(*unknowns, &rest))
+    }
+
+    /// Accepts lanes that are well conditioned and on their branch.
+    #[inline(always)]
+    fn guard(
+        &self,
+        &[_, _, _, x, y, z]: &[B; UNKNOWNS],
+        before: &Option<BranchGuard<B>>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        let guard = BranchGuard {
+            turned: Vector3::new(x, y, z),
+            determinants: self.determinants,
+        };
+        guard.check(&self.way.determinants, accepted);
+        if let Some(before) = before {
+            guard.check_step(before, accepted);
+        }
+        guard
+    }
+
+    #[inline(always)]
+    fn pose(&self, unknowns: &[B; UNKNOWNS], [rack, travel]: [B; 2]) -> LinkagePose<'_, 'd, B> {
+        LinkagePose {
+            linkage: self.linkage,
+            at: self.linkage.configuration(*unknowns, rack),
+            travel,
+            linear: &self.linear,
+            is_linear: Cell::new(false),
+        }
+    }
+}
+
+/// A wheel on its own.
+pub(super) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
+    steps: NewtonSteps<'w, 'd, B>,
+    visitor: &'w mut V,
+    /// Where the prediction of this place was near.
+    is_near: B::Mask,
+}
+
+/// Rack and travel at a place.
+#[inline(always)]
+fn at_place<B: Real>(place: &RouteStep, like: B) -> [B; 2] {
+    [like.lit(place.rack), like.lit(place.value)]
+}
+
+impl<B: SimdReal, V: Visit<B>> Equations<B, UNKNOWNS> for LinkageCorner<'_, '_, B, V> {
+    const MOST_ROUNDS: usize = MOST_ROUNDS;
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; UNKNOWNS] {
+        let ByLinkage {
+            by_travel, by_rack, ..
+        } = self.steps.way;
+        let mut along = [0.0; UNKNOWNS];
+        for k in 0..UNKNOWNS {
+            along[k] = by_travel[k] * place.along_slope + by_rack[k] * place.along_rack;
+        }
+        predicted(place, history, along)
+    }
+
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &mut [B; UNKNOWNS],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask {
+        let motion = at_place(place, unknowns[0]);
+        let (_, step) = self.steps.linearise(unknowns, motion, settled);
+        if round == 1 {
+            self.is_near = self.steps.is_near(&step);
+        }
+        let next = moved(*unknowns, &step);
+        let (_, is_settled, rest) = self.steps.look(&next, motion);
+        *unknowns = kept(settled, *unknowns, kept(is_settled, rest, next));
+        is_settled
+    }
+
+    #[inline(always)]
+    fn check(
+        &mut self,
+        _: &RouteStep,
+        unknowns: &[B; UNKNOWNS],
+        before: &Option<BranchGuard<B>>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        accepted.require(self.is_near, Rejection::ChangedTooMuch);
+        self.steps.guard(unknowns, before, accepted)
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        place: &RouteStep,
+        station: usize,
+        unknowns: &[B; UNKNOWNS],
+        accepted: Acceptance<B>,
+    ) {
+        let pose = self.steps.pose(unknowns, at_place(place, unknowns[0]));
+        self.visitor.pose(station, &pose, accepted);
+    }
+}
+
+/// A wheel of a pair.
+pub(super) struct LinkageWheel<'w, 'd, B> {
+    steps: NewtonSteps<'w, 'd, B>,
+    on_knuckle: WheelOnKnuckle<B>,
+    /// Of the last linearisation: the way to the travel wanted, and that by the travel.
+    rest: Twist<B>,
+    by_travel: Twist<B>,
 }
 
 impl<B: SimdReal> LinkageWheel<'_, '_, B> {
@@ -852,16 +920,7 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
 
     #[inline(always)]
     fn slopes(&self) -> [[f64; UNKNOWNS]; 2] {
-        [self.way.by_travel, self.way.by_rack]
-    }
-
-    #[inline(always)]
-    fn start(&self) -> BranchGuard<B> {
-        let zero = self.rest.shift.x.zero();
-        BranchGuard {
-            turned: Vector3::new(zero, zero, zero),
-            determinants: [zero; 2],
-        }
+        [self.steps.way.by_travel, self.steps.way.by_rack]
     }
 
     #[inline(always)]
@@ -872,38 +931,21 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
         travel: B,
         settled: B::Mask,
     ) -> Motion<B> {
-        let at = self.linkage.configuration(*unknowns, rack);
-        let linear = self.linear.get_mut();
-        travel.outlined(Linearising {
-            linkage: self.linkage,
-            at: &at,
-            travel,
-            linear,
-        });
+        let (at, rest) = self.steps.linearise(unknowns, [rack, travel], settled);
         let mut driven = [travel.zero(); 6];
         driven[5] = travel.one();
-        let now = linear.blocks.determinants();
-        for (known, now) in self.determinants.iter_mut().zip(now) {
-            *known = B::select(settled, *known, now);
-        }
-        self.rest = -linear.blocks.solve(linear.residuals);
-        self.by_travel = linear.blocks.solve(driven);
+        let by_travel = self.steps.linear.get_mut().blocks.solve(driven);
         let (lever, axis) = self.carried(&at.pose.rotation);
-        let largest = travel.lit(LARGEST_CORRECTION);
-        let inverse_size = travel.lit(1.0 / self.way.size);
+        (self.rest, self.by_travel) = (rest, by_travel);
         Motion {
             centre: at.pose.origin + lever,
             axis,
-            rest: [
-                self.rest.shift + self.rest.turn.cross(lever),
-                self.rest.turn,
-            ],
+            rest: [rest.shift + rest.turn.cross(lever), rest.turn],
             rate: [
-                self.by_travel.shift + self.by_travel.turn.cross(lever),
-                self.by_travel.turn,
+                by_travel.shift + by_travel.turn.cross(lever),
+                by_travel.turn,
             ],
-            is_near: is_less(self.rest.shift * inverse_size, largest)
-                & is_less(self.rest.turn, largest),
+            is_near: self.steps.is_near(&rest),
         }
     }
 
@@ -923,18 +965,11 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
         rack: B,
         travel: B,
     ) -> Corrected<B, UNKNOWNS> {
-        let at = self.linkage.configuration(*unknowns, rack);
-        let missed = self
-            .linkage
-            .closure
-            .residuals_inlined(&at, Driver::Travel(travel));
-        let [a, b, c, d, e, g] = missed;
-        let tolerance = travel.lit(self.tolerance);
+        let (at, is_settled, unknowns) = self.steps.look(unknowns, [rack, travel]);
         let (lever, axis) = self.carried(&at.pose.rotation);
         Corrected {
-            is_settled: is_less(Vector3::new(a, b, c), tolerance)
-                & is_less(Vector3::new(d, e, g), tolerance),
-            unknowns: moved(*unknowns, &-self.linear.get_mut().blocks.solve(missed)),
+            is_settled,
+            unknowns,
             centre: at.pose.origin + lever,
             axis,
         }
@@ -944,31 +979,16 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
     fn check(
         &self,
         unknowns: &[B; UNKNOWNS],
-        before: Option<&BranchGuard<B>>,
+        before: &Option<BranchGuard<B>>,
         _: Option<B>,
         accepted: &mut Acceptance<B>,
     ) -> BranchGuard<B> {
-        let [_, _, _, x, y, z] = *unknowns;
-        let watch = BranchGuard {
-            turned: Vector3::new(x, y, z),
-            determinants: self.determinants,
-        };
-        watch.check(&self.way.determinants, accepted);
-        if let Some(before) = before {
-            watch.check_step(before, accepted);
-        }
-        watch
+        self.steps.guard(unknowns, before, accepted)
     }
 
     #[inline(always)]
     fn pose<'p>(&'p self, unknowns: &[B; UNKNOWNS], rack: B, travel: B) -> impl LanePose<B> + 'p {
-        LinkagePose {
-            linkage: self.linkage,
-            at: self.linkage.configuration(*unknowns, rack),
-            travel,
-            linear: &self.linear,
-            is_linear: Cell::new(false),
-        }
+        self.steps.pose(unknowns, [rack, travel])
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! All ordinary poses come from here: those of a sweep, a design in each lane, and those of a single design, one number at
 //! a time ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one
-//! six ([`linkage`]). Along the travel the unknowns are predicted from the places visited; nearly always one
+//! six ([`linkage`]), both wheels of an axle those of each and how their travels differ ([`pair`]); one loop solves for them all
+//! ([`track`](mod@track)). Along the travel the unknowns are predicted from the places visited; nearly always one
 //! correction is all it takes to get to rounding, elsewhere further steps follow. A lane is frozen once it has
 //! converged, so it does not matter what its neighbours still do.
 //!
@@ -28,6 +29,7 @@ mod linkage;
 mod pair;
 mod poses;
 mod route;
+mod track;
 
 use super::closed_form::{Carried, Members, Roles};
 use super::path::StationOrder;
@@ -42,7 +44,9 @@ pub(crate) use linkage::SeriesAdjoint;
 use linkage::{ByLinkage, LinkageDesign};
 pub use pair::{PairBatch, PairDrive, PairStations, Stand, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
-use route::{Leg, Route, Stencil};
+use route::Route;
+pub use track::Tracked;
+use track::track;
 
 /// A way to solve designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
@@ -71,41 +75,6 @@ pub trait Visit<B: SimdReal> {
     /// A pose. Lanes that are not accepted hold anything, NaN included. Stations that no lane is accepted at
     /// are not visited.
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
-}
-
-/// What the tracker says at the end of its way.
-#[derive(Clone, Copy)]
-pub struct Tracked<B: SimdReal> {
-    /// Which lanes are accepted to the end, above the design position and below.
-    pub legs: [Acceptance<B>; 2],
-    /// Rounds of corrections, of all lanes together.
-    pub rounds: u64,
-}
-
-impl<B: SimdReal> Tracked<B> {
-    /// Before the first place, every lane accepted.
-    #[inline(always)]
-    fn start(accepted: Acceptance<B>) -> Self {
-        Tracked {
-            legs: [accepted; 2],
-            rounds: 0,
-        }
-    }
-
-    /// Takes down what is accepted at a place.
-    #[inline(always)]
-    fn set(&mut self, leg: Leg, accepted: Acceptance<B>) {
-        match leg {
-            Leg::Rack => self.legs = [accepted; 2],
-            _ => self.legs[leg.side()] = accepted,
-        }
-    }
-
-    /// The lanes that are accepted at every station.
-    #[inline(always)]
-    pub fn everywhere(&self) -> B::Mask {
-        self.legs[0].lanes() & self.legs[1].lanes()
-    }
 }
 
 /// The constants of a design in each lane.
@@ -372,17 +341,13 @@ impl<'a> Batch<'a> {
         let mut accepted = Acceptance::everywhere(design.origin.x);
         accepted.require(design.distinct, Rejection::NoLength);
         match (&self.way, &design.form) {
-            (Method::Arm(way), Form::Arm(form)) => way.track(
-                form,
-                self.drive,
-                places,
-                self.tolerance,
-                accepted,
-                history,
-                visit,
-            ),
+            (Method::Arm(way), Form::Arm(form)) => {
+                let mut corner = way.corner(form, self.drive, self.tolerance, visit);
+                track(&mut corner, places, accepted, history)
+            }
             (Method::Linkage(way), Form::Linkage(form)) => {
-                way.track(form, places, self.tolerance, accepted, history, visit)
+                let mut corner = way.corner(form, self.tolerance, visit);
+                track(&mut corner, places, accepted, history)
             }
             _ => unreachable!("a design of another batch"),
         }
@@ -533,25 +498,6 @@ impl Batch<'_> {
             group += 1;
         }
     }
-}
-
-/// A weighted sum of places visited, each with `UNKNOWNS` numbers of which it is the one asked for; the
-/// nearest place, which is known last, is added last.
-#[inline(always)]
-fn weighted<const UNKNOWNS: usize, const PLACES: usize, B: SimdReal>(
-    weights: &Stencil<PLACES>,
-    history: &[B],
-    unknown: usize,
-    like: B,
-) -> B {
-    let mut k = weights.len() - 1;
-    let mut sum = history[UNKNOWNS * weights[k].0 + unknown] * like.lit(weights[k].1);
-    while k > 0 {
-        k -= 1;
-        let (place, weight) = weights[k];
-        sum = sum.plus_product(history[UNKNOWNS * place + unknown], like.lit(weight));
-    }
-    sum
 }
 
 /// Whether `now` lies between half of and twice `before`, whatever its sign.

@@ -17,9 +17,10 @@
 //! its wheel.
 
 use super::route::{Leg, Route, RouteStep};
+use super::track::{Equations, Tracked, kept, predicted, track};
 use super::{
     Acceptance, Batch, Form, KnucklePoint, KnuckleVector, LONGEST_STEP, LaneDesign, LanePose,
-    Method, Rejection, Tracked, weighted,
+    Method, Rejection,
 };
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
@@ -124,8 +125,6 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
 
     /// Derivatives of the unknowns by travel and by the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// The guard before the first place.
-    fn start(&self) -> Self::Guard;
     /// Linearises at unknowns near the pose at a travel, lanes being frozen that have settled.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
     /// The unknowns at a travel so much beyond that of the linearisation.
@@ -137,7 +136,7 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
     fn check(
         &self,
         unknowns: &[B; N],
-        before: Option<&Self::Guard>,
+        before: &Option<Self::Guard>,
         step: Option<B>,
         accepted: &mut Acceptance<B>,
     ) -> Self::Guard;
@@ -233,16 +232,18 @@ impl<'a> PairBatch<'a> {
     ) -> Tracked<B> {
         let places = &self.routes[stations].places;
         let [left, right] = designs;
-        let mut accepted = Acceptance::everywhere(left.origin.x);
+        let like = left.origin.x;
+        let mut accepted = Acceptance::everywhere(like);
         accepted.require(left.distinct & right.distinct, Rejection::NoLength);
         let on_left = WheelOnKnuckle::of(self.wheels[0].mechanism, left, points[0]);
         let on_right = WheelOnKnuckle::of(self.wheels[1].mechanism, right, points[1]);
         let [first, second] = &self.wheels;
         match (&first.way, &second.way, &left.form, &right.form) {
             (Method::Arm(one), Method::Arm(two), Form::Arm(left), Form::Arm(right)) => {
-                let mut left = one.wheel(left, on_left, first.tolerance);
-                let mut right = two.wheel(right, on_right, second.tolerance);
-                self.track(&mut left, &mut right, places, accepted, history, visit)
+                let left = one.wheel(left, on_left, first.tolerance);
+                let right = two.wheel(right, on_right, second.tolerance);
+                let mut pair = self.pair::<B, _, _, 1>([left, right], like, visit);
+                track::<B, 3, _>(&mut pair, places, accepted, history)
             }
             (
                 Method::Linkage(one),
@@ -250,9 +251,10 @@ impl<'a> PairBatch<'a> {
                 Form::Linkage(left),
                 Form::Linkage(right),
             ) => {
-                let mut left = one.wheel(left, on_left, first.tolerance);
-                let mut right = two.wheel(right, on_right, second.tolerance);
-                self.track(&mut left, &mut right, places, accepted, history, visit)
+                let left = one.wheel(left, on_left, first.tolerance);
+                let right = two.wheel(right, on_right, second.tolerance);
+                let mut pair = self.pair::<B, _, _, 6>([left, right], like, visit);
+                track::<B, 13, _>(&mut pair, places, accepted, history)
             }
             _ => unreachable!("designs of another batch"),
         }
@@ -267,168 +269,232 @@ impl<'a> PairBatch<'a> {
         }
     }
 
+    /// Both wheels, of designs of this batch.
     #[inline(always)]
-    fn track<B: SimdReal, const N: usize, W: Wheel<B, N>>(
-        &self,
-        left: &mut W,
-        right: &mut W,
-        places: &[RouteStep],
-        start: Acceptance<B>,
-        history: &mut [B],
-        visit: &mut impl VisitPair<B>,
-    ) -> Tracked<B> {
-        let zero = history[0].zero();
-        let radius = match self.drive {
-            PairDrive::Heave => None,
-            PairDrive::Roll { radius, .. } => Some(radius),
-        };
+    fn pair<'w, B, W, V, const N: usize>(
+        &'w self,
+        wheels: [W; 2],
+        like: B,
+        visitor: &'w mut V,
+    ) -> Pair<'w, B, W, V, N>
+    where
+        B: SimdReal,
+        W: Wheel<B, N>,
+    {
         let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);
-        let level = zero.lit(OF_HEIGHTS * coarser);
-        let least_rise = zero.lit(LEAST_RISE);
-        let (left_history, rest) = history.split_at_mut(N * places.len());
-        let (right_history, half_history) = rest.split_at_mut(N * places.len());
-        // Unused stencil entries point at place 0 with weight 0; 0 times NaN is NaN.
-        left_history[..N].fill(zero);
-        right_history[..N].fill(zero);
-        half_history[0] = zero;
-        let mut tracked = Tracked::start(start);
-        // By leg.
-        let mut last = [([left.start(), right.start()], [zero; 2]); 2];
-        for (number, place) in places.iter().enumerate() {
-            let mut accepted = tracked.legs[place.leg.side()];
-            let (mean, roll) = self.at(place);
-            let (mean, roll) = (zero.lit(mean), roll);
-            let ground = Ground {
-                sine: zero.lit(roll.sin()),
-                cosine: zero.lit(roll.cos()),
-            };
-            let rack = zero.lit(place.rack);
-            // The first steps go by the slopes of the base design.
-            let (along_left, along_right) = match self.drive {
-                PairDrive::Heave => (place.along_slope, place.along_slope),
-                PairDrive::Roll { half_track, .. } => (
-                    place.along_heave - half_track * place.along_slope,
-                    place.along_heave + half_track * place.along_slope,
-                ),
-            };
-            let mut half = weighted::<1, _, B>(&place.prediction, half_history, 0, zero)
-                + zero.lit(0.5 * (along_left - along_right));
-            let mut left_unknowns = predicted(
-                place,
-                left_history,
-                left.slopes(),
-                [along_left, place.along_rack],
-                zero,
-            );
-            let mut right_unknowns = predicted(
-                place,
-                right_history,
-                right.slopes(),
-                [along_right, -place.along_rack],
-                zero,
-            );
-            let prediction = (left_unknowns, right_unknowns, half);
-            let places_of = N * number..N * (number + 1);
-            // What other places are predicted from must be a number even where nothing was found.
-            if !B::any(accepted.lanes()) {
-                left_history[places_of.clone()].copy_from_slice(&left_unknowns);
-                right_history[places_of].copy_from_slice(&right_unknowns);
-                half_history[number] = half;
-                continue;
-            }
-            let mut settled = zero.less(zero);
-            let mut is_near = settled;
-            let mut rises = zero.everywhere();
-            let mut round = 1;
-            loop {
-                let one = linear(left, &left_unknowns, [rack, mean + half], settled);
-                let two = linear(right, &right_unknowns, [-rack, mean - half], settled);
-                let mut step = zero;
-                if let Some(radius) = radius {
-                    let [left_height, left_rise] = height(ground, radius, &one);
-                    let [right_height, right_rise] = height(ground.mirrored(), radius, &two);
-                    step = (right_height - left_height) / (left_rise + right_rise);
-                    let upward = least_rise.less(left_rise) & least_rise.less(right_rise);
-                    rises = (rises & settled) | (upward & !settled);
-                }
-                if round == 1 {
-                    is_near = one.is_near & two.is_near;
-                }
-                // A lane that has settled stays where it is.
-                half = B::select(settled, half, half + step);
-                left_unknowns = kept(settled, left_unknowns, left.moved(&left_unknowns, step));
-                right_unknowns = kept(settled, right_unknowns, right.moved(&right_unknowns, -step));
-                let one = corrected(left, &left_unknowns, [rack, mean + half]);
-                let two = corrected(right, &right_unknowns, [-rack, mean - half]);
-                let mut small = one.is_settled & two.is_settled;
-                if let Some(radius) = radius {
-                    let mirrored = ground.mirrored();
-                    let left_contact = one.centre + ground.contact_lever(one.axis, radius);
-                    let right_contact = two.centre + mirrored.contact_lever(two.axis, radius);
-                    let apart =
-                        ground.normal().dot(left_contact) - mirrored.normal().dot(right_contact);
-                    small = small & apart.abs().less(level);
-                }
-                left_unknowns = kept(!small | settled, left_unknowns, one.unknowns);
-                right_unknowns = kept(!small | settled, right_unknowns, two.unknowns);
-                settled = settled | small;
-                tracked.rounds += 1;
-                if round == MOST_ROUNDS || B::all(settled | !accepted.lanes()) {
-                    break;
-                }
-                round += 1;
-            }
-            accepted.require(settled, Rejection::NotSettled);
-            accepted.require(is_near, Rejection::ChangedTooMuch);
-            accepted.require(rises, Rejection::FoldNear);
-            let side = place.leg.side();
-            let travels = [mean + half, mean - half];
-            let (mut guards, before) = last[side];
-            let is_on_the_way = place.leg == Leg::Rack;
-            let unknowns = [&left_unknowns, &right_unknowns];
-            // A loop, for the compiler: the guards are the longest piece of the way.
-            let mut wheel = 0;
-            while wheel < 2 {
-                let step = match is_on_the_way {
-                    true => None,
-                    false => Some(travels[wheel] - before[wheel]),
-                };
-                let guard = guards[wheel];
-                let known = match number {
-                    0 => None,
-                    _ => Some(&guard),
-                };
-                let of = [&*left, &*right][wheel];
-                guards[wheel] = of.check(unknowns[wheel], known, step, &mut accepted);
-                wheel += 1;
-            }
-            let watch = (guards, travels);
-            match is_on_the_way {
-                true => last = [watch; 2],
-                false => last[side] = watch,
-            }
-            let found = accepted.lanes();
-            let (left_predicted, right_predicted, half_predicted) = prediction;
-            left_history[places_of.clone()].copy_from_slice(&kept(
-                found,
-                left_unknowns,
-                left_predicted,
-            ));
-            right_history[places_of].copy_from_slice(&kept(found, right_unknowns, right_predicted));
-            half_history[number] = B::select(found, half, half_predicted);
-            tracked.set(place.leg, accepted);
-            if let Some(station) = place.station {
-                let stand = Stand {
-                    travels,
-                    ground,
-                    roll: zero.lit(roll),
-                };
-                let one = left.pose(&left_unknowns, rack, travels[0]);
-                let two = right.pose(&right_unknowns, -rack, travels[1]);
-                visit.pair(station, [&one, &two], stand, accepted);
+        Pair {
+            batch: self,
+            wheels,
+            level: like.lit(OF_HEIGHTS * coarser),
+            radius: match self.drive {
+                PairDrive::Heave => None,
+                PairDrive::Roll { radius, .. } => Some(radius),
+            },
+            visitor,
+            is_near: like.everywhere(),
+            rises: like.everywhere(),
+        }
+    }
+}
+
+/// Both wheels of an axle, each of `N` unknowns: those of the left wheel, those of the right one and half the difference of
+/// their travels are the unknowns.
+struct Pair<'w, B: SimdReal, W, V, const N: usize> {
+    batch: &'w PairBatch<'w>,
+    wheels: [W; 2],
+    /// How far apart the heights of both contact points may be.
+    level: B,
+    /// Where both wheels stand on one ground: their loaded radius.
+    radius: Option<f64>,
+    visitor: &'w mut V,
+    /// Where the prediction of this place was near,
+    is_near: B::Mask,
+    /// and where both contact points rise as their wheels do.
+    rises: B::Mask,
+}
+
+impl<B: SimdReal, W, V, const N: usize> Pair<'_, B, W, V, N> {
+    /// Rack and travel of left and right wheel at a place.
+    #[inline(always)]
+    fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
+        let (mean, _) = self.batch.at(place);
+        let (mean, rack) = (half.lit(mean), half.lit(place.rack));
+        [[rack, mean + half], [-rack, mean - half]]
+    }
+
+    /// The ground at a place.
+    #[inline(always)]
+    fn ground(&self, place: &RouteStep, like: B) -> Ground<B> {
+        let (_, roll) = self.batch.at(place);
+        Ground {
+            sine: like.lit(roll.sin()),
+            cosine: like.lit(roll.cos()),
+        }
+    }
+}
+
+/// The unknowns of both wheels and half the difference of their travels.
+#[inline(always)]
+fn parted<B: Copy, const N: usize, const ALL: usize>(unknowns: &[B; ALL]) -> ([[B; N]; 2], B) {
+    const { assert!(ALL == 2 * N + 1) };
+    let mut wheels = [[unknowns[0]; N]; 2];
+    wheels[0].copy_from_slice(&unknowns[..N]);
+    wheels[1].copy_from_slice(&unknowns[N..2 * N]);
+    (wheels, unknowns[2 * N])
+}
+
+/// The same as one.
+#[inline(always)]
+fn joined<B: Copy, const N: usize, const ALL: usize>(wheels: &[[B; N]; 2], half: B) -> [B; ALL] {
+    const { assert!(ALL == 2 * N + 1) };
+    let mut unknowns = [half; ALL];
+    unknowns[..N].copy_from_slice(&wheels[0]);
+    unknowns[N..2 * N].copy_from_slice(&wheels[1]);
+    unknowns
+}
+
+impl<B, W, V, const N: usize, const ALL: usize> Equations<B, ALL> for Pair<'_, B, W, V, N>
+where
+    B: SimdReal,
+    W: Wheel<B, N>,
+    V: VisitPair<B>,
+{
+    const MOST_ROUNDS: usize = MOST_ROUNDS;
+    /// Those of both wheels, and their travels.
+    type Guard = ([Option<W::Guard>; 2], [B; 2]);
+
+    #[inline(always)]
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
+        // The first steps go by the slopes of the base design.
+        let (along_left, along_right) = match self.batch.drive {
+            PairDrive::Heave => (place.along_slope, place.along_slope),
+            PairDrive::Roll { half_track, .. } => (
+                place.along_heave - half_track * place.along_slope,
+                place.along_heave + half_track * place.along_slope,
+            ),
+        };
+        let mut along = [[0.0; N]; 2];
+        let ways = [
+            [along_left, place.along_rack],
+            [along_right, -place.along_rack],
+        ];
+        for wheel in 0..2 {
+            let [by_travel, by_rack] = self.wheels[wheel].slopes();
+            let [travel, rack] = ways[wheel];
+            for k in 0..N {
+                along[wheel][k] = by_travel[k] * travel + by_rack[k] * rack;
             }
         }
-        tracked
+        let half = 0.5 * (along_left - along_right);
+        predicted(place, history, joined(&along, half))
+    }
+
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &mut [B; ALL],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask {
+        let ([mut left_unknowns, mut right_unknowns], mut half) = parted::<B, N, ALL>(unknowns);
+        let ground = self.ground(place, half);
+        let mirrored = ground.mirrored();
+        let [on_left, on_right] = self.motions(place, half);
+        let [left, right] = &mut self.wheels;
+        let one = linear(left, &left_unknowns, on_left, settled);
+        let two = linear(right, &right_unknowns, on_right, settled);
+        let mut step = half.zero();
+        if let Some(radius) = self.radius {
+            let [left_height, left_rise] = height(ground, radius, &one);
+            let [right_height, right_rise] = height(mirrored, radius, &two);
+            step = (right_height - left_height) / (left_rise + right_rise);
+            let least_rise = half.lit(LEAST_RISE);
+            let upward = least_rise.less(left_rise) & least_rise.less(right_rise);
+            self.rises = match round {
+                1 => upward,
+                _ => (self.rises & settled) | (upward & !settled),
+            };
+        }
+        if round == 1 {
+            self.is_near = one.is_near & two.is_near;
+        }
+        // A lane that has settled stays where it is.
+        half = B::select(settled, half, half + step);
+        left_unknowns = kept(settled, left_unknowns, left.moved(&left_unknowns, step));
+        right_unknowns = kept(settled, right_unknowns, right.moved(&right_unknowns, -step));
+        let [on_left, on_right] = self.motions(place, half);
+        let [left, right] = &mut self.wheels;
+        let one = corrected(left, &left_unknowns, on_left);
+        let two = corrected(right, &right_unknowns, on_right);
+        let mut is_settled = one.is_settled & two.is_settled;
+        if let Some(radius) = self.radius {
+            let left_contact = one.centre + ground.contact_lever(one.axis, radius);
+            let right_contact = two.centre + mirrored.contact_lever(two.axis, radius);
+            let apart = ground.normal().dot(left_contact) - mirrored.normal().dot(right_contact);
+            is_settled = is_settled & apart.abs().less(self.level);
+        }
+        let stays = !is_settled | settled;
+        left_unknowns = kept(stays, left_unknowns, one.unknowns);
+        right_unknowns = kept(stays, right_unknowns, two.unknowns);
+        *unknowns = joined(&[left_unknowns, right_unknowns], half);
+        is_settled
+    }
+
+    #[inline(always)]
+    fn check(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &[B; ALL],
+        before: &Option<Self::Guard>,
+        accepted: &mut Acceptance<B>,
+    ) -> Self::Guard {
+        accepted.require(self.is_near, Rejection::ChangedTooMuch);
+        accepted.require(self.rises, Rejection::FoldNear);
+        let (wheels, half) = parted::<B, N, ALL>(unknowns);
+        let [[_, left], [_, right]] = self.motions(place, half);
+        let travels = [left, right];
+        let (known, steps) = match before {
+            None => ([None; 2], [None; 2]),
+            Some((guards, before)) => (
+                *guards,
+                match place.leg {
+                    Leg::Rack => [None; 2],
+                    _ => [Some(left - before[0]), Some(right - before[1])],
+                },
+            ),
+        };
+        // A loop, for the compiler: the guards are the longest piece of the way.
+        let mut guards = known;
+        let mut wheel = 0;
+        while wheel < 2 {
+            let (of, unknowns) = (&self.wheels[wheel], &wheels[wheel]);
+            guards[wheel] = Some(of.check(unknowns, &known[wheel], steps[wheel], accepted));
+            wheel += 1;
+        }
+        (guards, travels)
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        place: &RouteStep,
+        station: usize,
+        unknowns: &[B; ALL],
+        accepted: Acceptance<B>,
+    ) {
+        let ([left_unknowns, right_unknowns], half) = parted::<B, N, ALL>(unknowns);
+        let [[left_rack, left_travel], [right_rack, right_travel]] = self.motions(place, half);
+        let (_, roll) = self.batch.at(place);
+        let stand = Stand {
+            travels: [left_travel, right_travel],
+            ground: self.ground(place, half),
+            roll: half.lit(roll),
+        };
+        let [left, right] = &self.wheels;
+        let one = left.pose(&left_unknowns, left_rack, left_travel);
+        let two = right.pose(&right_unknowns, right_rack, right_travel);
+        self.visitor.pair(station, [&one, &two], stand, accepted);
     }
 }
 
@@ -459,31 +525,4 @@ fn corrected<B: SimdReal, const N: usize, W: Wheel<B, N>>(
         wheel: &'p mut W = wheel, unknowns: [B; N] = *unknowns, rack: B = rack, travel: B = travel
             => Corrected<B, N> { wheel.corrected(&unknowns, rack, travel) }
     )
-}
-
-/// `yes` where the mask is set, else `no`.
-#[inline(always)]
-fn kept<B: SimdReal, const N: usize>(mask: B::Mask, yes: [B; N], no: [B; N]) -> [B; N] {
-    let mut kept = yes;
-    for k in 0..N {
-        kept[k] = B::select(mask, yes[k], no[k]);
-    }
-    kept
-}
-
-/// The unknowns of a wheel as the places before have them, with so much of travel and rack along the slopes.
-#[inline(always)]
-fn predicted<B: SimdReal, const N: usize>(
-    place: &RouteStep,
-    history: &[B],
-    [by_travel, by_rack]: [[f64; N]; 2],
-    [travel, rack]: [f64; 2],
-    zero: B,
-) -> [B; N] {
-    let mut unknowns = [zero; N];
-    for k in 0..N {
-        let slope = by_travel[k] * travel + by_rack[k] * rack;
-        unknowns[k] = weighted::<N, _, B>(&place.prediction, history, k, zero) + zero.lit(slope);
-    }
-    unknowns
 }

@@ -1,0 +1,160 @@
+//! The way from place to place, whatever the unknowns are: they are predicted from the places before, corrected by Newton's
+//! method until what is left is rounding, and guarded.
+
+use super::route::{Leg, RouteStep, Stencil};
+use super::{Acceptance, Rejection};
+use crate::number::SimdReal;
+
+/// What the tracker says at the end of its way.
+#[derive(Clone, Copy)]
+pub struct Tracked<B: SimdReal> {
+    /// Which lanes are accepted to the end, above the design position and below.
+    pub legs: [Acceptance<B>; 2],
+    /// Rounds of corrections, of all lanes together.
+    pub rounds: u64,
+}
+
+impl<B: SimdReal> Tracked<B> {
+    /// The lanes that are accepted at every station.
+    #[inline(always)]
+    pub fn everywhere(&self) -> B::Mask {
+        self.legs[0].lanes() & self.legs[1].lanes()
+    }
+}
+
+/// The equations for the `N` unknowns of a place, and where the poses that solve them go.
+pub(super) trait Equations<B: SimdReal, const N: usize> {
+    /// Corrections a lane may take to settle.
+    const MOST_ROUNDS: usize;
+    /// What is watched along the path.
+    type Guard: Copy;
+
+    /// The unknowns as the places before have them.
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; N];
+    /// One correction, the first of a place being number 1. Returns where what is left is rounding. Lanes that have settled
+    /// stay where they are.
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &mut [B; N],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask;
+    /// Accepts lanes that are well conditioned and on their branch, from the guard of the place before, if there is one.
+    fn check(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &[B; N],
+        before: &Option<Self::Guard>,
+        accepted: &mut Acceptance<B>,
+    ) -> Self::Guard;
+    /// Hands over the pose at a station.
+    fn visit(
+        &mut self,
+        place: &RouteStep,
+        station: usize,
+        unknowns: &[B; N],
+        accepted: Acceptance<B>,
+    );
+}
+
+/// Visits every place, `history` having room for the unknowns of all.
+#[inline(always)]
+pub(super) fn track<B: SimdReal, const N: usize, E: Equations<B, N>>(
+    equations: &mut E,
+    places: &[RouteStep],
+    start: Acceptance<B>,
+    history: &mut [B],
+) -> Tracked<B> {
+    let zero = history[0].zero();
+    let mut tracked = Tracked {
+        legs: [start; 2],
+        rounds: 0,
+    };
+    let mut last = [None; 2];
+    // Unused stencil entries point at place 0 with weight 0; place 0 is cleared, since 0 times NaN is NaN.
+    history[..N].fill(zero);
+    for (number, place) in places.iter().enumerate() {
+        let side = place.leg.side();
+        let mut accepted = tracked.legs[side];
+        let predicted = equations.predict(place, history);
+        let here = &mut history[N * number..N * (number + 1)];
+        // What other places are predicted from must be a number even where nothing was found.
+        if !B::any(accepted.lanes()) {
+            here.copy_from_slice(&predicted);
+            continue;
+        }
+        let mut unknowns = predicted;
+        let mut settled = zero.less(zero);
+        let mut round = 1;
+        loop {
+            settled = settled | equations.correct(place, &mut unknowns, settled, round);
+            tracked.rounds += 1;
+            if round == E::MOST_ROUNDS || B::all(settled | !accepted.lanes()) {
+                break;
+            }
+            round += 1;
+        }
+        accepted.require(settled, Rejection::NotSettled);
+        let guard = equations.check(place, &unknowns, &last[side], &mut accepted);
+        here.copy_from_slice(&kept(accepted.lanes(), unknowns, predicted));
+        match place.leg {
+            Leg::Rack => {
+                last = [Some(guard); 2];
+                tracked.legs = [accepted; 2];
+            }
+            Leg::Up | Leg::Down => {
+                last[side] = Some(guard);
+                tracked.legs[side] = accepted;
+            }
+        }
+        if let Some(station) = place.station {
+            equations.visit(place, station, &unknowns, accepted);
+        }
+    }
+    tracked
+}
+
+/// The unknowns as the places before have them, and so much along the slopes of the base design, which the first steps go
+/// by.
+#[inline(always)]
+pub(super) fn predicted<B: SimdReal, const N: usize>(
+    place: &RouteStep,
+    history: &[B],
+    along_slopes: [f64; N],
+) -> [B; N] {
+    let mut unknowns = [history[0]; N];
+    for k in 0..N {
+        let along = history[0].lit(along_slopes[k]);
+        unknowns[k] = weighted::<N, _, B>(&place.prediction, history, k) + along;
+    }
+    unknowns
+}
+
+/// A weighted sum of places visited, each with `N` numbers of which it is the one asked for; the nearest place, which is
+/// known last, is added last.
+#[inline(always)]
+pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
+    weights: &Stencil<PLACES>,
+    history: &[B],
+    unknown: usize,
+) -> B {
+    let mut k = weights.len() - 1;
+    let mut sum = history[N * weights[k].0 + unknown] * history[0].lit(weights[k].1);
+    while k > 0 {
+        k -= 1;
+        let (place, weight) = weights[k];
+        sum = sum.plus_product(history[N * place + unknown], history[0].lit(weight));
+    }
+    sum
+}
+
+/// `yes` where the mask is set, else `no`.
+#[inline(always)]
+pub(super) fn kept<B: SimdReal, const N: usize>(mask: B::Mask, yes: [B; N], no: [B; N]) -> [B; N] {
+    let mut kept = yes;
+    for k in 0..N {
+        kept[k] = B::select(mask, yes[k], no[k]);
+    }
+    kept
+}

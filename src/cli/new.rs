@@ -32,217 +32,116 @@ enum Part {
     Axle,
 }
 
-/// Points of parts that fit a template, in its axes: name, coordinates, what it is.
-type Points = &'static [(&'static str, [f64; 3], &'static str)];
+/// The points of a part: names, and what each is.
+type Points = &'static [(&'static str, &'static str)];
 
-/// What differs from template to template.
+const PUSHROD: Points = &[
+    ("pushrod_outer", "pushrod at the {carrier}"),
+    ("pushrod_inner", "pushrod at the rocker"),
+    ("rocker_pivot_front", "front point of the rocker's axis"),
+    ("rocker_pivot_rear", "rear point of the rocker's axis"),
+    ("spring_lower", "spring and damper at the rocker"),
+    ("spring_upper", "spring and damper at the body"),
+];
+
+const ANTI_ROLL_BAR: Points = &[
+    ("drop_link_outer", "drop link at the {carrier}"),
+    ("drop_link_inner", "drop link at the lever of the bar"),
+    ("anti_roll_bar_inner", "inboard point of the bar's axis"),
+    ("anti_roll_bar_outer", "outboard point of the bar's axis"),
+];
+
+/// What differs from template to template: coordinates are in its axes.
 struct Fitting {
     topology: &'static str,
     /// A hardpoint that steers the wheel in jounce.
     steers: &'static str,
-    pushrod: Option<Points>,
-    anti_roll_bar: Points,
+    /// What pushrod and drop link stand on.
+    carrier: &'static str,
+    pushrod: Option<[[f64; 3]; PUSHROD.len()]>,
+    anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
 }
 
 const FITTINGS: [Fitting; 4] = [
     Fitting {
         topology: "macpherson",
         steers: "tie_rod_inner",
+        carrier: "knuckle",
         pushrod: None,
-        anti_roll_bar: &[
-            (
-                "drop_link_outer",
-                [40.0, 620.0, 230.0],
-                "drop link at the knuckle",
-            ),
-            (
-                "drop_link_inner",
-                [40.0, 610.0, 380.0],
-                "drop link at the lever of the bar",
-            ),
-            (
-                "anti_roll_bar_inner",
-                [-160.0, 50.0, 380.0],
-                "inboard point of the bar's axis",
-            ),
-            (
-                "anti_roll_bar_outer",
-                [-160.0, 600.0, 380.0],
-                "outboard point of the bar's axis",
-            ),
+        anti_roll_bar: [
+            [40.0, 620.0, 230.0],
+            [40.0, 610.0, 380.0],
+            [-160.0, 50.0, 380.0],
+            [-160.0, 600.0, 380.0],
         ],
     },
     Fitting {
         topology: "double_wishbone",
         steers: "tie_rod_inner",
-        pushrod: Some(&[
-            (
-                "pushrod_outer",
-                [0.0, 600.0, 205.0],
-                "pushrod at the lower arm",
-            ),
-            (
-                "pushrod_inner",
-                [0.0, 410.0, 470.0],
-                "pushrod at the rocker",
-            ),
-            (
-                "rocker_pivot_front",
-                [20.0, 330.0, 410.0],
-                "front point of the rocker's axis",
-            ),
-            (
-                "rocker_pivot_rear",
-                [-20.0, 330.0, 410.0],
-                "rear point of the rocker's axis",
-            ),
-            (
-                "spring_lower",
-                [0.0, 270.0, 490.0],
-                "spring and damper at the rocker",
-            ),
-            (
-                "spring_upper",
-                [0.0, 70.0, 340.0],
-                "spring and damper at the body",
-            ),
+        carrier: "lower arm",
+        pushrod: Some([
+            [0.0, 600.0, 205.0],
+            [0.0, 410.0, 470.0],
+            [20.0, 330.0, 410.0],
+            [-20.0, 330.0, 410.0],
+            [0.0, 270.0, 490.0],
+            [0.0, 70.0, 340.0],
         ]),
-        anti_roll_bar: &[
-            (
-                "drop_link_outer",
-                [40.0, 560.0, 210.0],
-                "drop link at the lower arm",
-            ),
-            (
-                "drop_link_inner",
-                [40.0, 550.0, 340.0],
-                "drop link at the lever of the bar",
-            ),
-            (
-                "anti_roll_bar_inner",
-                [-160.0, 50.0, 340.0],
-                "inboard point of the bar's axis",
-            ),
-            (
-                "anti_roll_bar_outer",
-                [-160.0, 540.0, 340.0],
-                "outboard point of the bar's axis",
-            ),
+        anti_roll_bar: [
+            [40.0, 560.0, 210.0],
+            [40.0, 550.0, 340.0],
+            [-160.0, 50.0, 340.0],
+            [-160.0, 540.0, 340.0],
         ],
     },
     Fitting {
         topology: "five_link",
         steers: "toe_link_inner",
-        pushrod: Some(&[
-            (
-                "pushrod_outer",
-                [-70.0, 640.0, 200.0],
-                "pushrod at the knuckle",
-            ),
-            (
-                "pushrod_inner",
-                [-70.0, 442.0, 604.0],
-                "pushrod at the rocker",
-            ),
-            (
-                "rocker_pivot_front",
-                [-50.0, 330.0, 520.0],
-                "front point of the rocker's axis",
-            ),
-            (
-                "rocker_pivot_rear",
-                [-90.0, 330.0, 520.0],
-                "rear point of the rocker's axis",
-            ),
-            (
-                "spring_lower",
-                [-70.0, 246.0, 632.0],
-                "spring and damper at the rocker",
-            ),
-            (
-                "spring_upper",
-                [-70.0, 46.0, 482.0],
-                "spring and damper at the body",
-            ),
+        carrier: "knuckle",
+        pushrod: Some([
+            [-70.0, 640.0, 200.0],
+            [-70.0, 442.0, 604.0],
+            [-50.0, 330.0, 520.0],
+            [-90.0, 330.0, 520.0],
+            [-70.0, 246.0, 632.0],
+            [-70.0, 46.0, 482.0],
         ]),
-        anti_roll_bar: &[
-            (
-                "drop_link_outer",
-                [40.0, 660.0, 230.0],
-                "drop link at the knuckle",
-            ),
-            (
-                "drop_link_inner",
-                [40.0, 650.0, 380.0],
-                "drop link at the lever of the bar",
-            ),
-            (
-                "anti_roll_bar_inner",
-                [240.0, 50.0, 380.0],
-                "inboard point of the bar's axis",
-            ),
-            (
-                "anti_roll_bar_outer",
-                [240.0, 640.0, 380.0],
-                "outboard point of the bar's axis",
-            ),
+        anti_roll_bar: [
+            [40.0, 660.0, 230.0],
+            [40.0, 650.0, 380.0],
+            [240.0, 50.0, 380.0],
+            [240.0, 640.0, 380.0],
         ],
     },
     Fitting {
         topology: "semi_trailing_arm",
         steers: "arm_pivot_inner",
-        pushrod: Some(&[
-            ("pushrod_outer", [70.0, 580.0, 270.0], "pushrod at the arm"),
-            (
-                "pushrod_inner",
-                [70.0, 442.0, 604.0],
-                "pushrod at the rocker",
-            ),
-            (
-                "rocker_pivot_front",
-                [90.0, 330.0, 520.0],
-                "front point of the rocker's axis",
-            ),
-            (
-                "rocker_pivot_rear",
-                [50.0, 330.0, 520.0],
-                "rear point of the rocker's axis",
-            ),
-            (
-                "spring_lower",
-                [70.0, 246.0, 632.0],
-                "spring and damper at the rocker",
-            ),
-            (
-                "spring_upper",
-                [70.0, 46.0, 482.0],
-                "spring and damper at the body",
-            ),
+        carrier: "arm",
+        pushrod: Some([
+            [70.0, 580.0, 270.0],
+            [70.0, 442.0, 604.0],
+            [90.0, 330.0, 520.0],
+            [50.0, 330.0, 520.0],
+            [70.0, 246.0, 632.0],
+            [70.0, 46.0, 482.0],
         ]),
-        anti_roll_bar: &[
-            (
-                "drop_link_outer",
-                [100.0, 560.0, 250.0],
-                "drop link at the arm",
-            ),
-            (
-                "drop_link_inner",
-                [100.0, 550.0, 380.0],
-                "drop link at the lever of the bar",
-            ),
-            (
-                "anti_roll_bar_inner",
-                [300.0, 50.0, 380.0],
-                "inboard point of the bar's axis",
-            ),
-            (
-                "anti_roll_bar_outer",
-                [300.0, 540.0, 380.0],
-                "outboard point of the bar's axis",
-            ),
+        anti_roll_bar: [
+            [100.0, 560.0, 250.0],
+            [100.0, 550.0, 380.0],
+            [300.0, 50.0, 380.0],
+            [300.0, 540.0, 380.0],
         ],
     },
 ];
+
+/// What is wanted of the template: toe that stays in jounce.
+const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
+"#;
+
+/// Of an axle: toe that stays in heave, and wheels that do not steer in roll.
+const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points = [[-20.0, 0.1], [0.0, 0.1], [20.0, 0.1]], tolerance = 0.02 },
+  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+"#;
 
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
@@ -265,14 +164,8 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
 fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
     let mut text = format!("#:schema ./hardpoint.schema.json\n{}", topology.template);
-    if parts.contains(&Part::Axle) {
-        if parts.contains(&Part::Sweep) || parts.contains(&Part::Optimise) {
-            return Err(
-                "axle does not go with sweep or optimise in a template: a sweep is of one wheel, and the targets \
-                 of an axle are shown in studies/macpherson_axle_front.toml"
-                    .to_owned(),
-            );
-        }
+    let is_axle = parts.contains(&Part::Axle);
+    if is_axle {
         text = with_axle(&text);
     }
     if parts.iter().all(|part| *part == Part::Axle) {
@@ -284,13 +177,15 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     let fitting =
         fitting.ok_or_else(|| format!("{} has no parts to choose from yet", topology.name))?;
     if parts.contains(&Part::Pushrod) {
-        let points = fitting
+        let places = fitting
             .pushrod
             .ok_or_else(|| format!("{} has no pushrod: its strut is the spring", topology.name))?;
-        text = with_points(&text, points, "rocker_angle");
+        let points = PUSHROD.iter().zip(places);
+        text = with_points(&text, points, fitting.carrier, "rocker_angle");
     }
     if parts.contains(&Part::AntiRollBar) {
-        text = with_points(&text, fitting.anti_roll_bar, "anti_roll_bar_angle");
+        let points = ANTI_ROLL_BAR.iter().zip(fitting.anti_roll_bar);
+        text = with_points(&text, points, fitting.carrier, "anti_roll_bar_angle");
     }
     let steers = fitting.steers;
     if parts.contains(&Part::Sweep) {
@@ -308,6 +203,7 @@ variables = [                    # offsets from the design
         );
     }
     if parts.contains(&Part::Optimise) {
+        let targets = if is_axle { AXLE_TARGETS } else { TARGETS };
         let _ = write!(
             text,
             r#"
@@ -318,8 +214,7 @@ variables = [                    # offsets from the design
   {{ hardpoint = "{steers}", axis = "y", range = [-20.0, 20.0] }},
 ]
 targets = [                      # a curve over the motion, or `at` one value of it
-  {{ characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 }},
-]
+{targets}]
 "#
         );
     }
@@ -389,17 +284,23 @@ fn with_axle(text: &str) -> String {
     written
 }
 
-/// The text with points behind its hardpoints, in place of those of the same name, and one more output.
-fn with_points(text: &str, points: Points, output: &str) -> String {
+/// The text with the points of a part behind its hardpoints, in place of those of the same name, and one more output.
+fn with_points(
+    text: &str,
+    points: impl Iterator<Item = (&'static (&'static str, &'static str), [f64; 3])> + Clone,
+    carrier: &str,
+    output: &str,
+) -> String {
     let is_replaced = |line: &str| {
         let key = line.split('=').next().unwrap_or("").trim();
-        points.iter().any(|(name, ..)| *name == key)
+        points.clone().any(|((name, _), _)| *name == key)
     };
     let mut written = String::new();
     let mut within = false;
     for line in text.lines() {
         if within && (line.trim().is_empty() || line.starts_with("# Pushrod")) {
-            for (name, [x, y, z], what) in points {
+            for ((name, what), [x, y, z]) in points.clone() {
+                let what = what.replace("{carrier}", carrier);
                 let _ = writeln!(
                     written,
                     "{name:20} = [{x:7.1}, {y:6.1}, {z:6.1}]   # {what}"
@@ -431,7 +332,7 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// Each part alone and all together, over the whole motion.
+    /// Each part alone, all together, and all together of one wheel, over the whole motion.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {
@@ -441,10 +342,9 @@ mod tests {
                 .filter(|part| study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
-            let (mut corner, mut axle) = (all.clone(), all.clone());
+            let mut corner = all.clone();
             corner.retain(|part| *part != Part::Axle);
-            axle.retain(|part| ![Part::Sweep, Part::Optimise].contains(part));
-            for parts in alone.chain([corner, axle]) {
+            for parts in alone.chain([corner, all.clone()]) {
                 let text = study(topology, &parts).unwrap();
                 let study = Study::from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));

@@ -124,16 +124,14 @@ struct Found {
 fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: usize) -> Found {
     let suspension = &study.suspension;
     let stations = Stations::of(&study.motion, &suspension.frame, &[]);
-    let evaluator = |width| {
-        Evaluator::with_width(suspension, &stations, quantities, width)
-            .unwrap_or_else(|_| panic!("the sample cannot be solved"))
-    };
     let unit_of_drive = match stations.drive {
         Drive::Travel => suspension.size(),
         Drive::ArmAngle => 1.0,
     };
-    let mut careful = evaluator(None).by_continuation();
-    let mut lanes = evaluator(Some(Width::widest()));
+    let mut careful = Evaluator::by_continuation(suspension, &stations, quantities)
+        .expect("the sample can be solved");
+    let mut lanes =
+        Evaluator::new(suspension, &stations, quantities).expect("the sample can be solved");
     let mut scatter = Scatter {
         random: Random(seed),
         base: suspension.design.clone(),
@@ -404,18 +402,16 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
         let suspension = &study.suspension;
         let stations = Stations::of(&study.motion, &suspension.frame, &[]);
         let quantities = ANGLES.map(Quantity::Characteristic);
-        let evaluator = || {
-            Evaluator::with_width(suspension, &stations, &quantities, Some(Width::widest()))
-                .unwrap_or_else(|_| panic!("the sample cannot be solved"))
-        };
         let design = points.map(|[x, y, z]| Vector3::new(x, y, z));
         let designs: Vec<_> = (0..BLOCK).flat_map(|_| design).collect();
         let mut wanted = Block::new(quantities.len(), stations.count());
         let mut found = wanted.clone();
-        evaluator()
-            .by_continuation()
-            .evaluate(&designs, &mut wanted);
-        evaluator().evaluate(&designs, &mut found);
+        let careful = Evaluator::by_continuation(suspension, &stations, &quantities);
+        let lanes = Evaluator::new(suspension, &stations, &quantities);
+        for (evaluator, block) in [(careful, &mut wanted), (lanes, &mut found)] {
+            let mut evaluator = evaluator.expect("the sample can be solved");
+            evaluator.evaluate(&designs, block);
+        }
         for (k, quantity) in quantities.iter().enumerate() {
             for station in 0..stations.count() {
                 let [a, b] = [&found, &wanted].map(|block| block.value(0, k, station));
@@ -448,11 +444,11 @@ fn the_design_position_is_the_design_itself_beside_a_toggle() {
     let block = blocks.nth(NUMBER / BLOCK).expect("endless");
     let points = suspension.design.len();
     let design = &block[NUMBER % BLOCK * points..][..points];
-    let evaluator = || {
-        Evaluator::with_width(suspension, &stations, &quantities, Some(Width::widest()))
-            .unwrap_or_else(|_| panic!("the sample cannot be solved"))
-    };
-    for mut evaluator in [evaluator(), evaluator().by_continuation()] {
+    for evaluator in [
+        Evaluator::new(suspension, &stations, &quantities),
+        Evaluator::by_continuation(suspension, &stations, &quantities),
+    ] {
+        let mut evaluator = evaluator.expect("the sample can be solved");
         let mut found = Block::new(1, stations.count());
         evaluator.evaluate(design, &mut found);
         let ratio = found.value(0, 0, stations.design());

@@ -4,17 +4,16 @@
 //! wheel has hardpoints of its own.
 
 use super::Stations;
-use super::axle_gains::{AxleGains, axle_gains};
+use super::axle_gains::axle_gains;
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{Block, FailedStation, StationFailure};
-use super::lanes::NotInLanes;
+use super::evaluate::{Block, Evaluator, FailedStation, Pairs, SolvesOneByOne, StationFailure};
 use crate::axle::{
     Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion,
 };
 use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Side;
-use crate::number::{Vector3, Width};
+use crate::number::Width;
 use std::borrow::Cow;
 
 /// Where and what of an axle a sweep evaluates.
@@ -103,26 +102,23 @@ impl<'s> AxleStations<'s> {
     }
 
     /// An evaluator of designs, in lanes of a width, or one by one alone.
-    pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<AxleEvaluator<'_>, DesignFault> {
+    pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
-        Ok(AxleEvaluator {
-            stations: self,
-            rights: Vec::new(),
-            gains: axle_gains(self)?,
-            lanes: match width {
-                Some(width) => AxleLanes::new(self, width),
-                None => Err(NotInLanes::Asked),
-            },
-            one_by_one: match orders.max().unwrap_or(0) {
-                0 => self.one_by_one::<1>()?,
-                1 => self.one_by_one::<2>()?,
-                _ => self.one_by_one::<3>()?,
-            },
-            left: Vec::new(),
-        })
+        let one_by_one = match orders.max().unwrap_or(0) {
+            0 => self.one_by_one::<1>()?,
+            1 => self.one_by_one::<2>()?,
+            _ => self.one_by_one::<3>()?,
+        };
+        let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
+        evaluator.axle = Some(&self.axle);
+        evaluator.slopes = axle_gains(self)?;
+        if let Some(width) = width {
+            evaluator.lanes = AxleLanes::new(self, width).map(|lanes| Box::new(lanes) as _);
+        }
+        Ok(evaluator)
     }
 
-    fn one_by_one<const N: usize>(&self) -> Result<Box<dyn Solves + '_>, DesignFault> {
+    fn one_by_one<const N: usize>(&self) -> Result<Box<dyn SolvesOneByOne + '_>, DesignFault> {
         let solver = AxleSolver::<N>::new(&self.axle, &self.quantities, false);
         Ok(Box::new(OneByOne {
             stations: self,
@@ -140,72 +136,10 @@ fn place_of(placements: &mut Vec<Placement>, placement: Placement) -> usize {
     })
 }
 
-/// Evaluates designs of an axle: in lanes where what is asked for can be read there, those that are not plain sailing
-/// and everything else one by one. Which of the two depends on the design alone.
-pub(crate) struct AxleEvaluator<'a> {
-    stations: &'a AxleStations<'a>,
-    /// The right wheels of designs, where they have hardpoints of their own.
-    rights: Vec<Vector3<f64>>,
-    lanes: Result<AxleLanes<'a>, NotInLanes>,
-    one_by_one: Box<dyn Solves + 'a>,
-    gains: Option<Box<dyn AxleGains + 'a>>,
-    /// Designs of the block left to be solved one by one, by number.
-    left: Vec<usize>,
-}
-
-impl AxleEvaluator<'_> {
-    /// Why no design is solved in lanes; `None` where most are.
-    pub(crate) fn not_in_lanes(&self) -> Option<NotInLanes> {
-        self.lanes.as_ref().err().copied()
-    }
-
-    /// The designs of the last block that were left to be solved one by one, by rising number.
-    pub(super) fn one_by_one(&self) -> &[usize] {
-        &self.left
-    }
-
-    /// Evaluates designs given as the left wheel's points of one after the other.
-    pub(super) fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
-        let mut rights = std::mem::take(&mut self.rights);
-        rights.clear();
-        let axle = &self.stations.axle;
-        for left in designs.chunks_exact(axle.left.design.len()) {
-            rights.extend(axle.right_design(left).into_iter().flatten());
-        }
-        self.evaluate_pairs([designs, &rights], block);
-        self.rights = rights;
-    }
-
-    /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right
-    /// ones they are the mirror images.
-    pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
-        let count = designs[0].len() / self.stations.axle.left.design.len();
-        block.clear(count);
-        self.left.clear();
-        match &mut self.lanes {
-            Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
-            Err(_) => self.left.extend(0..count),
-        }
-        self.one_by_one.evaluate(designs, &self.left, block);
-        if let Some(gains) = &mut self.gains {
-            gains.evaluate(designs, block);
-        }
-    }
-}
-
-/// The points of left and of right wheels, a design's after another's; none of right ones that are mirror images.
-pub(super) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
-
 /// Both wheels of the design of this number, of so many points each.
 pub(super) fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
     [left, right].map(|designs| &designs[number * points..(number + 1) * points])
-}
-
-/// Solves designs one at a time.
-trait Solves: Send {
-    /// Evaluates the designs of these numbers.
-    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
 }
 
 struct OneByOne<'a, const N: usize> {
@@ -213,7 +147,7 @@ struct OneByOne<'a, const N: usize> {
     solver: AxleSolver<'a, N>,
 }
 
-impl<const N: usize> Solves for OneByOne<'_, N> {
+impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
         let points = self.stations.axle.left.design.len();
         for &number in numbers {

@@ -2,21 +2,15 @@
 //!
 //! They take one derivative more than the values do, which lanes do not carry.
 
-use super::Block;
-use super::axle::{AxleStations, Pairs, pair};
+use super::axle::{AxleStations, pair};
+use super::evaluate::{Block, FindsSlopes, Pairs};
 use crate::axle::{AxleSolver, Read};
 use crate::mechanism::DesignFault;
-
-/// Finds the gains of the designs of a block.
-pub(super) trait AxleGains: Send {
-    /// What is not found is left empty.
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
-}
 
 /// Those that are asked for; `None` where none are.
 pub(super) fn axle_gains<'a>(
     stations: &'a AxleStations<'a>,
-) -> Result<Option<Box<dyn AxleGains + 'a>>, DesignFault> {
+) -> Result<Option<Box<dyn FindsSlopes + 'a>>, DesignFault> {
     if stations.gains.is_empty() {
         return Ok(None);
     }
@@ -35,7 +29,7 @@ struct Gains<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Gains<'a, N> {
-    fn boxed(stations: &'a AxleStations<'a>) -> Result<Box<dyn AxleGains + 'a>, DesignFault> {
+    fn boxed(stations: &'a AxleStations<'a>) -> Result<Box<dyn FindsSlopes + 'a>, DesignFault> {
         let solver = AxleSolver::new(&stations.axle, &stations.quantities, stations.steers);
         Ok(Box::new(Gains::<N> {
             stations,
@@ -50,7 +44,7 @@ impl<'a, const N: usize> Gains<'a, N> {
     }
 }
 
-impl<const N: usize> AxleGains for Gains<'_, N> {
+impl<const N: usize> FindsSlopes for Gains<'_, N> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let points = self.stations.axle.left.design.len();
         for number in 0..designs[0].len() / points {

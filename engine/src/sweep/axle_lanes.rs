@@ -1,7 +1,7 @@
 //! Axles in SIMD lanes.
 
-use super::axle::{AxleStations, Pairs};
-use super::evaluate::{Block, SIDE_BY_SIDE};
+use super::axle::AxleStations;
+use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
 use crate::axle::{Axle, Hold, LaneWheel, Placement, Quantity, Setup, State};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
@@ -116,15 +116,10 @@ impl<'a> AxleLanes<'a> {
             stations,
         })
     }
+}
 
-    /// Evaluates designs; the numbers of those left to be solved one by one are
-    /// added to `left`.
-    pub(super) fn evaluate(
-        &mut self,
-        designs: Pairs<'_>,
-        block: &mut Block,
-        left: &mut Vec<usize>,
-    ) {
+impl SolvesInLanes for AxleLanes<'_> {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>) {
         self.width.run(Evaluation {
             solver: self,
             designs,

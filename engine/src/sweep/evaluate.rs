@@ -8,12 +8,13 @@ use super::Stations;
 use super::aligned::Aligned;
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;
-use crate::axle::AxleFailure;
+use crate::axle::{Axle, AxleFailure};
 use crate::characteristics::Quantity;
 use crate::curves::Status;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
+use crate::solve::Solver;
 
 /// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
 /// number `k * BLOCK` and on always go together, whatever the threads do.
@@ -197,23 +198,44 @@ impl Block {
     }
 }
 
-/// Evaluates blocks of designs. One for each thread.
+/// The points of left and of right wheels, a design's after another's; none of right ones that are mirror images, nor of
+/// a single wheel.
+pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
+
+/// Solves designs in SIMD lanes.
+pub(super) trait SolvesInLanes: Send {
+    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to `left`.
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>);
+}
+
+/// Solves designs one at a time.
+pub(super) trait SolvesOneByOne: Send {
+    /// Evaluates the designs of these numbers.
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
+}
+
+/// Finds the slopes that take one derivative more than the values do.
+pub(super) trait FindsSlopes: Send {
+    /// Fills in those of a block that has been evaluated; what is not found is left empty.
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
+}
+
+/// Evaluates blocks of designs, of a wheel or of an axle. One for each thread.
 ///
 /// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
 /// sailing, and everything else, one by one. Which of the two depends on the design
 /// alone.
 pub struct Evaluator<'a> {
+    /// Number of points of a wheel.
     points: usize,
-    lanes: Result<LaneSolver<'a>, NotInLanes>,
-    one_by_one: ByRateOrder<'a>,
+    pub(super) lanes: Result<Box<dyn SolvesInLanes + 'a>, NotInLanes>,
+    one_by_one: Box<dyn SolvesOneByOne + 'a>,
+    pub(super) slopes: Option<Box<dyn FindsSlopes + 'a>>,
+    /// Whose right wheels move as the left ones do, and room for those that have hardpoints of their own.
+    pub(super) axle: Option<&'a Axle>,
+    rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
     left: Vec<usize>,
-}
-
-/// The pose's derivatives that values take.
-enum ByRateOrder<'a> {
-    Positions(Box<OneByOne<'a, 1>>),
-    Rates(Box<OneByOne<'a, 2>>),
 }
 
 impl<'a> Evaluator<'a> {
@@ -233,20 +255,52 @@ impl<'a> Evaluator<'a> {
         quantities: &'a [Quantity],
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
+        let solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        let mut evaluator = Evaluator::of_wheel(suspension, stations, quantities, solver);
+        if let Some(width) = width {
+            let lanes = LaneSolver::new(suspension, stations, quantities, width);
+            evaluator.lanes = lanes.map(|lanes| Box::new(lanes) as _);
+        }
+        Ok(evaluator)
+    }
+
+    /// As [`Evaluator::new`], every pose left to the continuation: more slowly to the same values, for comparison.
+    pub fn by_continuation(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+    ) -> Result<Self, DesignFault> {
+        let solver = Solver::new(&suspension.mechanism, &suspension.design)?.by_continuation();
+        Ok(Evaluator::of_wheel(
+            suspension, stations, quantities, solver,
+        ))
+    }
+
+    fn of_wheel(
+        suspension: &'a Suspension,
+        stations: &'a Stations,
+        quantities: &'a [Quantity],
+        solver: Solver<'a>,
+    ) -> Self {
         let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
-        let one_by_one = match depth {
-            0 => ByRateOrder::Positions(Box::new(OneByOne::new(suspension, stations, quantities)?)),
-            _ => ByRateOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?)),
+        let one_by_one: Box<dyn SolvesOneByOne + 'a> = match depth {
+            0 => Box::new(OneByOne::<1>::new(suspension, stations, quantities, solver)),
+            _ => Box::new(OneByOne::<2>::new(suspension, stations, quantities, solver)),
         };
-        Ok(Evaluator {
-            points: suspension.design.len(),
-            lanes: match width {
-                Some(width) => LaneSolver::new(suspension, stations, quantities, width),
-                None => Err(NotInLanes::Asked),
-            },
+        Evaluator::of(suspension.design.len(), one_by_one)
+    }
+
+    /// One by one alone, of wheels of so many points.
+    pub(super) fn of(points: usize, one_by_one: Box<dyn SolvesOneByOne + 'a>) -> Self {
+        Evaluator {
+            points,
+            lanes: Err(NotInLanes::Asked),
             one_by_one,
+            slopes: None,
+            axle: None,
+            rights: Vec::new(),
             left: Vec::new(),
-        })
+        }
     }
 
     /// Why no design is solved in lanes; `None` where most are.
@@ -254,41 +308,39 @@ impl<'a> Evaluator<'a> {
         self.lanes.as_ref().err().copied()
     }
 
-    /// Leaves every pose to the continuation: more slowly to the same values, for comparison.
-    pub fn by_continuation(self) -> Self {
-        Evaluator {
-            lanes: Err(NotInLanes::Asked),
-            one_by_one: match self.one_by_one {
-                ByRateOrder::Positions(solver) => {
-                    ByRateOrder::Positions(Box::new(solver.by_continuation()))
-                }
-                ByRateOrder::Rates(solver) => {
-                    ByRateOrder::Rates(Box::new(solver.by_continuation()))
-                }
-            },
-            ..self
-        }
-    }
-
     /// The designs of the last block that were left to be solved one by one, by rising number.
     pub fn one_by_one(&self) -> &[usize] {
         &self.left
     }
 
-    /// Evaluates designs given as the points of one after the other, in the kernel's frame. Returns how
-    /// many were left to be solved one by one.
+    /// Evaluates designs given as the points of one after the other, in the kernel's frame; of an axle those of the left
+    /// wheel. Returns how many were left to be solved one by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {
-        let count = designs.len() / self.points;
+        let mut rights = std::mem::take(&mut self.rights);
+        rights.clear();
+        if let Some(axle) = self.axle {
+            for left in designs.chunks_exact(self.points) {
+                rights.extend(axle.right_design(left).into_iter().flatten());
+            }
+        }
+        self.evaluate_pairs([designs, &rights], block);
+        self.rights = rights;
+        self.left.len()
+    }
+
+    /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right
+    /// ones they are the mirror images.
+    pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
+        let count = designs[0].len() / self.points;
         block.clear(count);
         self.left.clear();
         match &mut self.lanes {
             Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
             Err(_) => self.left.extend(0..count),
         }
-        match &mut self.one_by_one {
-            ByRateOrder::Positions(solver) => solver.evaluate(designs, &self.left, block),
-            ByRateOrder::Rates(solver) => solver.evaluate(designs, &self.left, block),
+        self.one_by_one.evaluate(designs, &self.left, block);
+        if let Some(slopes) = &mut self.slopes {
+            slopes.evaluate(designs, block);
         }
-        self.left.len()
     }
 }

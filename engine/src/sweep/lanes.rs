@@ -1,7 +1,7 @@
 //! Designs in SIMD lanes.
 
 use super::Stations;
-use super::evaluate::{Block, SIDE_BY_SIDE};
+use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
@@ -73,15 +73,10 @@ impl<'a> LaneSolver<'a> {
             points: design.len(),
         })
     }
+}
 
-    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to
-    /// `left`.
-    pub(super) fn evaluate(
-        &mut self,
-        designs: &[Vector3<f64>],
-        block: &mut Block,
-        left: &mut Vec<usize>,
-    ) {
+impl SolvesInLanes for LaneSolver<'_> {
+    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>) {
         self.width.run(Evaluation {
             solver: self,
             designs,

@@ -28,7 +28,7 @@ mod sequence;
 mod stations;
 mod tally;
 
-pub(crate) use axle::{AxleEvaluator, AxleStations};
+pub(crate) use axle::AxleStations;
 pub use effects::{Effect, Effects};
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation, StationFailure};
 pub use front::{Candidate, Front};

@@ -1,7 +1,7 @@
 //! Designs one at a time, with every check on the way.
 
 use super::Stations;
-use super::evaluate::{Block, FailedStation, StationFailure};
+use super::evaluate::{Block, FailedStation, Pairs, SolvesOneByOne, StationFailure};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
@@ -26,45 +26,36 @@ pub(super) struct OneByOne<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
-    /// A solver of these quantities. An error says why the suspension's own design cannot be solved.
+    /// Of these quantities.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
         quantities: &'a [Quantity],
-    ) -> Result<Self, DesignFault> {
+        solver: Solver<'a>,
+    ) -> Self {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let slots = Slots::of(quantities.iter().map(|q| q.reads()));
         let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
         let steering_axis = slots.contain_steering_axis();
-        Ok(OneByOne {
+        OneByOne {
             stations,
             quantities,
             constants: Constants::of(suspension),
             slots,
             toggles: Toggles::of(mechanism, rockers.iter().flatten().copied()),
             rockers,
-            solver: Solver::new(mechanism, design)?,
+            solver,
             design_series: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
             with_slope: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
-        })
+        }
     }
+}
 
-    /// Leaves every pose to the continuation.
-    pub(super) fn by_continuation(mut self) -> Self {
-        self.solver = self.solver.by_continuation();
-        self
-    }
-
-    /// Evaluates the designs of these numbers.
-    pub(super) fn evaluate(
-        &mut self,
-        designs: &[Vector3<f64>],
-        numbers: &[usize],
-        block: &mut Block,
-    ) {
+impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
         let points = self.solver.design().len();
         for &number in numbers {
-            let design = &designs[number * points..(number + 1) * points];
+            let design = &designs[0][number * points..(number + 1) * points];
             block.forget(number);
             if let Err(fault) = self.evaluate_design(number, design, block) {
                 // What was found before the fault showed is not to be used.
@@ -74,7 +65,9 @@ impl<'a, const N: usize> OneByOne<'a, N> {
             }
         }
     }
+}
 
+impl<const N: usize> OneByOne<'_, N> {
     fn evaluate_design(
         &mut self,
         number: usize,

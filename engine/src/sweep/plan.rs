@@ -1,6 +1,6 @@
 //! What a sweep computes of each design, and the workers that do it.
 
-use super::axle::{AxleEvaluator, AxleStations};
+use super::axle::AxleStations;
 use super::in_order;
 use super::lanes::NotInLanes;
 use super::rate_slopes::RateSlopes;
@@ -210,25 +210,25 @@ impl<'s> SweepPlan<'s> {
 
     /// The same, designs in lanes of a width, or one by one alone.
     pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
-        let suspension = &self.study.suspension;
+        let (values, stations) = (self.values.len(), &self.stations);
+        let (evaluator, block) = match &self.axle {
+            Some(axle) => {
+                let block = Block::with_gains(values, stations.count(), axle.gains.len());
+                (axle.evaluator(width)?, block)
+            }
+            None => {
+                let (suspension, quantities) = (&self.study.suspension, &self.quantities);
+                let has_gain = |k: usize| !self.gains[k].is_empty();
+                let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
+                let mut evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
+                evaluator.slopes = slopes.map(|slopes| Box::new(slopes) as _);
+                (evaluator, Block::new(values, stations.count()))
+            }
+        };
         Ok(Worker {
             plan: self,
-            evaluator: match &self.axle {
-                Some(axle) => Solves::Axles(Box::new(axle.evaluator(width)?)),
-                None => {
-                    let (stations, quantities) = (&self.stations, &self.quantities);
-                    let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
-                    let has_gain = |k: usize| !self.gains[k].is_empty();
-                    let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
-                    Solves::Wheels(Box::new((evaluator, slopes)))
-                }
-            },
-            block: match &self.axle {
-                Some(axle) => {
-                    Block::with_gains(self.values.len(), self.stations.count(), axle.gains.len())
-                }
-                None => Block::new(self.values.len(), self.stations.count()),
-            },
+            evaluator,
+            block,
             designs: Vec::new(),
             rows: Rows::default(),
         })
@@ -397,18 +397,10 @@ impl<'s> SweepPlan<'s> {
     }
 }
 
-/// What solves designs.
-enum Solves<'p> {
-    /// Of one wheel.
-    Wheels(Box<(Evaluator<'p>, Option<RateSlopes<'p>>)>),
-    /// Of both.
-    Axles(Box<AxleEvaluator<'p>>),
-}
-
 /// Turns blocks of designs into rows. One for each thread.
 pub struct Worker<'p> {
     plan: &'p SweepPlan<'p>,
-    evaluator: Solves<'p>,
+    evaluator: Evaluator<'p>,
     block: Block,
     designs: Vec<Vector3<f64>>,
     rows: Rows,
@@ -447,18 +439,12 @@ impl Worker<'_> {
 
     /// The designs of the last block that were left to be solved one by one, by rising number.
     pub fn one_by_one(&self) -> &[usize] {
-        match &self.evaluator {
-            Solves::Wheels(wheels) => wheels.0.one_by_one(),
-            Solves::Axles(axles) => axles.one_by_one(),
-        }
+        self.evaluator.one_by_one()
     }
 
     /// Why no design is solved in SIMD lanes; `None` where most are.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
-        match &self.evaluator {
-            Solves::Wheels(wheels) => wheels.0.not_in_lanes(),
-            Solves::Axles(axles) => axles.not_in_lanes(),
-        }
+        self.evaluator.not_in_lanes()
     }
 
     /// The values the rows last asked for were made of.
@@ -469,16 +455,7 @@ impl Worker<'_> {
     /// Evaluates the designs and fills in their rows.
     fn evaluate(&mut self) {
         let (plan, rows) = (self.plan, &mut self.rows);
-        match &mut self.evaluator {
-            Solves::Wheels(wheels) => {
-                let (evaluator, slopes) = &mut **wheels;
-                evaluator.evaluate(&self.designs, &mut self.block);
-                if let Some(slopes) = slopes {
-                    slopes.evaluate(&self.designs, &mut self.block);
-                }
-            }
-            Solves::Axles(axles) => axles.evaluate(&self.designs, &mut self.block),
-        }
+        self.evaluator.evaluate(&self.designs, &mut self.block);
         let width = plan.record.outputs.len();
         rows.outputs.resize(self.block.designs() * width, f64::NAN);
         for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {

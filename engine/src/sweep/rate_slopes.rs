@@ -4,7 +4,7 @@
 //! they are found one design at a time, with the series of the whole chain.
 
 use super::Stations;
-use super::evaluate::Block;
+use super::evaluate::{Block, FindsSlopes, Pairs};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Toggles};
@@ -67,9 +67,10 @@ impl<'a> RateSlopes<'a> {
             series: series.with_steering_axis(slots.contain_steering_axis()),
         }))
     }
+}
 
-    /// Fills in those of a block that has been evaluated. A design without a pose there has none.
-    pub(super) fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) {
+impl FindsSlopes for RateSlopes<'_> {
+    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block) {
         let points = self.solver.design().len();
         for (number, design) in designs.chunks_exact(points).enumerate() {
             for (k, ..) in &self.quantities {
@@ -84,7 +85,9 @@ impl<'a> RateSlopes<'a> {
             }
         }
     }
+}
 
+impl RateSlopes<'_> {
     fn evaluate_design(
         &mut self,
         number: usize,

@@ -7,7 +7,7 @@ use crate::build::{Parts, Reject};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};
-use crate::sweep::{AxleEvaluator, BLOCK, Block, Evaluator, NotInLanes};
+use crate::sweep::{BLOCK, Block, Evaluator, NotInLanes};
 
 impl Problem<'_> {
     /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for. Of an axle
@@ -51,7 +51,7 @@ pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One, or left and right.
     wheels: Vec<WheelBuilder<'a>>,
-    evaluator: Evaluates<'a>,
+    evaluator: Evaluator<'a>,
     /// The values of the builds that go together, in the order of their numbers.
     pub(super) block: Block,
     draws: Vec<f64>,
@@ -69,12 +69,6 @@ struct WheelBuilder<'a> {
     designs: Vec<Vector3<f64>>,
 }
 
-/// What solves builds.
-enum Evaluates<'a> {
-    Wheels(Box<Evaluator<'a>>),
-    Axles(Box<AxleEvaluator<'a>>),
-}
-
 impl<'a> Builder<'a> {
     /// In lanes of a width, or one by one alone.
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
@@ -82,10 +76,9 @@ impl<'a> Builder<'a> {
         let evaluator = match &problem.looked {
             Looked::Wheel { quantities, .. } => {
                 let suspension = problem.workshops[0].assembler.suspension();
-                let evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
-                Evaluates::Wheels(Box::new(evaluator))
+                Evaluator::with_width(suspension, stations, quantities, width)?
             }
-            Looked::Axle(axles) => Evaluates::Axles(Box::new(axles.evaluator(width)?)),
+            Looked::Axle(axles) => axles.evaluator(width)?,
         };
         let wheel = |workshop: &'a Workshop| WheelBuilder {
             workshop,
@@ -106,10 +99,7 @@ impl<'a> Builder<'a> {
 
     /// Why no build is solved in SIMD lanes; `None` where most are.
     pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
-        match &self.evaluator {
-            Evaluates::Wheels(wheels) => wheels.not_in_lanes(),
-            Evaluates::Axles(axles) => axles.not_in_lanes(),
-        }
+        self.evaluator.not_in_lanes()
     }
 
     /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block.
@@ -182,15 +172,9 @@ impl<'a> Builder<'a> {
 
     /// Solves what was put together.
     fn finish(&mut self, mut rejects: Vec<Unbuilt>) -> Outcome {
-        match &mut self.evaluator {
-            Evaluates::Wheels(wheels) => {
-                wheels.evaluate(&self.wheels[0].designs, &mut self.block);
-            }
-            Evaluates::Axles(axles) => {
-                let designs = [0, 1].map(|side| &self.wheels[side].designs[..]);
-                axles.evaluate_pairs(designs, &mut self.block);
-            }
-        }
+        let wheels = &self.wheels;
+        let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));
+        self.evaluator.evaluate_pairs(designs, &mut self.block);
         for (number, fault) in self.block.faults() {
             rejects.push((self.places[*number], None, Reject::Immovable(fault.clone())));
         }

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 const MOST_LEVELS: u64 = 32;
 
 /// A variable over its range: -1 at its low end, 1 at its high end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Span {
+pub(super) struct Span {
     middle: f64,
     half: f64,
     levels: usize,
@@ -18,7 +17,7 @@ impl Span {
     /// The spans of a sweep's variables. A grid's levels are its own, or as many in a row as it takes
     /// for there to be no more than [`MOST_LEVELS`]; elsewhere there are as many as the cube root of
     /// the number of designs, so that what is lost within a level shrinks as the noise does.
-    fn all(record: &SweepRecord) -> Vec<Span> {
+    pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
             middle: 0.5 * (v.low + v.high),
@@ -31,7 +30,7 @@ impl Span {
         record.variables.iter().map(span).collect()
     }
 
-    fn scaled(&self, value: f64) -> f64 {
+    pub(super) fn scaled(&self, value: f64) -> f64 {
         // A column of a file may be constant.
         match self.half > 0.0 {
             true => (value - self.middle) / self.half,
@@ -49,10 +48,6 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
 /// Sums, products and squares of scaled variables u and shifted outputs y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
-    #[serde(skip)]
-    spans: Vec<Span>,
-    #[serde(skip)]
-    scaled: Vec<f64>,
     /// Number of designs.
     pub count: u64,
     /// Sums of u.
@@ -76,8 +71,6 @@ impl Moments {
     pub(super) fn empty(record: &SweepRecord) -> Self {
         let (d, c) = (record.variables.len(), record.outputs.len());
         Moments {
-            spans: Span::all(record),
-            scaled: vec![0.0; d],
             count: 0,
             u: vec![0.0; d],
             uu: vec![0.0; d * (d + 1) / 2],
@@ -87,20 +80,17 @@ impl Moments {
         }
     }
 
-    pub(super) fn add(&mut self, variables: &[f64], outputs: &[f64]) {
+    pub(super) fn add(&mut self, scaled: &[f64], outputs: &[f64]) {
         self.count += 1;
-        for ((scaled, span), value) in self.scaled.iter_mut().zip(&self.spans).zip(variables) {
-            *scaled = span.scaled(*value);
-        }
-        add_to(&mut self.u, &self.scaled);
+        add_to(&mut self.u, scaled);
         add_to(&mut self.y, outputs);
         for (sum, y) in self.yy.iter_mut().zip(outputs) {
             *sum += y * y;
         }
         let mut products = self.uu.iter_mut();
         let rows = self.uy.chunks_exact_mut(outputs.len());
-        for ((i, u), row) in self.scaled.iter().enumerate().zip(rows) {
-            for (other, sum) in self.scaled[..=i].iter().zip(&mut products) {
+        for ((i, u), row) in scaled.iter().enumerate().zip(rows) {
+            for (other, sum) in scaled[..=i].iter().zip(&mut products) {
                 *sum += u * other;
             }
             for (sum, y) in row.iter_mut().zip(outputs) {
@@ -128,10 +118,6 @@ impl Moments {
 /// Sums of outputs by the level of each variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
-    #[serde(skip)]
-    spans: Vec<Span>,
-    #[serde(skip)]
-    scaled: Vec<f64>,
     /// By variable.
     pub of: Vec<LevelSums>,
 }
@@ -159,23 +145,17 @@ impl BinnedSums {
         });
         BinnedSums {
             of: of.collect(),
-            scaled: vec![0.0; spans.len()],
-            spans,
         }
     }
 
-    pub(super) fn add(&mut self, variables: &[f64], outputs: &[f64]) {
-        let (width, depth) = (outputs.len(), variables.len());
-        for ((scaled, span), value) in self.scaled.iter_mut().zip(&self.spans).zip(variables) {
-            *scaled = span.scaled(*value);
-        }
-        for ((level_sums, span), scaled) in self.of.iter_mut().zip(&self.spans).zip(&self.scaled) {
-            let share = 0.5 * (scaled + 1.0);
-            let level = ((share * span.levels as f64) as usize).min(span.levels - 1);
+    pub(super) fn add(&mut self, scaled: &[f64], outputs: &[f64]) {
+        let (width, depth) = (outputs.len(), scaled.len());
+        for (level_sums, u) in self.of.iter_mut().zip(scaled) {
+            let (share, levels) = (0.5 * (u + 1.0), level_sums.counts.len());
+            let level = ((share * levels as f64) as usize).min(levels - 1);
             level_sums.counts[level] += 1;
             add_to(&mut level_sums.sums[level * width..][..width], outputs);
-            let places = &mut level_sums.places[level * depth..][..depth];
-            add_to(places, &self.scaled);
+            add_to(&mut level_sums.places[level * depth..][..depth], scaled);
         }
     }
 
@@ -227,20 +207,10 @@ pub struct SaltelliSums {
 
 impl SaltelliSums {
     pub(super) fn empty(record: &SweepRecord) -> Self {
-        let Some(group) = record.group() else {
-            let none = Vec::new;
-            return SaltelliSums {
-                groups: 0,
-                sum: none(),
-                squares: none(),
-                steps: none(),
-                first: none(),
-                total: none(),
-                group: none(),
-                complete: false,
-            };
+        let [group, d, c] = match record.group() {
+            Some(group) => [group as usize, record.variables.len(), record.outputs.len()],
+            None => [0; 3],
         };
-        let (d, c) = (record.variables.len(), record.outputs.len());
         SaltelliSums {
             groups: 0,
             sum: vec![0.0; c],
@@ -248,8 +218,8 @@ impl SaltelliSums {
             steps: vec![0.0; d * c],
             first: vec![0.0; d * c],
             total: vec![0.0; d * c],
-            group: vec![0.0; group as usize * c],
-            complete: true,
+            group: vec![0.0; group * c],
+            complete: false,
         }
     }
 

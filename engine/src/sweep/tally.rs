@@ -5,7 +5,7 @@
 //! were, and whoever did a part. Written as JSON they come back to the bit.
 
 use super::front::{Candidate, Front};
-use super::moments::{BinnedSums, Moments, SaltelliSums};
+use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +94,8 @@ impl SweepStatistics {
             .collect();
         // Outputs less those of the study's design, so that sums of squares lose no digits.
         let mut shifted = vec![0.0; reference.len()];
+        let spans = Span::all(record);
+        let mut scaled = vec![0.0; spans.len()];
         let group = record.group();
         for place in 0..rows.designs() {
             let number = rows.first + place as u64;
@@ -134,8 +136,11 @@ impl SweepStatistics {
             // Designs made by exchanging variables are no independent samples.
             let independent = group.is_none_or(|group| number % group < 2);
             if complete && independent {
-                tally.moments.add(variables, &shifted);
-                tally.levels.add(variables, &shifted);
+                for ((scaled, span), value) in scaled.iter_mut().zip(&spans).zip(variables) {
+                    *scaled = span.scaled(*value);
+                }
+                tally.moments.add(&scaled, &shifted);
+                tally.levels.add(&scaled, &shifted);
             }
             if let Some(group) = group {
                 let role = number % group;

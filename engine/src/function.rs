@@ -9,7 +9,7 @@
 mod axle;
 
 use self::axle::{AxleCourse, AxleEvaluator};
-use crate::characteristics::Quantity;
+use crate::characteristics::{Quantity, with_unit};
 use crate::evaluate::{Evaluated, GradientEvaluator, Unsolved};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};
@@ -264,10 +264,7 @@ impl DesignFunction {
         if let Some(course) = &self.axle {
             return course.outputs();
         }
-        let name = |o: &Output| match o.unit.is_empty() {
-            true => o.name.clone(),
-            false => format!("{}_{}", o.name, o.unit),
-        };
+        let name = |o: &Output| with_unit(&o.name, &o.unit);
         self.outputs.iter().map(name).collect()
     }
 

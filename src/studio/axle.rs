@@ -12,6 +12,7 @@ use super::study_file::Opened;
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, Coordinate, Course, Placement, Quantity, WheelMotion, axle_curves,
 };
+use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
@@ -112,11 +113,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f6
 
 /// The name of a quantity's column.
 pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
-    let unit = quantity.unit().suffix(length);
-    match unit.is_empty() {
-        true => quantity.name(),
-        false => format!("{}_{unit}", quantity.name()),
-    }
+    with_unit(quantity.name(), &quantity.unit().suffix(length))
 }
 
 /// What a study may ask of its axle.

@@ -4,6 +4,7 @@ use super::reading::WheelParts;
 use super::state::{Motion, State};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
+use crate::characteristics::with_unit;
 use crate::curves::Loads;
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::Jet;
@@ -202,10 +203,6 @@ impl AxlePlan {
         let motions = self.motions(length);
         let rack_sign = axle.left.frame.sign(Axis::Y);
         let mut columns = Vec::new();
-        let named = |stem: String, unit: &str| match unit.is_empty() {
-            true => stem,
-            false => format!("{stem}_{unit}"),
-        };
         let value = |of: Of, unit: String, factor: f64| {
             let mut column = AxleColumn {
                 name: String::new(),
@@ -215,7 +212,7 @@ impl AxlePlan {
                 unit,
                 factor,
             };
-            column.name = named(column.output(), &column.unit);
+            column.name = with_unit(column.output(), &column.unit);
             column
         };
         let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
@@ -238,7 +235,7 @@ impl AxlePlan {
                     _ => 1.0,
                 };
                 AxleColumn {
-                    name: named(stem, &unit),
+                    name: with_unit(stem, &unit),
                     by: Some(*motion),
                     order,
                     factor: value.factor * (by_factor * sign).powi(order as i32),

@@ -36,7 +36,7 @@ pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
 pub use quantity::Quantity;
-pub use unit::Unit;
+pub use unit::{Unit, with_unit};
 pub use wheel::{Inputs, Slot, Slots, Wheel};
 pub use wheel_reading::WheelReading;
 

@@ -51,12 +51,16 @@ impl Characteristic {
     /// The column name: the characteristic with its unit, like `camber_deg`.
     pub fn column(self, length: LengthUnit) -> String {
         let info = self.info();
-        let suffix = info.unit.suffix(length);
-        if suffix.is_empty() {
-            info.name.to_owned()
-        } else {
-            format!("{}_{suffix}", info.name)
-        }
+        with_unit(info.name, &info.unit.suffix(length))
+    }
+}
+
+/// The name of a column: what it is of, with its unit unless that is empty.
+pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
+    let name = name.into();
+    match unit.is_empty() {
+        true => name,
+        false => format!("{name}_{unit}"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Columns of the results: names that say what a number is and in what unit.
 
-use crate::characteristics::Quantity;
+use crate::characteristics::{Quantity, with_unit};
 use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
 use crate::study::Drive;
@@ -36,19 +36,6 @@ impl Column {
         columns
     }
 
-    /// The column of a force under a load.
-    pub(super) fn force(output: String, positive: &'static str) -> Column {
-        Column {
-            name: format!("{output}_N"),
-            output,
-            unit: "N".to_owned(),
-            positive: Some(positive),
-            order: 0,
-            of: None,
-            factor: 1.0,
-        }
-    }
-
     /// The column of a value that no plan of one wheel has.
     pub(crate) fn of_value(
         output: String,
@@ -57,10 +44,7 @@ impl Column {
         factor: f64,
     ) -> Column {
         Column {
-            name: match unit.is_empty() {
-                true => output.clone(),
-                false => format!("{output}_{unit}"),
-            },
+            name: with_unit(&output, &unit),
             output,
             unit,
             positive: Some(positive),
@@ -103,11 +87,7 @@ impl Column {
             _ => format!("{}_d{order}", output.name),
         };
         Column {
-            name: if unit.is_empty() {
-                stem
-            } else {
-                format!("{stem}_{unit}")
-            },
+            name: with_unit(stem, &unit),
             output: output.name.clone(),
             unit,
             positive: match (output.quantity, order) {

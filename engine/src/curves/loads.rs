@@ -46,7 +46,8 @@ impl<'a> Loads<'a> {
     pub(crate) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
-            let column = move |m: &Member| Column::force(name(m), m.what.positive());
+            let column =
+                move |m: &Member| Column::of_value(name(m), "N".to_owned(), m.what.positive(), 1.0);
             self.members.iter().map(column)
         })
     }

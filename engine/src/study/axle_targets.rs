@@ -9,6 +9,7 @@ use super::resolve::Context;
 use super::value::{Numbers, Text, Values};
 use super::{About, Motion, Site, Subject, Target};
 use crate::axle::{Axle, AxlePlan, Coordinate, Course, Placement, Quantity};
+use crate::characteristics::with_unit;
 use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -262,13 +263,9 @@ fn subject(
         [one] => one.name(),
         _ => found.to_owned(),
     };
-    let suffix = unit.suffix(length);
     Some(Subject {
         about: About::Axle(quantities),
-        column: match suffix.is_empty() {
-            true => stem,
-            false => format!("{stem}_{suffix}"),
-        },
+        column: with_unit(stem, &unit.suffix(length)),
         unit,
         length,
         sign: 1.0,

@@ -143,9 +143,7 @@ impl BinnedSums {
             sums: vec![0.0; span.levels * record.outputs.len()],
             places: vec![0.0; span.levels * spans.len()],
         });
-        BinnedSums {
-            of: of.collect(),
-        }
+        BinnedSums { of: of.collect() }
     }
 
     pub(super) fn add(&mut self, scaled: &[f64], outputs: &[f64]) {

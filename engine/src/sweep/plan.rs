@@ -7,7 +7,7 @@ use super::rate_slopes::RateSlopes;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
-use crate::characteristics::Quantity;
+use crate::characteristics::{Quantity, with_unit};
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -113,7 +113,7 @@ impl<'s> SweepPlan<'s> {
         let mut values = values;
         let gain = |(slope, gain): (usize, Column)| {
             let own = Gain {
-                column: named(&gain.output, "gain", &gain.unit),
+                column: with_unit(format!("{}_gain", gain.output), &gain.unit),
                 factor: gain.factor(),
                 unit: gain.unit,
                 slope,
@@ -296,7 +296,8 @@ impl<'s> SweepPlan<'s> {
                 ("max", Kind::Max),
                 ("design", Kind::Design),
             ] {
-                add(named(output, word, &value.unit), output, kind, &value.unit);
+                let name = with_unit(format!("{output}_{word}"), &value.unit);
+                add(name, output, kind, &value.unit);
             }
             for gain in gains {
                 add(gain.column.clone(), output, Kind::Gain, &gain.unit);
@@ -470,14 +471,6 @@ impl Worker<'_> {
         self.designs.extend_from_slice(design);
         self.evaluate();
         self.rows.outputs.clone()
-    }
-}
-
-/// The name of a column.
-fn named(output: &str, word: &str, unit: &str) -> String {
-    match unit {
-        "" => format!("{output}_{word}"),
-        unit => format!("{output}_{word}_{unit}"),
     }
 }
 

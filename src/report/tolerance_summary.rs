@@ -6,7 +6,7 @@ use super::{brief, shortest};
 use crate::build::Reject;
 use crate::model::{Axis, Side};
 use crate::study::{AxleStudy, Band};
-use crate::tolerance::{Expansion, HOLDS, MonteCarlo, Output, PERCENTILES, Problem, Yields};
+use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
 
 /// The results of `hardpoint tolerance`.
@@ -516,7 +516,7 @@ fn values(
     let mut values = Vec::new();
     let of_axle = problem.study.axle.as_ref();
     for (output, looked) in problem.outputs.iter().enumerate() {
-        let Output { unit, factor, .. } = looked;
+        let (unit, factor) = (&looked.unit, looked.factor());
         let scaled = |v: f64| finite(v * factor);
         for station in 0..stations.count() {
             let cell = problem.cell(output, station);
@@ -539,7 +539,7 @@ fn values(
             let shares = (0..problem.tolerance.scatter.len())
                 .map(|number| finite(expansion.part(problem, cell, number) / variance));
             values.push(ValueRecord {
-                output: looked.column.clone(),
+                output: looked.name.clone(),
                 travel: of_axle.is_none().then_some(travel + 0.0),
                 rack: of_axle.is_none().then_some(rack * sign + 0.0),
                 place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan }| {

@@ -56,7 +56,7 @@ fn solved(problem: &Problem) -> (Vec<f64>, MonteCarlo) {
 
 /// The place of a column among what is looked at.
 fn output(problem: &Problem, column: &str) -> usize {
-    let found = problem.outputs.iter().position(|o| o.column == column);
+    let found = problem.outputs.iter().position(|o| o.name == column);
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
@@ -118,7 +118,7 @@ fn a_printed_build_is_the_build() {
             values.sort_by(f64::total_cmp);
             let range = found.spreads[problem.cell(k, station)].range;
             for (value, limit) in values.into_iter().zip(range) {
-                let off = (value - limit * problem.outputs[k].factor).abs();
+                let off = (value - limit * problem.outputs[k].factor()).abs();
                 assert!(off < 1e-9, "{} {station}: {off:e}", column.name);
             }
         }
@@ -293,7 +293,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
             "{cell}: {spread:?} {linear}"
         );
         let of_velocities = problem.outputs[cell / problem.stations.count()]
-            .column
+            .name
             .contains("roll");
         assert_eq!(expansion.holds(cell), (!of_velocities).then_some(true));
     }

@@ -32,7 +32,8 @@ pub use yields::{BandYield, Ranking, Yields, rank};
 
 use crate::axle::{Axle, Placement};
 use crate::build::NoSetUp;
-use crate::characteristics::{Characteristic, Quantity};
+use crate::characteristics::{Characteristic, Info, Quantity};
+use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;
@@ -51,7 +52,7 @@ pub struct Problem<'a> {
     /// Its tolerances.
     pub tolerance: &'a Tolerance,
     /// What is looked at: the study's outputs, then those of bands.
-    pub outputs: Vec<Output>,
+    pub outputs: Vec<Column>,
     /// Where: the stations of the motion, the drawn position, the places of bands.
     pub stations: Stations,
     /// By band: the output and the station of each value, and between what they are to be.
@@ -59,17 +60,6 @@ pub struct Problem<'a> {
     /// What builds each wheel: left, then right.
     workshops: Vec<Workshop>,
     looked: Looked,
-}
-
-/// Something that is looked at.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Output {
-    /// Name of its column, with the unit.
-    pub column: String,
-    /// The unit; empty for a plain number.
-    pub unit: String,
-    /// What a value in radians, length units and newtons is multiplied by to be printed.
-    pub factor: f64,
 }
 
 /// The values of a band: output and station of each, and between what they are to be.
@@ -124,10 +114,15 @@ impl<'a> Problem<'a> {
             (cells.collect(), band.between)
         };
         let length = suspension.length_unit;
-        let output = |c: &Characteristic| Output {
-            column: c.column(length),
-            unit: c.info().unit.suffix(length),
-            factor: c.info().unit.printed_factor(),
+        let output = |c: &Characteristic| {
+            let Info {
+                name,
+                unit,
+                positive,
+                ..
+            } = c.info();
+            let factor = unit.printed_factor();
+            Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
         };
         Ok(Problem {
             study,
@@ -196,16 +191,10 @@ impl<'a> Problem<'a> {
             });
             (places.collect(), *between)
         };
-        let columns = stations.columns();
-        let output = |column: &crate::curves::Column| Output {
-            column: column.name.clone(),
-            unit: column.unit.clone(),
-            factor: column.factor(),
-        };
         Ok(Problem {
             study,
             tolerance,
-            outputs: columns.iter().map(output).collect(),
+            outputs: stations.columns(),
             bands: wanted.iter().map(banded).collect(),
             workshops,
             stations: stations.stations(),

@@ -230,11 +230,7 @@ impl<'a> Gradients<'a> {
         along: &[f64],
         mut visit: impl FnMut(&Slopes<'_>),
     ) {
-        let one = self.found.points * 3 * self.at_once();
-        assert!(along.len().is_multiple_of(one), "whole directions");
-        self.found.directions = along.len() / one;
-        let room = self.reader.quantities().len() * self.found.directions * self.at_once();
-        self.found.slopes.resize(room, 0.0);
+        self.make_room(along.len(), self.at_once());
         let visit = &mut visit;
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
@@ -258,12 +254,8 @@ impl<'a> Gradients<'a> {
         along: &[f64],
         mut visit: impl FnMut(&Slopes<'_>),
     ) -> bool {
-        let one = self.found.points * 3;
-        assert!(along.len().is_multiple_of(one), "whole directions");
-        self.found.directions = along.len() / one;
+        self.make_room(along.len(), 1);
         let at_once = self.at_once();
-        let room = self.reader.quantities().len() * self.found.directions * at_once;
-        self.found.slopes.resize(room, 0.0);
         // A tuning asks for the same directions each time.
         let is_spread = self.spread.len() == along.len() * at_once
             && self.spread.iter().step_by(at_once).eq(along);
@@ -281,6 +273,15 @@ impl<'a> Gradients<'a> {
         let is_right = self.evaluate_one(design, slopes);
         self.spread = along;
         is_right
+    }
+
+    /// Room for the slopes along directions that are so many numbers, given for so many lanes.
+    fn make_room(&mut self, along: usize, lanes: usize) {
+        let one = self.found.points * 3 * lanes;
+        assert!(along.is_multiple_of(one), "whole directions");
+        self.found.directions = along / one;
+        let room = self.reader.quantities().len() * self.found.directions * self.at_once();
+        self.found.slopes.resize(room, 0.0);
     }
 
     fn evaluate_one(&mut self, design: &[Vector3<f64>], task: Task<'_>) -> bool {
@@ -398,8 +399,22 @@ impl SimdTask for Evaluation<'_, '_, '_> {
         };
         let mut inputs = reader.inputs(like);
         reader.read_designs(&group, &mut inputs);
-        let read = (&*reader, series.as_ref(), &wheels, &members, &mut inputs);
-        let mut reading = Differentiating::of(like, read, stations.count(), self.task, found);
+        let series = series.as_ref();
+        let mut reading = Differentiating {
+            reader,
+            wheels: &wheels,
+            members: &members,
+            series,
+            series_gradient: vec![nothing.with_rate(nothing); series.map_or(0, |_| points)],
+            inputs: &mut inputs,
+            rack: zero,
+            right: like.everywhere(),
+            count: stations.count(),
+            first: 0,
+            task: self.task,
+            sum: zero,
+            found,
+        };
         let mut groups = 0;
         let mut tracked = self.tracked;
         let mut rack = 0;
@@ -504,47 +519,6 @@ struct Differentiating<'r, 't, B: SimdReal> {
     /// Of the deviations so far.
     sum: B,
     found: &'r mut Found,
-}
-
-/// What a pose is read and differentiated with: reader, designs along the travel, wheels, members and room for what is
-/// read.
-type ReadWith<'r, B> = (
-    &'r LaneReader<'r>,
-    Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
-    &'r LaneWheels<B>,
-    &'r LaneMembers<B>,
-    &'r mut LaneInputs<B>,
-);
-
-impl<'r, 't, B: SimdReal> Differentiating<'r, 't, B> {
-    /// Before the first station, the rack in its place in the design.
-    #[inline(always)]
-    fn of(
-        like: B,
-        (reader, series, wheels, members, inputs): ReadWith<'r, B>,
-        count: usize,
-        task: Task<'t>,
-        found: &'r mut Found,
-    ) -> Self {
-        let zero = like.zero();
-        let nothing = Vector3::new(zero, zero, zero);
-        let points = series.map_or(0, |_| found.points);
-        Differentiating {
-            reader,
-            series,
-            series_gradient: vec![nothing.with_rate(nothing); points],
-            wheels,
-            members,
-            inputs,
-            rack: zero,
-            right: like.everywhere(),
-            count,
-            first: 0,
-            task,
-            sum: zero,
-            found,
-        }
-    }
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
@@ -655,9 +629,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
             Task::Deviations(_) => {}
         }
     }
-}
 
-impl<B: SimdReal> Differentiating<'_, '_, B> {
     /// Adds the gradients of quantities that no velocity is in, each times its weight, to the row of the first.
     #[inline(always)]
     fn add_gradients(

@@ -33,14 +33,14 @@ impl Problem<'_> {
     }
 }
 
-/// A build that could not be put together: its place in the block, the wheel of an axle, and why not.
-pub(super) type Unbuilt = (usize, Option<Side>, Reject);
+/// A build that could not be put together: its number, the wheel of an axle, and why not.
+type Unbuilt = (u64, Option<Side>, Reject);
 
 /// What came of the builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
-    /// How many builds have no pose somewhere in the motion, and the place of the first.
-    pub(super) incomplete: (u64, Option<usize>),
+    /// How many builds have no pose somewhere in the motion, and the number of the first.
+    pub(super) incomplete: (u64, Option<u64>),
 }
 
 /// Solves blocks of builds. One for each thread.
@@ -124,10 +124,10 @@ impl<'a> Builder<'a> {
                 tolerance.draw(first + place as u64, &mut self.draws);
             }
             if let Err((side, reject)) = self.build(place) {
-                rejects.push((place, side, reject));
+                rejects.push((first + place as u64, side, reject));
             }
         }
-        self.finish(rejects)
+        self.finish(first, rejects)
     }
 
     fn begin(&mut self) {
@@ -170,23 +170,21 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Solves what was put together.
-    fn finish(&mut self, mut rejects: Vec<Unbuilt>) -> Outcome {
+    /// Solves what was put together of a block that begins with a build of this number.
+    fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));
         self.evaluator.evaluate_pairs(designs, &mut self.block);
-        for (number, fault) in self.block.faults() {
-            rejects.push((self.places[*number], None, Reject::Immovable(fault.clone())));
+        let number = |design: &usize| first + self.places[*design] as u64;
+        for (design, fault) in self.block.faults() {
+            rejects.push((number(design), None, Reject::Immovable(fault.clone())));
         }
         let failures = self.block.failures().iter();
         let mut incomplete: Vec<usize> = failures.map(|failure| failure.design).collect();
         incomplete.dedup();
         Outcome {
             rejects,
-            incomplete: (
-                incomplete.len() as u64,
-                incomplete.iter().map(|design| self.places[*design]).min(),
-            ),
+            incomplete: (incomplete.len() as u64, incomplete.iter().map(number).min()),
         }
     }
 }
@@ -198,7 +196,7 @@ pub(super) fn drawn_values(problem: &Problem) -> Result<Vec<f64>, DesignFault> {
     if builder.build(0).is_err() {
         return Ok(vec![f64::NAN; problem.cells()]);
     }
-    builder.finish(Vec::new());
+    builder.finish(0, Vec::new());
     let outputs = 0..problem.outputs.len();
     let values = outputs.flat_map(|output| builder.block.values(0, output));
     Ok(values.collect())

@@ -2,7 +2,7 @@
 
 use super::builds::{Builder, Outcome};
 use super::order::{Order, Sifted};
-use super::{Banded, PERCENTILES, Problem};
+use super::{PERCENTILES, Problem};
 use crate::build::Reject;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
@@ -81,29 +81,18 @@ struct Sums {
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,
-    rejects: Vec<(u64, Option<Side>, Reject)>,
-    incomplete: u64,
-    first_incomplete: Option<u64>,
     in_all_bands: u64,
     in_bands: Vec<u64>,
 }
 
 impl Sums {
     /// Of the builds of a block that go together.
-    fn of(
-        problem: &Problem,
-        drawn: &[f64],
-        bands: &[Banded],
-        block: &Block,
-        order: &Order,
-    ) -> Self {
+    fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
+        let bands = &problem.bands;
         let mut sums = Sums {
             powers: Vec::with_capacity(problem.cells()),
             ranges: Vec::with_capacity(problem.cells()),
             sifted: order.begin(),
-            rejects: Vec::new(),
-            incomplete: 0,
-            first_incomplete: None,
             in_all_bands: 0,
             in_bands: Vec::with_capacity(bands.len()),
         };
@@ -193,7 +182,6 @@ pub fn monte_carlo_in(
 ) -> Result<MonteCarlo, DesignFault> {
     let tolerance = problem.tolerance;
     let cells = problem.cells();
-    let bands = &problem.bands;
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
     // One worker is made here, so that a design that cannot be solved is known.
@@ -203,18 +191,9 @@ pub fn monte_carlo_in(
         let builder = worker.as_mut()?;
         let first = block * BLOCK as u64;
         let count = (tolerance.builds - first).min(BLOCK as u64);
-        let Outcome {
-            rejects,
-            incomplete,
-        } = builder.solve(first, count as usize);
-        let mut sums = Sums::of(problem, drawn, bands, &builder.block, &order);
-        let rejects = rejects.into_iter();
-        sums.rejects = rejects
-            .map(|(place, side, why)| (first + place as u64, side, why))
-            .collect();
-        sums.incomplete = incomplete.0;
-        sums.first_incomplete = incomplete.1.map(|place| first + place as u64);
-        Some((count, sums))
+        let outcome = builder.solve(first, count as usize);
+        let sums = Sums::of(problem, drawn, &builder.block, &order);
+        Some((count, outcome, sums))
     };
     let mut powers = vec![[0.0; 5]; cells];
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; cells];
@@ -225,9 +204,10 @@ pub fn monte_carlo_in(
         incomplete: 0,
         first_incomplete: None,
         in_all_bands: 0,
-        in_bands: vec![0; bands.len()],
+        in_bands: vec![0; problem.bands.len()],
     };
-    let taken = in_order(0..blocks, worker, work, |(count, sums): (u64, Sums)| {
+    let taken = in_order(0..blocks, worker, work, |done: (u64, Outcome, Sums)| {
+        let (count, outcome, sums) = done;
         for (sum, of_block) in powers.iter_mut().zip(&sums.powers) {
             for (s, b) in sum.iter_mut().zip(of_block) {
                 *s += b;
@@ -238,13 +218,14 @@ pub fn monte_carlo_in(
         }
         total.builds += count;
         gathered.take(&sums.sifted, total.builds, &order);
-        total.incomplete += sums.incomplete;
-        total.first_incomplete = total.first_incomplete.or(sums.first_incomplete);
+        let (incomplete, first_incomplete) = outcome.incomplete;
+        total.incomplete += incomplete;
+        total.first_incomplete = total.first_incomplete.or(first_incomplete);
         total.in_all_bands += sums.in_all_bands;
         for (kept, of_block) in total.in_bands.iter_mut().zip(&sums.in_bands) {
             *kept += of_block;
         }
-        for (first, side, why) in sums.rejects {
+        for (first, side, why) in outcome.rejects {
             let entry = total.rejects.entry(why.word());
             let entry = entry.or_insert(Rejected {
                 builds: 0,

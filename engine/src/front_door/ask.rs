@@ -1,7 +1,7 @@
 //! Studies from numbers.
 
 use super::Error;
-use super::error::checked;
+use super::error::{checked, finite};
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::study::{
@@ -17,14 +17,22 @@ impl Motion {
     /// # Errors
     /// If one of them is not finite.
     pub fn at(travel: f64, rack: f64) -> Result<Self, Error> {
-        let finite = |what, value| checked(what, value, "a finite number", f64::is_finite);
         Ok(Motion {
-            drive: Drive::Travel,
             values: vec![finite("the travel", travel)?],
             rack: vec![finite("the rack displacement", rack)?],
+            ..Motion::of_design()
+        })
+    }
+
+    /// The design position.
+    fn of_design() -> Self {
+        Motion {
+            drive: Drive::Travel,
+            values: vec![0.0],
+            rack: vec![0.0],
             rack_moves: false,
             time: None,
-        })
+        }
     }
 
     /// Travels from one end of a range to the other, both included, as many as `stations`, the rack straight ahead.
@@ -45,7 +53,7 @@ impl Motion {
             values: (0..stations)
                 .map(|k| low * (1.0 - step(k)) + high * step(k))
                 .collect(),
-            ..Motion::at(0.0, 0.0)?
+            ..Motion::of_design()
         })
     }
 
@@ -55,12 +63,7 @@ impl Motion {
     /// If one of them is not finite, or there is none.
     pub fn with_racks(mut self, racks: &[f64]) -> Result<Self, Error> {
         for rack in racks {
-            checked(
-                "the rack displacement",
-                *rack,
-                "a finite number",
-                f64::is_finite,
-            )?;
+            finite("the rack displacement", *rack)?;
         }
         if racks.is_empty() {
             return Err(Error::NotAsked("no rack displacement"));
@@ -82,13 +85,7 @@ impl Study {
             text: String::new(),
             inputs: Vec::new(),
             suspension,
-            motion: Motion {
-                drive: Drive::Travel,
-                values: vec![0.0],
-                rack: vec![0.0],
-                rack_moves: false,
-                time: None,
-            },
+            motion: Motion::of_design(),
             motions: Vec::new(),
             formulation: Formulation::KnucklePose,
             outputs: Outputs::of(Vec::new()),
@@ -116,9 +113,7 @@ impl Study {
         order: Order,
     ) -> Result<Self, Error> {
         for characteristic in characteristics {
-            if let Some(error) = Error::lacking(&self.suspension, *characteristic) {
-                return Err(error);
-            }
+            Error::if_lacking(&self.suspension, *characteristic)?;
         }
         self.outputs.characteristics = characteristics.to_vec();
         self.outputs.order = order;
@@ -220,7 +215,7 @@ impl Variable {
             moves.push(Move {
                 point: suspension.point_named(name)?,
                 axis,
-                factor: checked("a factor", *factor, "a finite number", f64::is_finite)?,
+                factor: finite("a factor", *factor)?,
             });
         }
         let names: Vec<&str> = points.iter().map(|(name, _)| *name).collect();
@@ -247,9 +242,7 @@ impl Target {
         points: &[[f64; 2]],
         tolerance: f64,
     ) -> Result<Self, Error> {
-        if let Some(error) = Error::lacking(suspension, characteristic) {
-            return Err(error);
-        }
+        Error::if_lacking(suspension, characteristic)?;
         let of = Subject::characteristic(characteristic, suspension.length_unit);
         let mut last = f64::NEG_INFINITY;
         let mut wanted = Vec::new();
@@ -260,7 +253,7 @@ impl Target {
                 "a finite number above the one before",
                 |t| t.is_finite() && t > last,
             )?;
-            checked("a wanted value", *value, "a finite number", f64::is_finite)?;
+            finite("a wanted value", *value)?;
             last = *travel;
             wanted.push([*travel, of.from_printed(*value)]);
         }
@@ -301,12 +294,7 @@ impl Suspension {
 
 /// The ends of a range that is not empty.
 fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
-    let low = checked(
-        &format!("{what}'s lowest value"),
-        *range.start(),
-        "a finite number",
-        f64::is_finite,
-    )?;
+    let low = finite(&format!("{what}'s lowest value"), *range.start())?;
     let high = checked(
         &format!("{what}'s highest value"),
         *range.end(),

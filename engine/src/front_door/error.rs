@@ -87,14 +87,25 @@ impl Error {
         }
     }
 
-    pub(super) fn lacking(suspension: &Suspension, characteristic: Characteristic) -> Option<Self> {
+    /// An error if the suspension lacks what a characteristic is made of.
+    pub(super) fn if_lacking(
+        suspension: &Suspension,
+        characteristic: Characteristic,
+    ) -> Result<(), Self> {
         let info = characteristic.info();
-        let need = info.needs.iter().find(|need| !need.met_by(suspension))?;
-        Some(Error::Lacking {
-            characteristic: info.name,
-            need: need.words(),
-        })
+        match info.needs.iter().find(|need| !need.met_by(suspension)) {
+            None => Ok(()),
+            Some(need) => Err(Error::Lacking {
+                characteristic: info.name,
+                need: need.words(),
+            }),
+        }
     }
+}
+
+/// The figure, if it is finite.
+pub(super) fn finite(what: &str, value: f64) -> Result<f64, Error> {
+    checked(what, value, "a finite number", f64::is_finite)
 }
 
 /// The figure, if it is what is expected.

@@ -211,10 +211,7 @@ impl DesignFunction {
             return Err(FunctionError::NoOutputs);
         }
         let stations = Stations::of(&study.motion, &study.suspension.frame, &[]);
-        let of_motion = stations
-            .of_motion()
-            .map(|(rack, value)| stations.number(rack, value))
-            .collect();
+        let of_motion = stations.of_motion().collect();
         let variables: Vec<Variable> = names.iter().map(|v| v.moved.clone()).collect();
         let mut moved: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
         moved.sort_unstable();
@@ -278,12 +275,13 @@ impl DesignFunction {
             Drive::Travel => v,
             Drive::ArmAngle => v.to_degrees(),
         };
-        let stations = self.stations.of_motion();
-        let at = |(r, v): (usize, usize)| {
-            let (rack, value) = (self.stations.racks[r], self.stations.values()[v]);
+        let stations = &self.stations;
+        let at = |station: &usize| {
+            let value = stations.values()[stations.value_of(*station)];
+            let rack = stations.racks[stations.rack_of(*station)];
             [printed(value), sign * rack + 0.0]
         };
-        stations.map(at).collect()
+        self.of_motion.iter().map(at).collect()
     }
 
     /// Number of stations.

@@ -11,7 +11,7 @@ use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
 use crate::plan::Plan;
 use crate::report::{Record, ToleranceSummary, curves_csv};
-use crate::study::{Order, Study, Tolerance};
+use crate::study::{Outputs, Study, Tolerance};
 use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -216,22 +216,13 @@ impl Fan {
     fn of(study: &Study, problem: &Problem, builds: &MonteCarlo) -> Result<Self, DesignFault> {
         let mut plain = study.clone();
         plain.formulation = crate::study::Formulation::KnucklePose;
-        plain.outputs.points.clear();
-        plain.outputs.knuckle = false;
-        plain.outputs.order = Order::Position;
-        plain.outputs.sensitivities.clear();
-        plain.outputs.certify = false;
-        plain.outputs.loads.clear();
+        plain.outputs = Outputs::of(plain.outputs.characteristics);
         let plan = Plan::of(&plain);
         let drawn = curves(&study.suspension, &plan)?;
-        let cells: Vec<usize> = problem
-            .stations
-            .of_motion()
-            .map(|(rack, value)| problem.stations.number(rack, value))
-            .collect();
+        let stations: Vec<usize> = problem.stations.of_motion().collect();
         let percentiles = FANS.map(|(_, _, percentile)| {
             let mut curves = drawn.clone();
-            for (station, number) in curves.stations.iter_mut().zip(&cells) {
+            for (station, number) in curves.stations.iter_mut().zip(&stations) {
                 for (output, value) in station.values.iter_mut().enumerate() {
                     let spread = &builds.spreads[problem.cell(output, *number)];
                     let found = spread.percentiles[percentile] * drawn.columns[output].factor();

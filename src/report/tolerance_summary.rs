@@ -522,7 +522,7 @@ fn values(
             let cell = problem.cell(output, station);
             let spread = &builds.spreads[cell];
             let travel = stations.values()[stations.value_of(station)];
-            let rack = stations.racks[station / stations.values().len()];
+            let rack = stations.racks[stations.rack_of(station)];
             let deviation = expansion.variance[cell].sqrt();
             // What is aligned away is rounding, and rounding has no shares.
             let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);

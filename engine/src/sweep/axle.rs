@@ -7,6 +7,7 @@ use super::Stations;
 use super::axle_gains::axle_gains;
 use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, Evaluator, FailedStation, Pairs, SolvesOneByOne, StationFailure};
+use super::stations::place_of;
 use crate::axle::{
     Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion,
 };
@@ -125,15 +126,6 @@ impl<'s> AxleStations<'s> {
             solver: solver.map_err(|(_, fault)| fault)?,
         }))
     }
-}
-
-/// The number of a position, which is added where it is not there.
-fn place_of(placements: &mut Vec<Placement>, placement: Placement) -> usize {
-    let known = placements.iter().position(|p| *p == placement);
-    known.unwrap_or_else(|| {
-        placements.push(placement);
-        placements.len() - 1
-    })
 }
 
 /// Both wheels of the design of this number, of so many points each.

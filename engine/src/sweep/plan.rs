@@ -333,8 +333,8 @@ impl<'s> SweepPlan<'s> {
         for (k, (column, gains)) in self.values.iter().zip(&self.gains).enumerate() {
             let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (rack, value) in self.stations.of_motion() {
-                let value = value_at(self.stations.number(rack, value)) * factor;
+            for station in self.stations.of_motion() {
+                let value = value_at(station) * factor;
                 // A range over a part of the motion would look like one over all of it.
                 (min, max) = match value.is_nan() {
                     true => (f64::NAN, f64::NAN),

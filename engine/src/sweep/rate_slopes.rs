@@ -57,7 +57,7 @@ impl<'a> RateSlopes<'a> {
             motion: MotionPoint {
                 drive: stations.drive,
                 value,
-                rack: stations.racks[station / stations.values().len()],
+                rack: stations.racks[stations.rack_of(station)],
             },
             constants: Constants::of(suspension),
             slots,

@@ -29,24 +29,13 @@ impl Stations {
     /// the study puts the rack, or straight ahead where the study moves it.
     pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
         let mut values = motion.values.clone();
-        let mut place = |value: f64| {
-            let known = values.iter().position(|v| *v == value);
-            known.unwrap_or_else(|| {
-                values.push(value);
-                values.len() - 1
-            })
-        };
         for value in further {
-            place(*value);
+            place_of(&mut values, *value);
         }
-        let design = place(0.0);
+        let design = place_of(&mut values, 0.0);
         let mut racks = motion.rack.clone();
         let straight = if motion.rack_moves { 0.0 } else { racks[0] };
-        let home = racks.iter().position(|r| *r == straight);
-        let home = home.unwrap_or_else(|| {
-            racks.push(straight);
-            racks.len() - 1
-        });
+        let home = place_of(&mut racks, straight);
         let sign = frame.sign(Axis::Y);
         Stations {
             drive: motion.drive.in_kernel(),
@@ -110,6 +99,11 @@ impl Stations {
         station % self.values().len()
     }
 
+    /// The rack displacement of a station, by number.
+    pub fn rack_of(&self, station: usize) -> usize {
+        station / self.values().len()
+    }
+
     /// The station of the design position.
     pub fn design(&self) -> usize {
         self.number(self.home, self.design)
@@ -121,11 +115,20 @@ impl Stations {
         Some(self.number(self.home, value))
     }
 
-    /// The motion's own stations, rack displacement by rack displacement, as (rack, drive value), both
-    /// by number.
-    pub fn of_motion(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (0..self.racks_of_motion).flat_map(|rack| (0..self.of_motion).map(move |v| (rack, v)))
+    /// The motion's own stations, rack displacement by rack displacement.
+    pub fn of_motion(&self) -> impl Iterator<Item = usize> + '_ {
+        let racks = 0..self.racks_of_motion;
+        racks.flat_map(move |rack| (0..self.of_motion).map(move |value| self.number(rack, value)))
     }
+}
+
+/// The number of a place in a list, to which it is added where it is not there.
+pub(super) fn place_of<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
+    let known = places.iter().position(|p| *p == place);
+    known.unwrap_or_else(|| {
+        places.push(place);
+        places.len() - 1
+    })
 }
 
 #[cfg(test)]
@@ -154,7 +157,7 @@ mod tests {
         assert_eq!(stations.at(20.0), Some(9));
         assert_eq!(stations.at(1.0), None);
         let own: Vec<_> = stations.of_motion().collect();
-        assert_eq!(own, [(0, 0), (0, 1), (1, 0), (1, 1)]);
+        assert_eq!(own, [0, 1, 4, 5]);
         let fixed = Stations::of(&motion(&[0.0], &[3.0]), &frame, &[]);
         assert_eq!((fixed.count(), fixed.design()), (1, 0));
     }

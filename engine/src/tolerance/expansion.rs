@@ -15,7 +15,7 @@ use crate::model::SteeringAxis;
 use crate::number::Jet;
 use crate::plan::Plan;
 use crate::solve::{Solver, StationOrder};
-use crate::study::{Drive, Formulation, Order, Source};
+use crate::study::{Drive, Formulation, Outputs, Source};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -157,12 +157,7 @@ fn plan(problem: &Problem) -> Plan {
     let mut study = problem.study.clone();
     study.suspension = problem.workshops[0].assembler.suspension().clone();
     study.formulation = Formulation::KnucklePose;
-    study.outputs.characteristics = problem.characteristics().to_vec();
-    study.outputs.points.clear();
-    study.outputs.knuckle = false;
-    study.outputs.order = Order::Position;
-    study.outputs.certify = false;
-    study.outputs.loads.clear();
+    study.outputs = Outputs::of(problem.characteristics().to_vec());
     study.motion.drive = Drive::Travel;
     study.motion.time = None;
     let mut plan = Plan::of(&study);

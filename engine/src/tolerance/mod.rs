@@ -105,10 +105,7 @@ impl<'a> Problem<'a> {
             let output = output.expect("every band's characteristic is looked at");
             let places: Vec<usize> = match band.at {
                 Some(at) => stations.at(at).into_iter().collect(),
-                None => stations
-                    .of_motion()
-                    .map(|(rack, value)| stations.number(rack, value))
-                    .collect(),
+                None => stations.of_motion().collect(),
             };
             let cells = places.into_iter().map(|station| [output, station]);
             (cells.collect(), band.between)

@@ -20,13 +20,15 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     );
     names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
     let sign = suspension.frame.sign(Axis::Y);
-    let station = |(rack, value): (usize, usize)| {
-        let mut values = vec![motion.drive.printed(plan.stations.values()[value])];
-        values.extend(motion.rack_moves.then(|| plan.stations.racks[rack] * sign));
+    let stations = &plan.stations;
+    let place = |station: usize| {
+        let (rack, value) = (stations.rack_of(station), stations.value_of(station));
+        let mut values = vec![motion.drive.printed(stations.values()[value])];
+        values.extend(motion.rack_moves.then(|| stations.racks[rack] * sign));
         values.extend(motion.time.as_ref().map(|law| law.times[value]));
-        (plan.stations.number(rack, value), values)
+        (station, values)
     };
-    (names, plan.stations.of_motion().map(station).collect())
+    (names, stations.of_motion().map(place).collect())
 }
 
 /// What the motion says of each position; what follows from it (the travels in roll) is not kept.

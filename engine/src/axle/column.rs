@@ -89,10 +89,7 @@ impl AxleColumn {
     }
 
     fn quantity_in(&self, quantity: Quantity, read: &Read) -> Result<f64, Void> {
-        if read.is_stuck(quantity) {
-            return Err(Void::Toggle);
-        }
-        let value = quantity.value(&read.state)?;
+        let value = read.value(quantity)?;
         Ok(match (self.by, self.order) {
             (None, _) => value,
             (Some(motion), 1) => quantity.evaluate(&read.state.moving(motion))[1],

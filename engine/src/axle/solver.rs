@@ -10,7 +10,7 @@ use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, 
 use super::setup::Setup;
 use super::state::{Hold, Motion, State};
 use super::taylor::{Line, Taylor};
-use super::{Axle, Quantity};
+use super::{Axle, Quantity, Void};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
@@ -629,6 +629,14 @@ pub struct Read<'a> {
 }
 
 impl Read<'_> {
+    /// The value of a quantity, or why there is none.
+    pub fn value(&self, quantity: Quantity) -> Result<f64, Void> {
+        match self.is_stuck(quantity) {
+            true => Err(Void::Toggle),
+            false => quantity.value(&self.state),
+        }
+    }
+
     /// Whether a quantity moves with a rocker that is at toggle or beyond.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = [Side::Left, Side::Right].into_iter();

@@ -127,8 +127,7 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
             let mut there: Vec<Quantity> = Vec::new();
             let mut places = Vec::new();
             for (k, (quantity, column)) in quantities.iter().zip(&course.columns).enumerate() {
-                let value = quantity.value(&read.state);
-                if let (Ok(value), false) = (value, read.is_stuck(*quantity)) {
+                if let Ok(value) = read.value(*quantity) {
                     values[k * stations + station] = value * column.factor;
                     there.push(*quantity);
                     places.push((k * stations + station, column.factor));

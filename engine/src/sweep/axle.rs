@@ -177,9 +177,7 @@ impl<const N: usize> OneByOne<'_, N> {
             };
             for (k, quantity) in stations.quantities.iter().enumerate() {
                 // What has no value by its definition leaves its cell empty.
-                if !read.is_stuck(*quantity)
-                    && let Ok(value) = quantity.value(&read.state)
-                {
+                if let Ok(value) = read.value(*quantity) {
                     block.put(number, k, station, value);
                 }
             }

@@ -53,8 +53,7 @@ fn found<const N: usize>(
             continue;
         };
         let receive = |output: usize, by: [&[Vector3<f64>]; 2]| {
-            let quantity = stations.quantities[output];
-            if read.is_stuck(quantity) || quantity.value(&read.state).is_err() {
+            if read.value(stations.quantities[output]).is_err() {
                 return;
             }
             let cell = problem.cell(output, station);

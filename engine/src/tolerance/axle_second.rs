@@ -99,9 +99,7 @@ impl<'p> Places<'p> {
                 Some((pose, solvers[side as usize].factorise(&pose, &point)?))
             };
             let [left, right] = read.state.wheels().map(|wheel| wheel.rise());
-            let has_value = |quantity: &Quantity| {
-                !read.is_stuck(*quantity) && quantity.value(&read.state).is_ok()
-            };
+            let has_value = |quantity: &Quantity| read.value(*quantity).is_ok();
             Some(Place {
                 travels: placed.travels,
                 roll: placed.roll,

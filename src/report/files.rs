@@ -40,7 +40,7 @@ impl MotionColumns {
     fn names(&self) -> Vec<String> {
         let unit = self.length.symbol();
         let mut names = vec![format!("travel_{unit}")];
-        let angle = || format!("{}_deg", self.drive.key());
+        let angle = || self.drive.column(self.length);
         names.extend(self.drive.is_angle().then(angle));
         names.extend(self.rack.then(|| format!("rack_{unit}")));
         names.extend(self.time.then(|| "time_s".to_owned()));

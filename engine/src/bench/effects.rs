@@ -151,11 +151,9 @@ impl Effects {
         let mut base = study.clone();
         base.formulation = Formulation::KnucklePose;
         base.motion = Motion {
-            drive: crate::study::Drive::Travel,
             values: subject.travels.clone(),
             rack: study.motion.rack[..1].to_vec(),
-            rack_moves: false,
-            time: None,
+            ..Motion::still()
         };
         base.outputs = Outputs::of(vec![Characteristic::Camber]);
         base.suspension.vehicle = Vehicle::default();

@@ -75,11 +75,8 @@ impl Throughput {
     pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
         let motion = Motion {
-            drive: Drive::Travel,
             values: study.motion.values.clone(),
-            rack: vec![0.0],
-            rack_moves: false,
-            time: None,
+            ..Motion::still()
         };
         let stations = Stations::of(&motion, &suspension.frame, &[]);
         let at_angles = at_arm_angles(&motion, &suspension.frame);

@@ -5,7 +5,7 @@ use super::error::{checked, finite};
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::study::{
-    Designs, Drive, FileFormat, Formulation, Interpolation, Motion, Move, Optimise, Order, Outputs,
+    Designs, FileFormat, Formulation, Interpolation, Motion, Move, Optimise, Order, Outputs,
     Sampled, Sampling, Site, Study, Subject, Sweep, SweepVariable, Target, Variable, Wanted,
 };
 use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
@@ -20,19 +20,8 @@ impl Motion {
         Ok(Motion {
             values: vec![finite("the travel", travel)?],
             rack: vec![finite("the rack displacement", rack)?],
-            ..Motion::of_design()
+            ..Motion::still()
         })
-    }
-
-    /// The design position.
-    fn of_design() -> Self {
-        Motion {
-            drive: Drive::Travel,
-            values: vec![0.0],
-            rack: vec![0.0],
-            rack_moves: false,
-            time: None,
-        }
     }
 
     /// Travels from one end of a range to the other, both included, as many as `stations`, the rack straight ahead.
@@ -53,7 +42,7 @@ impl Motion {
             values: (0..stations)
                 .map(|k| low * (1.0 - step(k)) + high * step(k))
                 .collect(),
-            ..Motion::of_design()
+            ..Motion::still()
         })
     }
 
@@ -85,7 +74,7 @@ impl Study {
             text: String::new(),
             inputs: Vec::new(),
             suspension,
-            motion: Motion::of_design(),
+            motion: Motion::still(),
             motions: Vec::new(),
             formulation: Formulation::KnucklePose,
             outputs: Outputs::of(Vec::new()),

@@ -6,7 +6,7 @@ use super::names::choose;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
-use crate::model::{self, Suspension};
+use crate::model::{self, LengthUnit, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
@@ -36,6 +36,14 @@ impl Drive {
     /// Whether its values are angles.
     pub fn is_angle(self) -> bool {
         self != Drive::Travel
+    }
+
+    /// The name of its column, with the unit.
+    pub fn column(self, length: LengthUnit) -> String {
+        match self.is_angle() {
+            true => format!("{}_deg", self.key()),
+            false => format!("{}_{}", self.key(), length.symbol()),
+        }
     }
 
     /// What of the kernel's drives it moves.
@@ -68,7 +76,7 @@ fn degrees(angle: f64) -> f64 {
 
 impl Motion {
     /// The design position alone.
-    pub(super) fn still() -> Self {
+    pub(crate) fn still() -> Self {
         Motion {
             drive: Drive::Travel,
             values: vec![0.0],

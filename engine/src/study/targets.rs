@@ -435,10 +435,7 @@ impl Place<'_> {
 
     /// The name of the drive's column in files.
     fn drive_column(&self, context: &Context) -> String {
-        match self.motion.drive {
-            drive if drive.is_angle() => format!("{}_deg", drive.key()),
-            _ => format!("travel_{}", context.suspension.length_unit.symbol()),
-        }
+        self.motion.drive.column(context.suspension.length_unit)
     }
 }
 

@@ -544,10 +544,9 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         seed,
         designs: samples.designs(),
         blocks_of_part: BLOCKS_OF_PART,
-        drive: match (&study.axle, motion.drive.is_angle()) {
-            (Some(both), _) => both.plan.course.moving()[0].column(unit),
-            (None, true) => format!("{}_deg", motion.drive.key()),
-            (None, false) => format!("{}_{}", motion.drive.key(), unit.symbol()),
+        drive: match &study.axle {
+            Some(both) => both.plan.course.moving()[0].column(unit),
+            None => motion.drive.column(unit),
         },
         stations: stations.count(),
         variables: variables.collect(),

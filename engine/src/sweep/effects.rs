@@ -77,7 +77,7 @@ impl Effects {
         k: usize,
     ) -> Effects {
         let moments = &tally.moments;
-        let (n, width) = (moments.count as f64, record.outputs.len());
+        let n = moments.count as f64;
         let mean = moments.y[k] / n;
         let squares = (moments.yy[k] - n * mean * mean).max(0.0);
         let reference = record.outputs[k].at_design.unwrap_or(0.0);
@@ -91,7 +91,7 @@ impl Effects {
         if effects.deviation <= CONSTANT * size {
             return effects;
         }
-        let fitted = plane.map(|plane| (plane, plane.slopes(tally, k, width)));
+        let fitted = plane.map(|plane| (plane, plane.slopes(tally, k)));
         if let Some((_, (slopes, explained))) = &fitted {
             effects.r2 = Some((explained / (squares / n)).clamp(0.0, 1.0));
             for (effect, slope) in effects.of.iter_mut().zip(slopes) {
@@ -102,14 +102,14 @@ impl Effects {
             match record.method.as_str() {
                 "file" => {}
                 "saltelli" => {
-                    (effect.share, effect.total) = exchanged(tally, variable, k, width);
+                    (effect.share, effect.total) = exchanged(tally, variable, k);
                 }
                 "grid" if tally.solved == tally.designs => {
-                    let (between, _) = between_levels(tally, variable, k, width, None);
+                    let (between, _) = between_levels(tally, variable, k, None);
                     effect.share = Some((between / squares).clamp(0.0, 1.0));
                 }
                 _ if moments.count < tally.designs => {
-                    let by_levels = between_levels(tally, variable, k, width, None);
+                    let by_levels = between_levels(tally, variable, k, None);
                     let share = share(by_levels, squares, 0.0, n);
                     effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
                 }
@@ -117,8 +117,7 @@ impl Effects {
                     if let Some((plane, (slopes, explained))) = &fitted {
                         let left = (squares - n * explained).max(0.0);
                         let linear = n * slopes[variable].powi(2) * plane.variances[variable];
-                        let by_levels =
-                            between_levels(tally, variable, k, width, Some((plane, slopes)));
+                        let by_levels = between_levels(tally, variable, k, Some((plane, slopes)));
                         let share = share(by_levels, left, linear, n);
                         effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
                     }
@@ -135,10 +134,9 @@ fn between_levels(
     tally: &SweepStatistics,
     variable: usize,
     k: usize,
-    width: usize,
     plane: Option<(&Plane, &Vec<f64>)>,
 ) -> (f64, f64) {
-    let levels = &tally.levels.of[variable];
+    let (levels, width) = (&tally.levels.of[variable], tally.moments.y.len());
     let mean = tally.moments.y[k] / tally.moments.count as f64;
     let (mut between, mut met) = (0.0, 0.0);
     for (level, count) in levels.counts.iter().enumerate().filter(|(_, c)| **c > 0) {
@@ -168,12 +166,7 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
 }
 
 /// First-order and total index from Saltelli's samples.
-fn exchanged(
-    tally: &SweepStatistics,
-    variable: usize,
-    k: usize,
-    width: usize,
-) -> (Option<f64>, Option<f64>) {
+fn exchanged(tally: &SweepStatistics, variable: usize, k: usize) -> (Option<f64>, Option<f64>) {
     let sums = &tally.exchanges;
     if sums.groups < 2 {
         return (None, None);
@@ -181,7 +174,7 @@ fn exchanged(
     let n = sums.groups as f64;
     let mean = sums.sum[k] / (2.0 * n);
     let variance = sums.squares[k] / (2.0 * n) - mean * mean;
-    let at = variable * width + k;
+    let at = variable * sums.sum.len() + k;
     // y_B about the mean: the same in the limit, with less noise.
     let first = (sums.first[at] - mean * sums.steps[at]) / n;
     let total = 0.5 * sums.total[at] / n;
@@ -224,12 +217,12 @@ impl Plane {
     }
 
     /// The slopes by the scaled variables, and the variance they explain.
-    fn slopes(&self, tally: &SweepStatistics, k: usize, width: usize) -> (Vec<f64>, f64) {
+    fn slopes(&self, tally: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
         let moments = &tally.moments;
         let n = moments.count as f64;
         let mean = moments.y[k] / n;
         let with_y = DVector::from_fn(self.mean.len(), |i, _| {
-            moments.uy[i * width + k] / n - self.mean[i] * mean
+            moments.uy[i * moments.y.len() + k] / n - self.mean[i] * mean
         });
         let slopes = self.factors.solve(&with_y);
         let explained = slopes.dot(&with_y);

@@ -227,28 +227,20 @@ impl DesignFunction {
             moved,
             axle,
         };
-        if let Some(course) = &function.axle {
-            let sound = course.evaluator(true).map(drop);
-            return match sound {
-                Ok(()) => Ok(function),
-                Err((side, fault)) => {
-                    let mechanism = &course.both.axle.suspension(side).mechanism;
-                    let reason = fault.describe(mechanism);
-                    let reason = format!("{} wheel: {reason}", side.name());
-                    Err(FunctionError::Design(reason))
-                }
-            };
-        }
-        // From here on workspaces can be made.
-        let sound = function.values().map(drop);
-        let sound = sound.and_then(|()| function.gradients().map(drop));
-        match sound {
-            Ok(()) => Ok(function),
-            Err(fault) => {
-                let reason = fault.describe(&function.suspension.mechanism);
-                Err(FunctionError::Design(reason))
+        let sound = match &function.axle {
+            Some(course) => course.evaluator(true).map(drop).map_err(|(side, fault)| {
+                let mechanism = &course.both.axle.suspension(side).mechanism;
+                format!("{} wheel: {}", side.name(), fault.describe(mechanism))
+            }),
+            None => {
+                let sound = function.values().map(drop);
+                let sound = sound.and_then(|()| function.gradients().map(drop));
+                sound.map_err(|fault| fault.describe(&function.suspension.mechanism))
             }
-        }
+        };
+        // From here on workspaces can be made.
+        sound.map_err(FunctionError::Design)?;
+        Ok(function)
     }
 
     /// What moves, with names and ranges.

@@ -1,11 +1,7 @@
 //! Running a plan with the formulation in point coordinates.
 
 use super::run::{Findings, Run};
-use crate::attia;
-use crate::attia::Rates;
-use crate::attia::Refusal;
-use crate::attia::{PointCoordinates, Pose};
-use crate::attia::{Strut, StrutPoints};
+use crate::attia::{self, PointCoordinates, Pose, Rates, Refusal, Strut, StrutPoints};
 use crate::mechanism::{Configuration, DesignFault, Failure};
 use crate::number::Jet;
 use crate::study::Drive;

@@ -61,17 +61,22 @@ impl<'a, const N: usize> Run<'a, N> {
         let loads = Loads::of(&suspension.mechanism, suspension.frame, &plan.loads);
         let mut columns = Column::all(plan, suspension.length_unit);
         columns.extend(loads.columns());
-        let at = |rack: f64, number: usize, value: f64| Station {
-            travel: (plan.drive == Drive::Travel).then_some(value),
-            angle: plan.drive.is_angle().then(|| plan.drive.printed(value)),
-            rack,
-            time: plan.time.as_ref().map(|law| law.times[number]),
-            // Of what is not on the course nothing more will be known.
-            status: Status::Failed(Failure::DeadCentre),
-            values: vec![None; columns.len()],
-            condition: None,
-            proof: None,
-        };
+        let mut stations = Vec::with_capacity(plan.stations());
+        for rack in &plan.racks {
+            for (number, value) in plan.station_order.values().iter().enumerate() {
+                stations.push(Station {
+                    travel: (plan.drive == Drive::Travel).then_some(*value),
+                    angle: plan.drive.is_angle().then(|| plan.drive.printed(*value)),
+                    rack: *rack,
+                    time: plan.time.as_ref().map(|law| law.times[number]),
+                    // Of what is not on the course nothing more will be known.
+                    status: Status::Failed(Failure::DeadCentre),
+                    values: vec![None; columns.len()],
+                    condition: None,
+                    proof: None,
+                });
+            }
+        }
         let rockers: Vec<_> = plan
             .outputs
             .iter()
@@ -79,21 +84,13 @@ impl<'a, const N: usize> Run<'a, N> {
             .collect();
         let watched = rockers.iter().flatten().copied().chain(loads.rocker());
         let toggles = Toggles::of(&suspension.mechanism, watched);
-        let along = |rack: &f64| {
-            let rack = *rack;
-            let values = plan.station_order.values().iter().enumerate();
-            values.map(move |(number, value)| (rack, number, *value))
-        };
-        let stations = plan.racks.iter().flat_map(along);
         Run {
             suspension,
             plan,
             design_series: DesignSeries::new(&suspension.mechanism, &suspension.design)
                 .with_steering_axis(plan.reads_steering_axis())
                 .with_sensitivities_to(&suspension.mechanism, &plan.sensitivities),
-            stations: stations
-                .map(|(rack, number, value)| at(rack, number, value))
-                .collect(),
+            stations,
             columns,
             loads,
             rockers,
@@ -109,7 +106,8 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::KnucklePose => self.by_knuckle_pose()?,
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
-        in_order(&mut self.sensitivities);
+        // The march goes outward; results are in the order of the motion.
+        self.sensitivities.sort_by_key(|s| s.station);
         Ok(Curves {
             columns: self.columns,
             stations: self.stations,
@@ -389,9 +387,4 @@ impl ByTime {
             _ => second * velocity * velocity + first * acceleration,
         }
     }
-}
-
-/// The march goes outward; results are in the order of the motion.
-fn in_order(sensitivities: &mut [Sensitivity]) {
-    sensitivities.sort_by_key(|s| s.station);
 }

@@ -4,12 +4,13 @@
 //! wheel has hardpoints of its own.
 
 use super::Stations;
-use super::axle_gains::axle_gains;
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{Block, Evaluator, FailedStation, Pairs, SolvesOneByOne, StationFailure};
+use super::evaluate::{
+    Block, Evaluator, FailedStation, FindsSlopes, Pairs, SolvesOneByOne, StationFailure,
+};
 use super::stations::place_of;
 use crate::axle::{
-    Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, WheelMotion,
+    Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read, WheelMotion,
 };
 use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure};
@@ -81,11 +82,6 @@ impl<'s> AxleStations<'s> {
         [quantity, station].map(|place| place.expect("the plan has what is looked at"))
     }
 
-    /// The design position.
-    pub(super) fn design_placement(&self) -> Placement {
-        self.placements[self.design]
-    }
-
     /// As the stations of a sweep.
     pub(crate) fn stations(&self) -> Stations {
         Stations::listed(&self.values, self.of_motion, self.design)
@@ -105,35 +101,36 @@ impl<'s> AxleStations<'s> {
     /// An evaluator of designs, in lanes of a width, or one by one alone.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
-        let one_by_one = match orders.max().unwrap_or(0) {
-            0 => self.one_by_one::<1>()?,
-            1 => self.one_by_one::<2>()?,
-            _ => self.one_by_one::<3>()?,
+        let one_by_one: Box<dyn SolvesOneByOne> = match orders.max() {
+            None | Some(0) => OneByOne::<1>::new(self, false)?,
+            Some(1) => OneByOne::<2>::new(self, false)?,
+            Some(_) => OneByOne::<3>::new(self, false)?,
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        evaluator.slopes = axle_gains(self)?;
+        // Gains take one derivative more than the values do, which lanes do not carry.
+        let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
+        if let Some(order) = quantities.map(|q| q.rate_order()).max() {
+            evaluator.slopes = Some(match order {
+                0 => OneByOne::<2>::new(self, self.steers)?,
+                1 => OneByOne::<3>::new(self, self.steers)?,
+                _ => OneByOne::<4>::new(self, self.steers)?,
+            });
+        }
         if let Some(width) = width {
             evaluator.lanes = AxleLanes::new(self, width).map(|lanes| Box::new(lanes) as _);
         }
         Ok(evaluator)
     }
-
-    fn one_by_one<const N: usize>(&self) -> Result<Box<dyn SolvesOneByOne + '_>, DesignFault> {
-        let solver = AxleSolver::<N>::new(&self.axle, &self.quantities, false);
-        Ok(Box::new(OneByOne {
-            stations: self,
-            solver: solver.map_err(|(_, fault)| fault)?,
-        }))
-    }
 }
 
 /// Both wheels of the design of this number, of so many points each.
-pub(super) fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
+fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
     [left, right].map(|designs| &designs[number * points..(number + 1) * points])
 }
 
+/// Solves axles one after another, with `N` coefficients of every series.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
@@ -152,7 +149,37 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
     }
 }
 
-impl<const N: usize> OneByOne<'_, N> {
+/// The derivatives in the design position by each number that moves.
+impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
+        let points = self.stations.axle.left.design.len();
+        for number in 0..designs[0].len() / points {
+            let read = self.read_design(pair(designs, number, points));
+            for (k, column) in self.stations.gains.iter().enumerate() {
+                let gain = read.as_ref().and_then(|read| column.evaluate(read)?.ok());
+                block.put_slope(number, k, gain.unwrap_or(f64::NAN));
+            }
+        }
+    }
+}
+
+impl<'a, const N: usize> OneByOne<'a, N> {
+    fn new(stations: &'a AxleStations<'a>, by_rack: bool) -> Result<Box<Self>, DesignFault> {
+        let solver = AxleSolver::new(&stations.axle, &stations.quantities, by_rack);
+        Ok(Box::new(OneByOne {
+            stations,
+            solver: solver.map_err(|(_, fault)| fault)?,
+        }))
+    }
+
+    /// What is read in the design position.
+    fn read_design(&mut self, wheels: Pairs<'_>) -> Option<Read<'a>> {
+        self.solver.prepare(wheels).ok()?;
+        let design = self.stations.placements[self.stations.design];
+        let placed = self.solver.place(&design).ok()?;
+        self.solver.read(&placed).ok()
+    }
+
     fn evaluate_design(
         &mut self,
         number: usize,

@@ -7,7 +7,6 @@
 
 mod aligned;
 mod axle;
-mod axle_gains;
 mod axle_lanes;
 pub mod csv;
 mod effects;

@@ -10,7 +10,7 @@ mod axle;
 
 use self::axle::{AxleCourse, AxleEvaluator};
 use crate::characteristics::{Quantity, with_unit};
-use crate::evaluate::{Evaluated, GradientEvaluator, Unsolved};
+use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
@@ -315,12 +315,10 @@ impl DesignFunction {
 
     fn gradients(&self) -> Result<Gradients<'_>, DesignFault> {
         let (suspension, quantities) = (&*self.suspension, &self.quantities[..]);
-        let width = Some(Width::widest());
-        let evaluator = GradientEvaluator::new(suspension, &self.stations, quantities, width)?;
+        let (stations, width) = (&self.stations, Some(Width::widest()));
+        let moved = &self.moved;
         Ok(Gradients {
-            evaluator: evaluator
-                .with_sensitivities_to(&self.moved)
-                .with_every_station(),
+            evaluator: GradientEvaluator::new(suspension, stations, quantities, moved, width)?,
             found: Evaluated::default(),
         })
     }
@@ -531,7 +529,6 @@ impl<'f> Evaluation<'f> {
     ) -> DesignStatus {
         let f = self.function;
         let width = f.variables.len();
-        let mut status = DesignStatus::Ok;
         for (k, output) in f.outputs.iter().enumerate() {
             for (s, station) in f.of_motion.iter().enumerate() {
                 let place = k * f.of_motion.len() + s;
@@ -550,12 +547,11 @@ impl<'f> Evaluation<'f> {
                 }
             }
         }
-        if f.of_motion.iter().any(|s| !found.is_solved(number, *s)) {
-            status = DesignStatus::Failed;
-        }
-        match found.unsolved(number) {
-            Some(Unsolved::Fault(_)) => DesignStatus::Faulty,
-            _ => status,
+        let is_solved = |station: &usize| found.is_solved(number, *station);
+        match found.fault(number) {
+            Some(_) => DesignStatus::Faulty,
+            None if f.of_motion.iter().all(is_solved) => DesignStatus::Ok,
+            None => DesignStatus::Failed,
         }
     }
 

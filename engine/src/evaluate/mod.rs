@@ -7,20 +7,11 @@
 mod one_by_one;
 
 use crate::characteristics::Quantity;
-use crate::mechanism::{DesignFault, Failure};
+use crate::mechanism::DesignFault;
 use crate::model::{PointId, Suspension};
 use crate::number::{Vector3, Width};
 use crate::sweep::{Gradients, Jacobians, Stations};
-use one_by_one::OneByOne;
-
-/// Why a design has no values.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Unsolved {
-    /// The design itself.
-    Fault(DesignFault),
-    /// A station, by its number; further ones may fail as well.
-    Station(usize, Failure),
-}
+use one_by_one::{OneByOne, SolvesOneByOne};
 
 /// Values and gradients of some designs, in the kernel's frame, in radians and length units.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +24,7 @@ pub struct Evaluated {
     /// `[design][quantity][station][point]`
     gradients: Vec<Vector3<f64>>,
     /// By design.
-    outcomes: Vec<Result<(), Unsolved>>,
+    faults: Vec<Option<DesignFault>>,
     /// `[design][station]`
     solved: Vec<bool>,
 }
@@ -47,16 +38,15 @@ impl Evaluated {
         self.gradients.clear();
         let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
         self.gradients.resize(all * points, unknown);
-        self.outcomes.clear();
-        self.outcomes.resize(designs, Ok(()));
+        self.faults.clear();
+        self.faults.resize(designs, None);
         self.solved.clear();
         self.solved.resize(designs * stations, false);
     }
 
-    /// Why a design was not solved, its values NaN; `None` where it was. Of several stations the first one that
-    /// was visited.
-    pub fn unsolved(&self, design: usize) -> Option<&Unsolved> {
-        self.outcomes[design].as_ref().err()
+    /// Why a design cannot be solved at all; `None` where it can be.
+    pub fn fault(&self, design: usize) -> Option<&DesignFault> {
+        self.faults[design].as_ref()
     }
 
     /// Whether a design has a pose at a station.
@@ -112,9 +102,7 @@ pub struct GradientEvaluator<'a> {
     /// Those by which gradients are wanted.
     wanted: Vec<PointId>,
     lanes: Option<InLanes<'a>>,
-    one_by_one: ByRateOrder<'a>,
-    /// Whether a design keeps the stations that have a pose where others have none.
-    every_station: bool,
+    one_by_one: Box<dyn SolvesOneByOne + 'a>,
 }
 
 /// Designs side by side, or the stations of one.
@@ -160,14 +148,9 @@ impl InLanes<'_> {
     }
 }
 
-/// The pose's derivatives that values take.
-enum ByRateOrder<'a> {
-    Positions(Box<OneByOne<'a, 1>>),
-    Rates(Box<OneByOne<'a, 2>>),
-}
-
 impl<'a> GradientEvaluator<'a> {
-    /// For designs like that of a suspension, in lanes of a width, or one by one alone.
+    /// For designs like that of a suspension, gradients by these points (those by others are not to be used), in lanes of
+    /// a width, or one by one alone.
     ///
     /// # Errors
     /// Why the suspension's own design cannot be solved.
@@ -175,6 +158,7 @@ impl<'a> GradientEvaluator<'a> {
         suspension: &'a Suspension,
         stations: &'a Stations,
         quantities: &'a [Quantity],
+        points: &[PointId],
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
@@ -182,7 +166,7 @@ impl<'a> GradientEvaluator<'a> {
             stations,
             quantities,
             points: suspension.design.len(),
-            wanted: (0..suspension.design.len()).map(PointId).collect(),
+            wanted: points.to_vec(),
             lanes: width
                 .and_then(|w| Gradients::new(suspension, stations, quantities, w))
                 .map(|gradients| InLanes {
@@ -190,34 +174,10 @@ impl<'a> GradientEvaluator<'a> {
                     gradients,
                 }),
             one_by_one: match rates {
-                false => ByRateOrder::Positions(Box::new(OneByOne::new(
-                    suspension, stations, quantities,
-                )?)),
-                true => {
-                    ByRateOrder::Rates(Box::new(OneByOne::new(suspension, stations, quantities)?))
-                }
+                false => OneByOne::<1>::new(suspension, stations, quantities, points)?,
+                true => OneByOne::<2>::new(suspension, stations, quantities, points)?,
             },
-            every_station: false,
         })
-    }
-
-    /// Leaves out gradients by any but these points; they are not to be used.
-    #[must_use]
-    pub fn with_sensitivities_to(mut self, points: &[PointId]) -> Self {
-        points.clone_into(&mut self.wanted);
-        match &mut self.one_by_one {
-            ByRateOrder::Positions(one) => one.differentiate_by(points),
-            ByRateOrder::Rates(one) => one.differentiate_by(points),
-        }
-        self
-    }
-
-    /// Visits all stations of a design, also where one has no pose, and keeps what the others have; without it the
-    /// first such station ends the design, which then has no values.
-    #[must_use]
-    pub fn with_every_station(mut self) -> Self {
-        self.every_station = true;
-        self
     }
 
     /// Designs that are evaluated side by side.
@@ -225,7 +185,7 @@ impl<'a> GradientEvaluator<'a> {
         self.lanes.as_ref().map_or(1, |l| l.gradients.at_once())
     }
 
-    /// Evaluates designs given as the points of one after the other; returns how many were left to be solved one
+    /// Evaluates designs given as the points of one after the other, at every station that has a pose; returns how many were left to be solved one
     /// by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], into: &mut Evaluated) -> usize {
         let points = self.points;
@@ -251,15 +211,8 @@ impl<'a> GradientEvaluator<'a> {
                 }
                 left += 1;
                 into.forget(place);
-                let every_station = self.every_station;
-                let solved = match &mut self.one_by_one {
-                    ByRateOrder::Positions(one) => one.evaluate(design, place, every_station, into),
-                    ByRateOrder::Rates(one) => one.evaluate(design, place, every_station, into),
-                };
-                if solved.is_err() && !every_station {
-                    into.forget(place);
-                }
-                into.outcomes[place] = solved;
+                let solved = self.one_by_one.evaluate(design, place, into);
+                into.faults[place] = solved.err();
             }
         }
         left

@@ -5,9 +5,7 @@
 
 use super::Stations;
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{
-    Block, Evaluator, FailedStation, FindsSlopes, Pairs, SolvesOneByOne, StationFailure,
-};
+use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne, StationFailure};
 use super::stations::place_of;
 use crate::axle::{
     Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read, WheelMotion,
@@ -194,11 +192,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
             let (placed, read) = match read {
                 Ok(found) => found,
                 Err(failure) => {
-                    block.failures.push(FailedStation {
-                        design: number,
-                        station,
-                        failure: StationFailure::Axle(failure),
-                    });
+                    block.fail(number, station, StationFailure::Axle(failure));
                     continue;
                 }
             };
@@ -210,15 +204,12 @@ impl<'a, const N: usize> OneByOne<'a, N> {
             }
             let stuck = [Side::Left, Side::Right].into_iter().zip(read.toggles);
             if let Some((side, rod)) = stuck.filter_map(|(side, rod)| Some((side, rod?))).next() {
-                block.failures.push(FailedStation {
-                    design: number,
-                    station,
-                    failure: StationFailure::Axle(AxleFailure::Wheel {
-                        side,
-                        travel: placed.travels[side as usize],
-                        failure: Failure::Toggle(rod),
-                    }),
-                });
+                let failure = AxleFailure::Wheel {
+                    side,
+                    travel: placed.travels[side as usize],
+                    failure: Failure::Toggle(rod),
+                };
+                block.fail(number, station, StationFailure::Axle(failure));
             }
         }
         Ok(())

@@ -155,6 +155,15 @@ impl Block {
         self.slopes[place] = slope.finite();
     }
 
+    /// Writes down why a station of a design has no pose, or not all values.
+    pub(super) fn fail(&mut self, design: usize, station: usize, failure: StationFailure) {
+        self.failures.push(FailedStation {
+            design,
+            station,
+            failure,
+        });
+    }
+
     /// Room for the values and the slopes of the designs from one on, as many as are solved together: those
     /// of the next station [`SIDE_BY_SIDE`] numbers on, those of the next output after all stations.
     #[inline(always)]

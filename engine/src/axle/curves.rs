@@ -175,10 +175,15 @@ pub struct AxleCurves {
 impl AxlePlan {
     /// Highest derivative by travel and rack that is read of a wheel.
     pub fn degree(&self) -> usize {
+        self.degree_for(!self.sensitivities.is_empty())
+    }
+
+    /// The same, where derivatives by the design are taken or not.
+    pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
         // On a plane, a derivative by the design moves the travels too.
-        let by_design = usize::from(!self.sensitivities.is_empty() && self.is_on_plane());
+        let by_design = usize::from(by_design && self.is_on_plane());
         orders.max().unwrap_or(0) + along.max(by_design)
     }
 

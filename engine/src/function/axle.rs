@@ -5,7 +5,7 @@
 //! is.
 
 use super::DesignStatus;
-use crate::axle::{AxleColumn, AxlePlan, AxleSolver, Placement, Quantity};
+use crate::axle::{AxleColumn, AxleSolver, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
 use crate::number::Vector3;
@@ -67,36 +67,26 @@ impl AxleCourse {
         &self,
         differentiates: bool,
     ) -> Result<Box<dyn AxleEvaluator + '_>, (Side, DesignFault)> {
-        fn of<'a, const N: usize>(
-            course: &'a AxleCourse,
-        ) -> Result<Box<dyn AxleEvaluator + 'a>, (Side, DesignFault)> {
-            let quantities = &course.both.plan.quantities;
-            Ok(Box::new(OneByOne {
-                course,
-                solver: AxleSolver::<N>::new(&course.both.axle, quantities, false)?,
-            }))
-        }
-        // On a plane, a derivative by the design moves the travels too: as with sensitivities.
-        let points = self.both.axle.left.mechanism.points.len();
-        let plan = AxlePlan {
-            sensitivities: match differentiates {
-                true => (0..points).map(crate::model::PointId).collect(),
-                false => Vec::new(),
-            },
-            ..self.both.plan.clone()
-        };
-        match plan.degree() {
-            0 => of::<1>(self),
-            1 => of::<2>(self),
-            2 => of::<3>(self),
-            _ => of::<4>(self),
-        }
+        Ok(match self.both.plan.degree_for(differentiates) {
+            0 => OneByOne::<1>::new(self)?,
+            1 => OneByOne::<2>::new(self)?,
+            2 => OneByOne::<3>::new(self)?,
+            _ => OneByOne::<4>::new(self)?,
+        })
     }
 }
 
 struct OneByOne<'a, const N: usize> {
     course: &'a AxleCourse,
     solver: AxleSolver<'a, N>,
+}
+
+impl<'a, const N: usize> OneByOne<'a, N> {
+    fn new(course: &'a AxleCourse) -> Result<Box<Self>, (Side, DesignFault)> {
+        let AxleStudy { axle, plan } = &course.both;
+        let solver = AxleSolver::new(axle, &plan.quantities, false)?;
+        Ok(Box::new(OneByOne { course, solver }))
+    }
 }
 
 impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {

@@ -228,10 +228,10 @@ impl DesignFunction {
             axle,
         };
         let sound = match &function.axle {
-            Some(course) => course.evaluator(true).map(drop).map_err(|(side, fault)| {
-                let mechanism = &course.both.axle.suspension(side).mechanism;
-                format!("{} wheel: {}", side.name(), fault.describe(mechanism))
-            }),
+            Some(course) => {
+                let sound = course.evaluator(true).map(drop);
+                sound.map_err(|fault| course.both.axle.describe_fault(fault))
+            }
             None => {
                 let sound = function.values().map(drop);
                 let sound = sound.and_then(|()| function.gradients().map(drop));

@@ -2,8 +2,7 @@
 
 use crate::errors::failure;
 use crate::study::{cause_of, ends};
-use hardpoint::axle::{Axle, AxleEnd, AxleSolver, axle_curves};
-use hardpoint::mechanism::DesignFault;
+use hardpoint::axle::{AxleEnd, AxleSolver, axle_curves};
 use hardpoint::model::{Axis, Side};
 use hardpoint::report::axle_motion;
 use hardpoint::study::AxleStudy;
@@ -19,7 +18,7 @@ pub(crate) fn solve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = py
         .detach(|| axle_curves(axle, plan))
-        .map_err(|(side, found)| fault(axle, side, &found))?;
+        .map_err(|fault| failure(axle.describe_fault(fault)))?;
     let array = |values: Vec<f64>| -> Bound<'py, PyArray1<f64>> { values.into_pyarray(py) };
     let stations = &found.stations;
     let (columns, info) = (PyDict::new(py), PyDict::new(py));
@@ -62,16 +61,6 @@ pub(crate) fn solve<'py>(
     Ok(result)
 }
 
-/// A fault of the design of one wheel.
-pub(crate) fn fault(axle: &Axle, side: Side, fault: &DesignFault) -> PyErr {
-    let mechanism = &axle.suspension(side).mechanism;
-    failure(format!(
-        "{} wheel: {}",
-        side.name(),
-        fault.describe(mechanism)
-    ))
-}
-
 /// How far both travels, the rack and roll go: (lower, upper) with their causes.
 pub(crate) fn limits<'py>(
     py: Python<'py>,
@@ -81,7 +70,7 @@ pub(crate) fn limits<'py>(
         let mut solver = AxleSolver::<1>::new(axle, &[], false)?;
         solver.limits()
     });
-    let found = found.map_err(|(side, found)| fault(axle, side, &found))?;
+    let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let result = PyDict::new(py);
     for (name, range) in ["left_travel", "right_travel"]
         .into_iter()

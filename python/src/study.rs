@@ -299,7 +299,7 @@ pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<Vec<String>> {
     let own = &study.study;
     let doubts = py.detach(|| hardpoint::report::study_doubts(own));
     doubts.map_err(|(side, fault)| match &own.axle {
-        Some(both) => crate::axle::fault(&both.axle, side, &fault),
+        Some(both) => failure(both.axle.describe_fault((side, fault))),
         None => study.fault(&fault),
     })
 }

@@ -35,14 +35,9 @@ pub(super) fn refuse(study: &Study, path: &Path, command: &str, why: &str) -> Re
     }
 }
 
-pub(super) fn fault(path: &Path, axle: &Axle, (side, fault): (Side, DesignFault)) -> Stop {
-    let mechanism = &axle.suspension(side).mechanism;
-    Stop::wrong_input(format!(
-        "{}: {} wheel: {}",
-        path.display(),
-        side.name(),
-        fault.describe(mechanism)
-    ))
+pub(super) fn fault(path: &Path, axle: &Axle, fault: (Side, DesignFault)) -> Stop {
+    let why = axle.describe_fault(fault);
+    Stop::wrong_input(format!("{}: {why}", path.display()))
 }
 
 fn said(

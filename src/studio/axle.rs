@@ -174,11 +174,6 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     })
 }
 
-fn words(axle: &Axle, (side, fault): (Side, DesignFault)) -> String {
-    let mechanism = &axle.suspension(side).mechanism;
-    format!("{} wheel: {}", side.name(), fault.describe(mechanism))
-}
-
 /// Answers a dragged point of an axle.
 pub(super) fn solved(
     opened: &Opened,
@@ -201,7 +196,7 @@ pub(super) fn solved(
             all.len()
         ));
     }
-    let found = axle_curves(&axle, &plan).map_err(|f| words(&axle, f))?;
+    let found = axle_curves(&axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let over = main(&plan.course);
     let places: Vec<Vec<f64>> = found
         .stations
@@ -367,7 +362,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
 /// `curves.csv` of an axle with another left wheel.
 pub(super) fn csv(both: &AxleStudy, left: Suspension) -> Result<Vec<u8>, String> {
     let axle = moved(&both.axle, &left);
-    let found = axle_curves(&axle, &both.plan).map_err(|f| words(&axle, f))?;
+    let found = axle_curves(&axle, &both.plan).map_err(|fault| axle.describe_fault(fault))?;
     Ok(axle_curves_csv(&axle, &both.plan, &found))
 }
 
@@ -382,7 +377,7 @@ pub(super) fn influence(
     let axle = moved(&both.axle, &left);
     let mut plan = asking_for(&both.plan, &axle, names)?;
     plan.sensitivities = vec![point];
-    let found = axle_curves(&axle, &plan).map_err(|f| words(&axle, f))?;
+    let found = axle_curves(&axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let stations = found.stations.len();
     let columns = found.columns.iter().map(|column| InfluenceColumn {
         column: column.name.clone(),

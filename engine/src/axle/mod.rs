@@ -43,6 +43,7 @@ pub use taylor::{Line, Taylor};
 pub use unit::Unit;
 
 use crate::characteristics::Slot;
+use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
 use crate::number::Vector3;
 
@@ -65,6 +66,12 @@ impl Axle {
             (Side::Right, Some(right)) => right,
             _ => &self.left,
         }
+    }
+
+    /// Why the design of a wheel cannot be solved, in words with the names of its points.
+    pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
+        let mechanism = &self.suspension(side).mechanism;
+        format!("{} wheel: {}", side.name(), fault.describe(mechanism))
     }
 
     /// The study's axes as the kernel's frame of a side has them.

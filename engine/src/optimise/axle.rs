@@ -9,7 +9,6 @@ use super::objective::{add_to_row, write_row};
 use super::{Evaluation, Infeasible};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
-use crate::model::Side;
 use crate::number::Vector3;
 use crate::study::{Optimise, Sample, Variable};
 use nalgebra::DVector;
@@ -174,17 +173,9 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
             ways(&own.design, frame, moved.variables, moved.x, right_ways);
             sides[1] = (right, right_ways);
         }
-        let refused = |(side, fault): (Side, DesignFault)| {
-            let mechanism = &axle.suspension(side).mechanism;
-            Infeasible::Refused(format!(
-                "{} wheel: {}",
-                side.name(),
-                fault.describe(mechanism)
-            ))
-        };
         solver
             .prepare(sides.map(|(design, _)| design))
-            .map_err(refused)?;
+            .map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
         for (AxleStation { placement, wishes }, placed) in layout.stations.iter().zip(placed) {

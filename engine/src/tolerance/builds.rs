@@ -10,6 +10,25 @@ use crate::number::{Vector3, Width};
 use crate::sweep::{BLOCK, Block, Evaluator, NotInLanes};
 
 impl Problem<'_> {
+    /// Why no build is solved in SIMD lanes; `None` where most are.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        let builder = Builder::new(self, Some(Width::widest())).ok()?;
+        builder.evaluator.not_in_lanes()
+    }
+
+    /// The values of the suspension as drawn, by cell.
+    pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
+        let mut builder = Builder::new(self, None)?;
+        // Nothing drawn: the numbers are 0. A drawing that cannot be put together is left without values.
+        if builder.build(0).is_err() {
+            return Ok(vec![f64::NAN; self.cells()]);
+        }
+        builder.finish(0, Vec::new());
+        let outputs = 0..self.outputs.len();
+        let values = outputs.flat_map(|output| builder.block.values(0, output));
+        Ok(values.collect())
+    }
+
     /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for. Of an axle
     /// the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
@@ -97,11 +116,6 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Why no build is solved in SIMD lanes; `None` where most are.
-    pub(super) fn not_in_lanes(&self) -> Option<NotInLanes> {
-        self.evaluator.not_in_lanes()
-    }
-
     /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Outcome {
         let tolerance = self.problem.tolerance;
@@ -187,19 +201,6 @@ impl<'a> Builder<'a> {
             incomplete: (incomplete.len() as u64, incomplete.iter().map(number).min()),
         }
     }
-}
-
-/// The values of the suspension as drawn, by cell.
-pub(super) fn drawn_values(problem: &Problem) -> Result<Vec<f64>, DesignFault> {
-    let mut builder = Builder::new(problem, None)?;
-    // Nothing drawn: the numbers are 0. A drawing that cannot be put together is left without values.
-    if builder.build(0).is_err() {
-        return Ok(vec![f64::NAN; problem.cells()]);
-    }
-    builder.finish(0, Vec::new());
-    let outputs = 0..problem.outputs.len();
-    let values = outputs.flat_map(|output| builder.block.values(0, output));
-    Ok(values.collect())
 }
 
 #[cfg(test)]

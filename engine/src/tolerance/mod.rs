@@ -34,11 +34,9 @@ use crate::axle::{Axle, Placement};
 use crate::build::NoSetUp;
 use crate::characteristics::{Characteristic, Info, Quantity};
 use crate::curves::Column;
-use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::number::Width;
 use crate::study::{About, AxleStudy, Band, Study, Tolerance};
-use crate::sweep::{AxleStations, NotInLanes, Stations};
+use crate::sweep::{AxleStations, Stations};
 use std::borrow::Cow;
 use workshop::Workshop;
 
@@ -232,16 +230,5 @@ impl<'a> Problem<'a> {
             Looked::Wheel { .. } => &[],
             Looked::Axle(stations) => &stations.placements,
         }
-    }
-
-    /// Why no build is solved in SIMD lanes; `None` where most are.
-    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
-        let builder = builds::Builder::new(self, Some(Width::widest())).ok()?;
-        builder.not_in_lanes()
-    }
-
-    /// The values of the suspension as drawn, by cell.
-    pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
-        builds::drawn_values(self)
     }
 }

@@ -310,17 +310,15 @@ impl DesignFunction {
     fn values(&self) -> Result<Values<'_>, DesignFault> {
         let evaluator = Evaluator::new(&self.suspension, &self.stations, &self.quantities)?;
         let block = Block::new(self.quantities.len(), self.stations.count());
-        Ok(Values { evaluator, block })
+        Ok((evaluator, block))
     }
 
     fn gradients(&self) -> Result<Gradients<'_>, DesignFault> {
         let (suspension, quantities) = (&*self.suspension, &self.quantities[..]);
         let (stations, width) = (&self.stations, Some(Width::widest()));
         let moved = &self.moved;
-        Ok(Gradients {
-            evaluator: GradientEvaluator::new(suspension, stations, quantities, moved, width)?,
-            found: Evaluated::default(),
-        })
+        let evaluator = GradientEvaluator::new(suspension, stations, quantities, moved, width)?;
+        Ok((evaluator, Evaluated::default()))
     }
 }
 
@@ -335,15 +333,11 @@ pub struct Evaluation<'f> {
     ways: Vec<Way>,
 }
 
-struct Values<'f> {
-    evaluator: Evaluator<'f>,
-    block: Block,
-}
+/// What finds values, and room for them.
+type Values<'f> = (Evaluator<'f>, Block);
 
-struct Gradients<'f> {
-    evaluator: GradientEvaluator<'f>,
-    found: Evaluated,
-}
+/// What finds values with derivatives, and room for them.
+type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
 /// Of an axle: whether derivatives are found, what finds them, and design and ways of a right wheel with hardpoints of
 /// its own.
@@ -374,7 +368,7 @@ impl<'f> Evaluation<'f> {
             let now = (count - first).min(BLOCK);
             self.place(&x[first * width..(first + now) * width], now);
             let make = || f.values().expect("the function was made with one");
-            let Values { evaluator, block } = self.values.get_or_insert_with(make);
+            let (evaluator, block) = self.values.get_or_insert_with(make);
             evaluator.evaluate(&self.designs, block);
             for number in 0..now {
                 let at = (first + number) * f.len();
@@ -426,27 +420,25 @@ impl<'f> Evaluation<'f> {
             return self.evaluate_axles(course, x, values, Some(jacobian), status);
         }
         let make = || f.gradients().expect("the function was made with one");
-        let mut gradients = self.gradients.take().unwrap_or_else(make);
-        let at_once = gradients.evaluator.at_once();
+        let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);
+        let at_once = evaluator.at_once();
         for first in (0..count).step_by(at_once) {
             let now = at_once.min(count - first);
             self.place(&x[first * width..(first + now) * width], now);
-            gradients
-                .evaluator
-                .evaluate(&self.designs, &mut gradients.found);
+            evaluator.evaluate(&self.designs, &mut found);
             for number in 0..now {
                 let design = first + number;
                 self.differentiate(&x[design * width..(design + 1) * width]);
                 let at = design * f.len();
                 status[design] = self.read(
-                    &gradients.found,
+                    &found,
                     number,
                     &mut values[at..at + f.len()],
                     &mut jacobian[at * width..(at + f.len()) * width],
                 );
             }
         }
-        self.gradients = Some(gradients);
+        self.gradients = Some((evaluator, found));
     }
 
     /// The same of an axle, with derivatives where there is room for them.
@@ -559,7 +551,7 @@ impl<'f> Evaluation<'f> {
     /// reason).
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &StationFailure)> {
         let f = self.function;
-        let failures = self.values.iter().flat_map(|v| v.block.failures());
+        let failures = self.values.iter().flat_map(|(_, block)| block.failures());
         failures.filter_map(|failure| {
             let own = f.of_motion.iter().position(|s| *s == failure.station)?;
             Some((failure.design, own, &failure.failure))

@@ -52,13 +52,9 @@ impl Stations {
     /// position.
     pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
-            drive: Drive::Travel,
-            station_order: StationOrder::through(values),
-            racks: vec![0.0],
             of_motion,
-            racks_of_motion: 1,
-            home: 0,
             design,
+            ..Stations::at_rack(Drive::Travel, &StationOrder::through(values), 0.0)
         }
     }
 

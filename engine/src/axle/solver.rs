@@ -416,6 +416,26 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
+    /// The failure of this wheel at a travel.
+    fn fails(&self, travel: f64, failure: Failure) -> AxleFailure {
+        AxleFailure::Wheel {
+            side: self.side,
+            travel,
+            failure,
+        }
+    }
+
+    /// The wheel in a pose, with the rack in the middle.
+    fn standing(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
+        Configuration {
+            mechanism: self.mechanism,
+            design: self.solver.design(),
+            pose,
+            rack: 0.0,
+            steering: None,
+        }
+    }
+
     /// Solves the pose at a travel and hands it to `read`.
     fn at<R>(
         &mut self,
@@ -428,13 +448,8 @@ impl<'a, const N: usize> Corner<'a, N> {
             &Pose<f64>,
         ) -> Result<R, Failure>,
     ) -> Result<R, AxleFailure> {
-        let refused = |failure, side| AxleFailure::Wheel {
-            side,
-            travel,
-            failure,
-        };
         if let Some(failure) = self.beyond_an_end(travel, rack) {
-            return Err(refused(failure, self.side));
+            return Err(self.fails(travel, failure));
         }
         let order = StationOrder::through(&[travel]);
         let mut found = Err(Failure::Singular);
@@ -457,7 +472,7 @@ impl<'a, const N: usize> Corner<'a, N> {
                 failure,
             });
         }
-        found.map_err(|failure| refused(failure, self.side))
+        found.map_err(|failure| self.fails(travel, failure))
     }
 
     /// The wheel at a travel on this ground.
@@ -943,14 +958,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     fn contact(&self, side: Side, pose: &Pose<f64>, ground: Ground<f64>) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        let design = corner.solver.design();
-        let at = Configuration {
-            mechanism: corner.mechanism,
-            design,
-            pose: *pose,
-            rack: 0.0,
-            steering: None,
-        };
+        let at = corner.standing(*pose);
         at.point(corner.mechanism.wheel_centre)
             + ground.contact_lever(at.spin_axis(), self.radius())
     }
@@ -996,11 +1004,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let rack = placed.rack * corner.rack_sign;
             let found = corner.begin(rack).map_err(|_| Failure::Singular);
             let found = found.and_then(|()| corner.read(pose, travel, rack, (lines, &parts)));
-            found.map_err(|failure| AxleFailure::Wheel {
-                side,
-                travel,
-                failure,
-            })
+            found.map_err(|failure| corner.fails(travel, failure))
         };
         let [left, right] = [wheel(Side::Left)?, wheel(Side::Right)?];
         Ok(self.both([&left, &right], placed))
@@ -1131,22 +1135,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let [left, right] = plain.wheels().map(|wheel| wheel.rise());
             [left + right, plain.track()]
         };
-        let motion = |corner: &Corner<'a, N>, line: &Line| {
-            let travel = placed.travels[corner.side as usize];
-            along::<N>(line, travel, placed.rack * corner.rack_sign)
-        };
-        let fails = |corner: &Corner<'a, N>, failure| AxleFailure::Wheel {
-            side: corner.side,
-            travel: placed.travels[corner.side as usize],
-            failure,
-        };
         let mut linearised = [Vec::new(), Vec::new()];
         for (corner, linearised) in self.corners.iter().zip(&mut linearised) {
+            let pose = &placed.poses[corner.side as usize];
+            let travel = placed.travels[corner.side as usize];
             for line in lines {
-                let pose = &placed.poses[corner.side as usize];
-                let motion = motion(corner, line);
+                let motion = along::<N>(line, travel, placed.rack * corner.rack_sign);
                 let found = corner.solver.linearised(&corner.series, pose, &motion);
-                linearised.push(found.map_err(|failure| fails(corner, failure))?);
+                linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
             }
         }
         let snapshots = linearised.each_ref().map(|of_wheel| {
@@ -1236,11 +1232,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             },
         );
         let wheel = |(proved, travel): (Result<(), Failure>, &f64)| {
-            proved.map_err(|failure| AxleFailure::Wheel {
-                side,
-                travel: *travel,
-                failure,
-            })
+            proved.map_err(|failure| corner.fails(*travel, failure))
         };
         proved.into_iter().zip(travels).map(wheel).collect()
     }
@@ -1265,14 +1257,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The spin axis of a wheel in the design position, in the frame of its side.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        let at = Configuration {
-            mechanism: corner.mechanism,
-            design: corner.solver.design(),
-            pose: corner.solver.design_pose(),
-            rack: 0.0,
-            steering: None,
-        };
-        at.spin_axis()
+        corner.standing(corner.solver.design_pose()).spin_axis()
     }
 
     /// The designs of both wheels, each in the frame of its side.

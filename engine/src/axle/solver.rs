@@ -74,38 +74,20 @@ impl Placement {
 impl std::fmt::Display for Placement {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Placement::Roll { heave, roll, rack } => {
+            Placement::Roll { heave, roll, .. } => {
                 let roll = roll.to_degrees();
-                write!(
-                    f,
-                    "roll {roll:.6} deg, heave {}, rack {} to the left",
-                    heave + 0.0,
-                    rack + 0.0
-                )
+                write!(f, "roll {roll:.6} deg, heave {}", heave + 0.0)?;
             }
-            Placement::AtLoad { heave, roll, rack } => {
+            Placement::AtLoad { heave, roll, .. } => {
                 let roll = roll.to_degrees();
-                write!(
-                    f,
-                    "roll {roll:.6} deg at the load of heave {}, rack {} to the left",
-                    heave + 0.0,
-                    rack + 0.0
-                )
+                write!(f, "roll {roll:.6} deg at the load of heave {}", heave + 0.0)?;
             }
             Placement::Travels {
                 travels: [left, right],
-                rack,
                 ..
-            } => {
-                write!(
-                    f,
-                    "travels {} and {}, rack {} to the left",
-                    left + 0.0,
-                    right + 0.0,
-                    rack + 0.0
-                )
-            }
+            } => write!(f, "travels {} and {}", left + 0.0, right + 0.0)?,
         }
+        write!(f, ", rack {} to the left", self.rack() + 0.0)
     }
 }
 

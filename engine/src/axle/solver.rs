@@ -423,26 +423,16 @@ impl<'a, const N: usize> Corner<'a, N> {
         &mut self,
         travel: f64,
         rack: f64,
-        mut read: impl FnMut(
-            &Solver,
-            &DesignSeries<TERMS>,
-            &DesignSeries<N>,
-            &Pose<f64>,
-        ) -> Result<R, Failure>,
+        mut read: impl FnMut(&Solver, &DesignSeries<TERMS>, &Pose<f64>) -> Result<R, Failure>,
     ) -> Result<R, AxleFailure> {
         if let Some(failure) = self.beyond_an_end(travel, rack) {
             return Err(self.fails(travel, failure));
         }
         let order = StationOrder::through(&[travel]);
         let mut found = Err(Failure::Singular);
-        let Corner {
-            solver,
-            slopes,
-            series,
-            ..
-        } = self;
+        let Corner { solver, slopes, .. } = self;
         let visited = solver.for_each_pose(Drive::Travel, &order, rack, |solver, _, pose| {
-            found = pose.and_then(|pose| read(solver, slopes, series, pose));
+            found = pose.and_then(|pose| read(solver, slopes, pose));
             ControlFlow::Continue(())
         });
         // The design position was looked at when the solver was made.
@@ -472,7 +462,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             rack,
         };
         let centre = self.mechanism.wheel_centre;
-        self.at(travel, rack, |solver, slopes, _, pose| {
+        self.at(travel, rack, |solver, slopes, pose| {
             let at = solver.configuration_series(slopes, pose, &motion.along_drive())?;
             Ok(Standing::of(&at, centre, ground, radius))
         })
@@ -865,7 +855,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let mut pose = |side: Side| {
                     let corner = &mut self.corners[side as usize];
                     let rack = rack * corner.rack_sign;
-                    corner.at(travels[side as usize], rack, |_, _, _, pose| Ok(*pose))
+                    corner.at(travels[side as usize], rack, |_, _, pose| Ok(*pose))
                 };
                 let poses = both(pose(Side::Left), pose(Side::Right))?;
                 let roll = match on_plane {
@@ -1228,7 +1218,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The pose of one wheel at a travel, the rack in the middle.
     pub(super) fn pose(&mut self, side: Side, travel: f64) -> Option<Pose<f64>> {
         let corner = &mut self.corners[side as usize];
-        corner.at(travel, 0.0, |_, _, _, pose| Ok(*pose)).ok()
+        corner.at(travel, 0.0, |_, _, pose| Ok(*pose)).ok()
     }
 
     /// The roll angle of a plane under both wheels in these poses.

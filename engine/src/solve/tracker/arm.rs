@@ -312,6 +312,8 @@ impl<B: SimdReal, V: Visit<B>> Equations<B, 1> for ArmCorner<'_, '_, B, V> {
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
+        // Nothing of the place before need be kept in registers.
+        (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.lit((0.5 * place.value).tan())];
         }

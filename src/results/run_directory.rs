@@ -222,13 +222,6 @@ impl RunDirectory {
         self.set_aside.as_deref()
     }
 
-    /// Whether this run had ended before, with all of its results.
-    pub fn was_finished(&self) -> bool {
-        let state = self.state();
-        let own = state.manifest.runs.iter().find(|run| self.is_own(run));
-        own.is_some_and(|run| run.finished)
-    }
-
     /// Makes files, or names with a star for digits, this run's own. A file of someone else is refused.
     pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
         let mut state = self.state();

@@ -2,7 +2,7 @@
 
 use crate::errors::failure;
 use crate::study::{cause_of, ends};
-use hardpoint::axle::{AxleEnd, AxleSolver, axle_curves};
+use hardpoint::axle::{AxleEnd, axle_curves};
 use hardpoint::model::{Axis, Side};
 use hardpoint::report::axle_motion;
 use hardpoint::study::AxleStudy;
@@ -66,10 +66,7 @@ pub(crate) fn limits<'py>(
     py: Python<'py>,
     AxleStudy { axle, .. }: &AxleStudy,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| {
-        let mut solver = AxleSolver::<1>::new(axle, &[], false)?;
-        solver.limits()
-    });
+    let found = py.detach(|| axle.limits());
     let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let result = PyDict::new(py);
     for (name, range) in ["left_travel", "right_travel"]

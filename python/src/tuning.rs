@@ -4,9 +4,7 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
 use hardpoint::nalgebra::DVector;
-use hardpoint::optimise::{
-    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design, tune,
-};
+use hardpoint::optimise::{Control, TargetLayout, evaluated, moved_design, tune};
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -131,10 +129,11 @@ impl Residuals {
         if let Some(bad) = x.iter().find(|v| !v.is_finite()) {
             return Err(failure(format!("x has {bad}; expected finite offsets")));
         }
-        let evaluation = py.detach(|| match self.layout.rate_order() {
-            0 => self.evaluated::<1>(x, variables),
-            _ => self.evaluated::<2>(x, variables),
-        })?;
+        let suspension = &self.study.suspension;
+        let evaluation = py
+            .detach(|| evaluated(suspension, variables, &self.layout, x))
+            .map_err(|fault| failure(fault.describe(&suspension.mechanism)))?
+            .map_err(|infeasible| failure(infeasible.to_string()))?;
         let (rows, columns) = evaluation.jacobian.shape();
         // nalgebra lies column by column.
         let jacobian: Vec<f64> = (0..rows)
@@ -146,19 +145,5 @@ impl Residuals {
             values.into_pyarray(py),
             jacobian.into_pyarray(py).reshape([rows, columns])?,
         ))
-    }
-}
-
-impl Residuals {
-    fn evaluated<const N: usize>(&self, x: &[f64], variables: &[Variable]) -> PyResult<Evaluation> {
-        let suspension = &self.study.suspension;
-        let objective = Objective::<N>::new(suspension, variables, &self.layout);
-        let mut objective = objective.map_err(|e| failure(e.describe(&suspension.mechanism)))?;
-        let mut evaluation = Evaluation::new(objective.residuals(), objective.variables());
-        let x = DVector::from_column_slice(x);
-        match objective.evaluate(&x, &mut evaluation) {
-            Ok(()) => Ok(evaluation),
-            Err(infeasible) => Err(failure(infeasible.to_string())),
-        }
     }
 }

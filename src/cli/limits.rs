@@ -6,7 +6,7 @@ use super::output::design_fault;
 use super::printer::Printer;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::{AxleEnd, AxleSolver, axle_curves};
+use crate::axle::{AxleEnd, axle_curves};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
@@ -64,8 +64,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let path = &arguments.study;
     let AxleStudy { axle, plan } = both;
     let stop = |f| super::axle::fault(path, axle, f);
-    let mut solver = AxleSolver::<1>::new(axle, &[], false).map_err(stop)?;
-    let limits = solver.limits().map_err(stop)?;
+    let limits = axle.limits().map_err(stop)?;
     let moving = plan.values_alone();
     let curves = axle_curves(axle, &moving).map_err(stop)?;
     let unit = study.suspension.length_unit.symbol();

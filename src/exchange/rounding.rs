@@ -19,7 +19,7 @@
 
 use crate::model::{Axis, PointId};
 use crate::number::Vector3;
-use crate::optimise::{Evaluation, LeastSquares, Objective, TargetLayout};
+use crate::optimise::{Evaluation, TargetLayout, evaluated};
 use crate::study::{Move, Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
@@ -198,23 +198,12 @@ impl<'a> Problem<'a> {
 
     /// Residuals and derivatives of a design.
     fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Evaluation, String> {
-        match self.layout.rate_order() {
-            0 => self.evaluated_at::<1>(design),
-            _ => self.evaluated_at::<2>(design),
-        }
-    }
-
-    fn evaluated_at<const N: usize>(&self, design: &[Vector3<f64>]) -> Result<Evaluation, String> {
         let mut suspension = self.study.suspension.clone();
         suspension.design = design.to_vec();
-        let mechanism = &suspension.mechanism;
-        let problem = Objective::<N>::new(&suspension, &self.variables, &self.layout);
-        let mut problem = problem.map_err(|fault| fault.describe(mechanism))?;
-        let mut evaluation = Evaluation::new(problem.residuals(), problem.variables());
-        let nowhere = DVector::zeros(self.variables.len());
-        let evaluated = problem.evaluate(&nowhere, &mut evaluation);
-        evaluated.map_err(|infeasible| infeasible.to_string())?;
-        Ok(evaluation)
+        let here = vec![0.0; self.variables.len()];
+        evaluated(&suspension, &self.variables, &self.layout, &here)
+            .map_err(|fault| fault.describe(&suspension.mechanism))?
+            .map_err(|infeasible| infeasible.to_string())
     }
 }
 

@@ -2,11 +2,10 @@
 
 use super::answer::moved;
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
-use super::misfit::assessed;
 use super::study_file::Opened;
 use crate::analyse::{Range, RangeEnd};
 use crate::model::Axis;
-use crate::optimise::{Bounds, Identifiability};
+use crate::optimise::{Bounds, Identifiability, assessed};
 use crate::solve::Solver;
 
 /// A move across the whole range that changes the misfit by less than this (in tolerances) is not seen.

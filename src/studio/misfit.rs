@@ -18,33 +18,9 @@ use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::optimise::{Assessment, Constrained, Objective, TargetLayout};
-use crate::study::{Drive, Optimise, Variable};
+use crate::optimise::{Assessment, TargetLayout, assessed};
+use crate::study::{Drive, Optimise};
 use nalgebra::{DMatrix, DVector};
-
-/// Targets and constraints of a design, with their Jacobians by some variables; or why there are none.
-pub(super) fn assessed(
-    suspension: &Suspension,
-    variables: &[Variable],
-    layout: &TargetLayout,
-) -> Result<Result<Assessment, String>, DesignFault> {
-    match layout.rate_order() {
-        0 => assessed_with::<1>(suspension, variables, layout),
-        _ => assessed_with::<2>(suspension, variables, layout),
-    }
-}
-
-fn assessed_with<const N: usize>(
-    suspension: &Suspension,
-    variables: &[Variable],
-    layout: &TargetLayout,
-) -> Result<Result<Assessment, String>, DesignFault> {
-    let mut objective = Objective::<N>::new(suspension, variables, layout)?;
-    let mut assessment = Assessment::new(&objective.shape(), variables.len());
-    let here = DVector::zeros(variables.len());
-    let assessed = objective.assess(&here, &mut assessment);
-    Ok(assessed.map(|()| assessment).map_err(|why| why.to_string()))
-}
 
 /// The misfit of a design, if its study has targets.
 pub(super) fn misfit(
@@ -72,9 +48,9 @@ pub(super) fn misfit(
     let drive = opened.study.motion.drive;
     Ok(Some(match found {
         Ok(found) => of_assessment(optimise, layout, drive, &found),
-        Err(reason) => Misfit {
+        Err(infeasible) => Misfit {
             value: None,
-            reason: Some(reason),
+            reason: Some(infeasible.to_string()),
             gradient: Vec::new(),
             targets: Vec::new(),
             constraints: Vec::new(),

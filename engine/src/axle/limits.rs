@@ -3,6 +3,7 @@
 //! With the rack held and both wheel centres at travels heave +- s, roll goes on until the first wheel comes to
 //! the end of its travel. The roll angle there is that of the plane under both wheels.
 
+use super::Axle;
 use super::solver::{AxleSolver, Placement};
 use crate::analyse::{Range, RangeEnd};
 use crate::mechanism::{DesignFault, Pose};
@@ -33,6 +34,16 @@ pub struct AxleEnd {
 
 /// How near to its end a roll angle must be reached, so that the end is believed.
 const BEFORE_END: f64 = 0.999;
+
+impl Axle {
+    /// How far it goes from its design position.
+    ///
+    /// # Errors
+    /// If the design position of a wheel is singular.
+    pub fn limits(&self) -> Result<AxleLimits, (Side, DesignFault)> {
+        AxleSolver::<1>::new(self, &[], false)?.limits()
+    }
+}
 
 impl<const N: usize> AxleSolver<'_, N> {
     /// The ranges of both travels, of the rack and of roll.

@@ -13,6 +13,7 @@
 //! rank-deficient fit needs.
 
 mod active_set;
+mod at_design;
 mod axle;
 mod bounded_least_squares;
 mod bounds;
@@ -47,6 +48,7 @@ mod trade;
 mod tune;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
+pub use at_design::{assessed, evaluated};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
 pub use choices::{Choice, Front, front, price_list};

@@ -4,6 +4,7 @@
 //! of a row is the sum of both wheels' gradients along the variable's way. Where the right wheel has
 //! hardpoints of its own they are moved as the mirror images of the left ones are.
 
+use super::layout::place_in;
 use super::moves::{Way, moved_design, ways};
 use super::objective::{add_to_row, write_row};
 use super::{Evaluation, Infeasible};
@@ -55,7 +56,7 @@ impl AxleLayout {
                 let wish = AxleWish {
                     row: *rows,
                     target: number,
-                    quantity: place_of(&mut layout.quantities, sample.quantity),
+                    quantity: place_in(&mut layout.quantities, sample.quantity),
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };
@@ -94,14 +95,6 @@ impl AxleLayout {
         let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;
         orders.max().unwrap_or(0) + usize::from(self.stations.iter().any(on_plane))
     }
-}
-
-fn place_of(quantities: &mut Vec<Quantity>, quantity: Quantity) -> usize {
-    let known = quantities.iter().position(|q| *q == quantity);
-    known.unwrap_or_else(|| {
-        quantities.push(quantity);
-        quantities.len() - 1
-    })
 }
 
 /// Where the variables are.

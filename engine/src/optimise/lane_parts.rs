@@ -3,6 +3,7 @@
 //! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
 //! these a formula's derivatives lead to the variables by the chain rule, station by station.
 
+use super::layout::place_in;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
 use crate::model::{Axis, Mechanism, PointId};
 use crate::number::Vector3;
@@ -32,15 +33,6 @@ pub(super) enum Source {
     Fixed(Vector3<f64>),
 }
 
-/// The number of a quantity in a list, to which it is added if need be.
-fn number(quantities: &mut Vec<Quantity>, quantity: Quantity) -> usize {
-    let known = quantities.iter().position(|known| *known == quantity);
-    known.unwrap_or_else(|| {
-        quantities.push(quantity);
-        quantities.len() - 1
-    })
-}
-
 impl LanePart {
     /// Of a measure; `quantities` are those read so far, to which it adds what it takes. `None` where lanes do not tell it.
     pub(super) fn of(
@@ -50,7 +42,7 @@ impl LanePart {
     ) -> Option<Self> {
         match measure {
             Measure::Quantity(quantity) => {
-                return Some(LanePart::Quantity(number(quantities, *quantity)));
+                return Some(LanePart::Quantity(place_in(quantities, *quantity)));
             }
             Measure::Carried(_) => return None,
             _ => {}
@@ -115,7 +107,7 @@ impl Source {
     /// Of what a formula reads; `None` of the turn of the wheel carrier, which is no coordinate.
     fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let mut point =
-            |id| Axis::ALL.map(|axis| number(quantities, Quantity::Coordinate(id, axis)));
+            |id| Axis::ALL.map(|axis| place_in(quantities, Quantity::Coordinate(id, axis)));
         Some(match input {
             Input::Now(id) => Source::Point(point(id)),
             Input::StudNow(Stud::Between(from, to)) => Source::Between([from, to].map(point)),
@@ -123,7 +115,7 @@ impl Source {
             Input::SpinAxis => {
                 let angles = [Characteristic::Camber, Characteristic::Toe];
                 let angles = angles.map(Quantity::Characteristic);
-                Source::SpinAxis(angles.map(|angle| number(quantities, angle)))
+                Source::SpinAxis(angles.map(|angle| place_in(quantities, angle)))
             }
             Input::Designed(id) => Source::Designed(None, id),
             Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),

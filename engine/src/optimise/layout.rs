@@ -75,6 +75,8 @@ pub(super) struct Leg {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
+    /// Whether it is looked at in the design position alone.
+    is_at_design: bool,
     pub of: Measure,
     pub lower: Option<f64>,
     pub upper: Option<f64>,
@@ -131,12 +133,33 @@ struct Draft {
 
 impl Draft {
     fn station(&mut self, drive: f64) -> usize {
-        let known = self.values.iter().position(|v| *v == drive);
-        known.unwrap_or_else(|| {
-            self.values.push(drive);
-            self.values.len() - 1
-        })
+        place_in(&mut self.values, drive)
     }
+}
+
+/// The place of an entry in a list, to which it is added if need be.
+pub(super) fn place_in<T: PartialEq>(list: &mut Vec<T>, entry: T) -> usize {
+    let known = list.iter().position(|known| *known == entry);
+    known.unwrap_or_else(|| {
+        list.push(entry);
+        list.len() - 1
+    })
+}
+
+/// The number of the draft of a motion with the rack in one place whose stations begin with these.
+fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
+    let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
+    drafts.iter().position(same).unwrap_or_else(|| {
+        drafts.push(Draft {
+            drive,
+            rack,
+            values: values.to_vec(),
+            targets: Vec::new(),
+            checks: Vec::new(),
+            extremes: Vec::new(),
+        });
+        drafts.len() - 1
+    })
 }
 
 /// The legs of a site, each with the values of its motion.
@@ -157,28 +180,8 @@ fn legs_of<'m>(
         racks => racks.to_vec(),
     };
     let drive = motion.drive.in_kernel();
-    let of_rack = |rack: f64| {
-        let rack = frame.sign(Axis::Y) * rack;
-        let same = |d: &Draft| d.drive == drive && d.rack == rack && d.starts_with(&motion.values);
-        drafts.iter().position(same).unwrap_or_else(|| {
-            drafts.push(Draft {
-                drive,
-                rack,
-                values: motion.values.clone(),
-                targets: Vec::new(),
-                checks: Vec::new(),
-                extremes: Vec::new(),
-            });
-            drafts.len() - 1
-        })
-    };
+    let of_rack = |rack: f64| draft_of(drafts, drive, frame.sign(Axis::Y) * rack, &motion.values);
     (motion, racks.into_iter().map(of_rack).collect())
-}
-
-impl Draft {
-    fn starts_with(&self, values: &[f64]) -> bool {
-        self.values.len() >= values.len() && self.values[..values.len()] == *values
-    }
 }
 
 impl TargetLayout {
@@ -204,14 +207,14 @@ impl TargetLayout {
             }
         }
         let axle = AxleLayout::of(optimise, &mut rows, &mut own);
-        let (parts, at_design) = parts(optimise, mechanism);
+        let parts = parts(optimise, mechanism);
         for (place, part) in parts.iter().enumerate() {
             let default = Site::default();
             let site = optimise.constraints[part.constraint].site.as_ref();
             let (motion, legs) = legs_of(site.unwrap_or(&default), motion, frame, &mut drafts);
-            if at_design[place] {
+            if part.is_at_design {
                 // The design position has the rack straight ahead.
-                let home = design_leg(motion, &mut drafts);
+                let home = draft_of(&mut drafts, motion.drive.in_kernel(), 0.0, &[]);
                 let station = drafts[home].station(0.0);
                 drafts[home].checks.push((place, station));
                 continue;
@@ -259,19 +262,18 @@ impl TargetLayout {
             })
             .collect();
         let is_equality = |part: &Part| part.lower.is_some() && part.lower == part.upper;
+        let label = |part: usize, is_upper: bool, leg: usize, station: usize| RowLabel {
+            constraint: parts[part].constraint,
+            part,
+            is_upper,
+            leg,
+            station,
+        };
         let mut labels = Vec::new();
         // The equalities first.
-        let mut equal_rows = Vec::new();
         for (leg, draft) in drafts.iter().enumerate() {
             for &(part, station) in draft.checks.iter().filter(|c| is_equality(&parts[c.0])) {
-                equal_rows.push(((leg, part, station), labels.len()));
-                labels.push(RowLabel {
-                    constraint: parts[part].constraint,
-                    part,
-                    is_upper: true,
-                    leg,
-                    station,
-                });
+                labels.push(label(part, true, leg, station));
             }
         }
         let equalities = labels.len();
@@ -288,33 +290,21 @@ impl TargetLayout {
                     scale: shares[target] / optimise.targets[target].tolerance,
                 });
             }
-            let mut label = |part: usize, is_upper: bool, station: usize| {
-                labels.push(RowLabel {
-                    constraint: parts[part].constraint,
-                    part,
-                    is_upper,
-                    leg: number,
-                    station,
-                });
-                labels.len() - 1
-            };
             for &(part, station) in &draft.checks {
-                let mut check = Check {
-                    part,
-                    lower: None,
-                    upper: None,
-                    equal: None,
+                // Labels of this number are as they were: those of legs left out before made others less.
+                let equal = label(part, true, number, station);
+                let equal = labels[..equalities].iter().position(|l| *l == equal);
+                let mut row = |limit: Option<f64>, is_upper: bool| {
+                    limit.filter(|_| equal.is_none())?;
+                    labels.push(label(part, is_upper, number, station));
+                    Some(labels.len() - 1)
                 };
-                let place =
-                    |(key, _): &&((usize, usize, usize), usize)| *key == (number, part, station);
-                if let Some((_, row)) = equal_rows.iter().find(place) {
-                    check.equal = Some(*row);
-                } else {
-                    let limits = (parts[part].lower, parts[part].upper);
-                    check.lower = limits.0.map(|_| label(part, false, station));
-                    check.upper = limits.1.map(|_| label(part, true, station));
-                }
-                checks[station].push(check);
+                checks[station].push(Check {
+                    part,
+                    lower: row(parts[part].lower, false),
+                    upper: row(parts[part].upper, true),
+                    equal,
+                });
             }
             // Stations nobody wants anything of are not visited.
             let used: Vec<usize> = (0..draft.values.len())
@@ -482,40 +472,20 @@ struct Place {
     rack: f64,
 }
 
-/// The parts of all constraints, and whether each is looked at in the design position alone.
-fn parts(optimise: &Optimise, mechanism: &Mechanism) -> (Vec<Part>, Vec<bool>) {
-    let mut parts = Vec::new();
-    let mut at_design = Vec::new();
-    for (number, constraint) in optimise.constraints.iter().enumerate() {
-        for part in &constraint.parts {
-            at_design.push(constraint.site.is_none() || part.of.is_fixed(mechanism));
-            parts.push(Part {
-                constraint: number,
-                of: part.of.clone(),
-                lower: part.lower,
-                upper: part.upper,
-                scale: part.scale,
-            });
-        }
-    }
-    (parts, at_design)
-}
-
-/// The leg through the design position.
-fn design_leg(motion: &Motion, drafts: &mut Vec<Draft>) -> usize {
-    let drive = motion.drive.in_kernel();
-    let same = |d: &Draft| d.drive == drive && d.rack == 0.0;
-    drafts.iter().position(same).unwrap_or_else(|| {
-        drafts.push(Draft {
-            drive,
-            rack: 0.0,
-            values: vec![0.0],
-            targets: Vec::new(),
-            checks: Vec::new(),
-            extremes: Vec::new(),
-        });
-        drafts.len() - 1
-    })
+/// The parts of all constraints.
+fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
+    let constraints = optimise.constraints.iter().enumerate();
+    let parts = constraints.flat_map(|(number, constraint)| {
+        constraint.parts.iter().map(move |part| Part {
+            constraint: number,
+            is_at_design: constraint.site.is_none() || part.of.is_fixed(mechanism),
+            of: part.of.clone(),
+            lower: part.lower,
+            upper: part.upper,
+            scale: part.scale,
+        })
+    });
+    parts.collect()
 }
 
 /// How far a target is missed, in its tolerances.

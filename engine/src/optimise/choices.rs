@@ -4,7 +4,7 @@ use super::constrained::Constrained;
 use super::front::{Found, Tracer};
 use super::trade::Aim;
 use super::tune::{Asked, Tuner};
-use super::{Control, Options, Tuning, moved_design};
+use super::{Control, Tuning};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::Vector3;
@@ -74,26 +74,10 @@ pub fn price_list(
 }
 
 impl<const N: usize> Tuner<'_, N> {
-    fn options(&self) -> Options {
-        Options {
-            max_iterations: self.optimise.max_iterations,
-            ..Options::default()
-        }
-    }
-
     fn choice(&self, found: Found) -> Choice {
-        let mut design = self.suspension.design.clone();
-        let (frame, variables) = (&self.suspension.frame, &self.optimise.variables);
-        moved_design(
-            &self.suspension.design,
-            frame,
-            variables,
-            &found.x,
-            &mut design,
-        );
         Choice {
             offsets: found.x.iter().map(|x| x + 0.0).collect(),
-            design,
+            design: self.moved_design(&found.x),
             amounts: found.amounts,
             weights: found.weights,
         }
@@ -155,21 +139,16 @@ impl<const N: usize> Tuner<'_, N> {
             control: self.control,
         };
         let found = tracer.list(&self.design, &best.x, STEPS);
-        let unmoved = tracer
-            .amounts(&self.design)
-            .filter(|_| self.keeps_constraints());
-        let unmoved = unmoved.map(|amounts| Found {
-            x: self.design.clone(),
-            weights: vec![0.0; amounts.len()],
-            amounts,
-        });
+        let untraded = |x: &DVector<f64>| {
+            tracer.amounts(x).map(|amounts| Found {
+                x: x.clone(),
+                weights: vec![0.0; amounts.len()],
+                amounts,
+            })
+        };
+        let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints());
         // The design kept stands among them.
-        let kept = tracer.amounts(&best.x).filter(|_| best.is_feasible());
-        let kept = kept.map(|amounts| Found {
-            x: best.x.clone(),
-            weights: vec![0.0; amounts.len()],
-            amounts,
-        });
+        let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
         if let Some(kept) = kept {
             let place = all.partition_point(|other| other.amounts[1] < kept.amounts[1]);

@@ -232,10 +232,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
     /// Runs every start, and chooses.
     fn starts(&self) -> Multistart {
         let optimise = self.optimise;
-        let options = Options {
-            max_iterations: optimise.max_iterations,
-            ..Options::default()
-        };
+        let options = self.options();
         let is_constrained = !self.layout.labels().is_empty();
         if !is_constrained && optimise.good_enough == 0.0 {
             return multistart(
@@ -425,20 +422,26 @@ impl<'a, const N: usize> Tuner<'a, N> {
         }
     }
 
+    /// When a run ends.
+    pub(super) fn options(&self) -> Options {
+        Options {
+            max_iterations: self.optimise.max_iterations,
+            ..Options::default()
+        }
+    }
+
+    /// The hardpoints at `x`.
+    pub(super) fn moved_design(&self, x: &DVector<f64>) -> Vec<Vector3<f64>> {
+        let Suspension { design, frame, .. } = self.suspension;
+        let mut moved = design.clone();
+        moved_design(design, frame, &self.optimise.variables, x, &mut moved);
+        moved
+    }
+
     fn best(&self, fit: &Fit) -> Best {
-        let suspension = self.suspension;
-        let mut moved = suspension.design.clone();
-        let variables = &self.optimise.variables;
-        moved_design(
-            &suspension.design,
-            &suspension.frame,
-            variables,
-            &fit.x,
-            &mut moved,
-        );
         Best {
             offsets: fit.x.iter().copied().collect(),
-            design: moved,
+            design: self.moved_design(&fit.x),
             after: self.fulfilment(&fit.evaluation),
             identifiability: self.identifiability(fit),
             constraints: self.outcomes(fit),

@@ -25,7 +25,7 @@
 //! v = J^T n,   z = J_2 v_2,   w = T^-1 v_1       way of d and of the multipliers when n is added    (2)
 //! ```
 
-use super::qr::dot;
+use super::qr::{back_substitute, dot};
 
 /// A constraint of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,14 +174,7 @@ impl ActiveSet {
         for column in 0..n {
             let inverse = &mut self.basis[column * n..][..=column];
             inverse[column] = 1.0;
-            for k in (0..=column).rev() {
-                let of = &triangle[k * n..];
-                let value = inverse[k] / of[k];
-                inverse[k] = value;
-                for (i, entry) in inverse[..k].iter_mut().enumerate() {
-                    *entry -= value * of[i];
-                }
-            }
+            back_substitute(&triangle[..(column + 1) * n], n, inverse);
         }
         self.step.fill(0.0);
         for (j, column) in self.basis.chunks_exact(n).enumerate() {
@@ -207,9 +200,7 @@ impl ActiveSet {
             if -slack <= MARGINAL * self.terms(Held::Row(row), rows) {
                 return Ok(());
             }
-            let change = &self.change;
-            let pushes = |place: usize| change[place].abs() > UNINVOLVED;
-            return Err(Outcome::Infeasible(self.culprits(Held::Row(row), pushes)));
+            return Err(self.exclusion(Held::Row(row)));
         }
         let length = -slack / gain;
         self.advance(length, length);
@@ -294,9 +285,7 @@ impl ActiveSet {
                     self.is_held[place] = true;
                     return Ok(());
                 }
-                let change = &self.change;
-                let pushes = |place: usize| change[place].abs() > UNINVOLVED;
-                return Err(Outcome::Infeasible(self.culprits(constraint, pushes)));
+                return Err(self.exclusion(constraint));
             }
             let length = full.min(partial);
             let moved = if dependent { 0.0 } else { length };
@@ -339,15 +328,13 @@ impl ActiveSet {
     }
 
     /// The constraint that cannot be met, and of those held the ones that keep it from being met.
-    fn culprits(&self, constraint: Held, pushes: impl Fn(usize) -> bool) -> Vec<Held> {
-        let held = self.held.iter().enumerate();
-        let mut culprits: Vec<Held> = held
-            .filter(|(place, _)| pushes(*place))
-            .map(|(_, held)| *held)
-            .collect();
+    fn exclusion(&self, constraint: Held) -> Outcome {
+        let held = self.held.iter().zip(&self.change);
+        let pushing = held.filter(|(_, change)| change.abs() > UNINVOLVED);
+        let mut culprits: Vec<Held> = pushing.map(|(held, _)| *held).collect();
         culprits.push(constraint);
         culprits.sort_unstable();
-        culprits
+        Outcome::Infeasible(culprits)
     }
 
     /// (2) of the normal.
@@ -366,14 +353,7 @@ impl ActiveSet {
             }
         }
         self.change[..q].copy_from_slice(&self.projected[..q]);
-        for k in (0..q).rev() {
-            let column = &self.triangle[k * n..];
-            let value = self.change[k] / column[k];
-            self.change[k] = value;
-            for (i, entry) in self.change[..k].iter_mut().enumerate() {
-                *entry -= value * column[i];
-            }
-        }
+        back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
     /// By how much the constraint's value rises per length of the way, and how much it would if nothing

@@ -2,6 +2,7 @@
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
+use super::multistart::fits;
 use super::trade::Aim;
 use super::tune::{Asked, Tuner};
 use super::{Control, Tuning};
@@ -86,8 +87,7 @@ impl<const N: usize> Tuner<'_, N> {
     fn front(&self, tuning: &Tuning) -> Front {
         let (distance, options) = (self.distance(), self.options());
         let wishes = &self.optimise.front;
-        let ends = tuning.starts.starts.iter();
-        let ends = ends.filter_map(|s| s.outcome.as_ref().ok().map(|fit| &fit.x));
+        let ends = fits(&tuning.starts.starts).map(|(_, fit)| &fit.x);
         let starts: Vec<&DVector<f64>> = ends.chain([&self.design]).collect();
         let others: Vec<usize> = (0..self.optimise.targets.len())
             .filter(|target| !wishes.iter().any(|wish| wish.targets.contains(target)))

@@ -143,10 +143,14 @@ pub struct ConstraintState {
 }
 
 impl Fit {
+    /// The largest violation of the constraints, if there are any.
+    pub(super) fn violation(&self) -> f64 {
+        self.constraints.as_ref().map_or(0.0, |c| c.violation)
+    }
+
     /// Whether the constraints, if there are any, are kept.
     pub fn is_feasible(&self) -> bool {
-        let violation = self.constraints.as_ref().map_or(0.0, |c| c.violation);
-        violation <= KEPT
+        self.violation() <= KEPT
     }
 
     /// The root mean square of the residuals.

@@ -54,7 +54,11 @@ pub fn multistart<P: LeastSquares>(
 ) -> Multistart {
     let run = |index, x: &DVector<f64>| fit_start(index, problem(), bounds, x, options, control);
     let starts = every_start(0..starts, bounds, design, seed, run);
-    let best = best_of(&starts, bounds, design, options);
+    let best = least_misfit(&starts).and_then(|least| {
+        let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
+        let distance = |x: &DVector<f64>| bounds.distance(design, x);
+        nearest(&starts, good, distance, SAME_MISFIT)
+    });
     Multistart { starts, best }
 }
 
@@ -91,29 +95,33 @@ pub fn starting_point(
     })
 }
 
-fn best_of(
+/// What starts came to that had residuals, with their numbers.
+pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
+    let fits = starts.iter().enumerate();
+    fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
+}
+
+/// The least misfit of those that keep the constraints.
+pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
+    let kept = fits(starts).filter(|(_, fit)| fit.is_feasible());
+    kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
+}
+
+/// Of those that keep the constraints with a misfit up to `good`, the nearest; the earliest of those that are as near up
+/// to a share of the distance.
+pub(super) fn nearest(
     starts: &[Start],
-    bounds: &Bounds,
-    design: &DVector<f64>,
-    options: &Options,
+    good: f64,
+    distance: impl Fn(&DVector<f64>) -> f64,
+    share: f64,
 ) -> Option<usize> {
-    let fits = || {
-        let fits = starts.iter().enumerate();
-        fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
-    };
-    let least = fits().map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)?;
-    let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
-    let moves: Vec<(usize, f64)> = fits()
-        .filter(|(_, fit)| fit.misfit() <= good)
-        .map(|(index, fit)| (index, bounds.distance(design, &fit.x)))
+    let moves: Vec<(usize, f64)> = fits(starts)
+        .filter(|(_, fit)| fit.is_feasible() && fit.misfit() <= good)
+        .map(|(index, fit)| (index, distance(&fit.x)))
         .collect();
-    let shortest = moves
-        .iter()
-        .map(|&(_, length)| length)
-        .min_by(f64::total_cmp)?;
-    let short = shortest * (1.0 + SAME_MISFIT);
-    let first = moves.iter().find(|&&(_, length)| length <= short);
-    first.map(|&(index, _)| index)
+    let shortest = moves.iter().map(|m| m.1).min_by(f64::total_cmp)?;
+    let short = shortest * (1.0 + share);
+    moves.iter().find(|m| m.1 <= short).map(|m| m.0)
 }
 
 #[cfg(test)]

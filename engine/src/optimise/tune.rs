@@ -7,7 +7,7 @@
 
 use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
 use super::fit::fit_start;
-use super::multistart::every_start;
+use super::multistart::{every_start, fits, least_misfit, nearest};
 use super::pool::{Lent, Pool};
 use super::trade::{Aim, Distance, Trade};
 use super::{
@@ -215,8 +215,8 @@ impl<'a, const N: usize> Tuner<'a, N> {
             }
             _ => Vec::new(),
         };
-        let ends = starts.starts.iter().filter_map(|s| s.outcome.as_ref().ok());
-        let seen: Vec<&Evaluation> = ends.map(|f| &f.evaluation).chain(&at_design).collect();
+        let ends = fits(&starts.starts).map(|(_, fit)| &fit.evaluation);
+        let seen: Vec<&Evaluation> = ends.chain(&at_design).collect();
         let unmoved = best
             .as_ref()
             .map_or(Vec::new(), |best| self.unmoved(best, &seen));
@@ -260,19 +260,10 @@ impl<'a, const N: usize> Tuner<'a, N> {
         };
         let run = |numbers| every_start(numbers, &self.bounds, &self.design, optimise.seed, first);
         let mut starts = run(0..optimise.starts);
-        let is_kept = |fit: &&Fit| fit.is_feasible();
-        let fits = |starts: &[super::Start]| -> usize {
-            let fits = starts.iter().filter_map(|s| s.outcome.as_ref().ok());
-            fits.filter(is_kept).count()
-        };
-        if fits(&starts) == 0 && starts.len() < STARTS_BEFORE_REFUSAL {
+        if least_misfit(&starts).is_none() && starts.len() < STARTS_BEFORE_REFUSAL {
             starts.extend(run(starts.len()..STARTS_BEFORE_REFUSAL));
         }
-        let least = starts.iter().filter_map(|s| s.outcome.as_ref().ok());
-        let least = least
-            .filter(is_kept)
-            .map(Fit::misfit)
-            .min_by(f64::total_cmp);
+        let least = least_misfit(&starts);
         if let Some(least) = least
             && optimise.good_enough > 0.0
         {
@@ -370,15 +361,10 @@ impl<'a, const N: usize> Tuner<'a, N> {
     /// Of the starts that keep the constraints and are good enough, the nearest; of others the best; of
     /// those that keep none the least violated.
     fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
-        let fits = || {
-            let fits = starts.iter().enumerate();
-            fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
-        };
-        let violation = |fit: &Fit| fit.constraints.as_ref().map_or(0.0, |c| c.violation);
         let Some(least) = least else {
             let by_violation =
-                |a: &(usize, &Fit), b: &(usize, &Fit)| violation(a.1).total_cmp(&violation(b.1));
-            return fits().min_by(by_violation).map(|(index, _)| index);
+                |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
+            return fits(starts).min_by(by_violation).map(|(index, _)| index);
         };
         let good = match self.optimise.good_enough {
             0.0 => least * (1.0 + 1e-9),
@@ -386,13 +372,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             _ => least * AS_GOOD * (1.0 + 1e-6),
         };
         let distance = self.distance();
-        let candidates: Vec<(usize, f64)> = fits()
-            .filter(|(_, fit)| fit.is_feasible() && fit.misfit() <= good)
-            .map(|(index, fit)| (index, distance.of(&fit.x)))
-            .collect();
-        let shortest = candidates.iter().map(|c| c.1).min_by(f64::total_cmp)?;
-        let short = shortest * (1.0 + 1e-6);
-        candidates.iter().find(|c| c.1 <= short).map(|c| c.0)
+        nearest(starts, good, |x| distance.of(x), 1e-6)
     }
 
     fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
@@ -535,8 +515,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
     /// after the other is left out as long as the rest still cannot be kept.
     fn contradiction(&self, starts: &Multistart) -> Vec<usize> {
         let mut blamed: Vec<usize> = Vec::new();
-        let ends = starts.starts.iter().filter_map(|s| s.outcome.as_ref().ok());
-        for state in ends.filter_map(|fit| fit.constraints.as_ref()) {
+        for state in fits(&starts.starts).filter_map(|(_, fit)| fit.constraints.as_ref()) {
             for culprit in &state.culprits {
                 if let Held::Row(row) = culprit {
                     blamed.push(self.layout.labels()[*row].constraint);

@@ -42,6 +42,22 @@ pub struct Iteration {
     pub infeasible: u32,
 }
 
+impl Iteration {
+    /// The start, or an iteration that has not got anywhere: its end has this evaluation.
+    pub(super) fn at(end: &Evaluation) -> Self {
+        Iteration {
+            iteration: 0,
+            cost: end.cost(),
+            misfit: end.misfit(),
+            step: 0.0,
+            damping: 0.0,
+            held: 0,
+            evaluations: 1,
+            infeasible: 0,
+        }
+    }
+}
+
 /// Why a run ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Termination {
@@ -71,43 +87,30 @@ pub enum Termination {
 impl Termination {
     /// Whether the run ended at what it takes for a minimum.
     pub fn at_minimum(&self) -> bool {
-        match self {
-            Termination::MisfitReached
-            | Termination::NoFurtherDescent
-            | Termination::StepBelowResolution
-            | Termination::NearestGoodEnough
-            | Termination::NearestOfTheBest
-            | Termination::Stationary => true,
+        !matches!(
+            self,
             Termination::NoFeasibleStep(_)
-            | Termination::ConstraintsExcludeEachOther
-            | Termination::IterationLimit
-            | Termination::Interrupted => false,
-        }
+                | Termination::ConstraintsExcludeEachOther
+                | Termination::IterationLimit
+                | Termination::Interrupted
+        )
     }
 }
 
 impl fmt::Display for Termination {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Termination::MisfitReached => write!(f, "converged: the targets are met"),
-            Termination::NoFurtherDescent => write!(f, "converged: no further descent"),
-            Termination::StepBelowResolution => {
-                write!(f, "converged: the step is below resolution")
-            }
-            Termination::Stationary => write!(f, "converged: stationary between the bounds"),
-            Termination::NoFeasibleStep(reason) => write!(f, "no feasible step: {reason}"),
-            Termination::NearestGoodEnough => {
-                write!(f, "converged: the nearest design that is good enough")
-            }
-            Termination::NearestOfTheBest => {
-                write!(f, "converged: the nearest of the best designs")
-            }
-            Termination::ConstraintsExcludeEachOther => {
-                write!(f, "the constraints exclude one another")
-            }
-            Termination::IterationLimit => write!(f, "the limit of iterations was reached"),
-            Termination::Interrupted => write!(f, "interrupted"),
-        }
+        f.write_str(match self {
+            Termination::MisfitReached => "converged: the targets are met",
+            Termination::NoFurtherDescent => "converged: no further descent",
+            Termination::StepBelowResolution => "converged: the step is below resolution",
+            Termination::Stationary => "converged: stationary between the bounds",
+            Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
+            Termination::NearestGoodEnough => "converged: the nearest design that is good enough",
+            Termination::NearestOfTheBest => "converged: the nearest of the best designs",
+            Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
+            Termination::IterationLimit => "the limit of iterations was reached",
+            Termination::Interrupted => "interrupted",
+        })
     }
 }
 

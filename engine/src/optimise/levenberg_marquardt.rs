@@ -211,17 +211,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let longest = self.model.longest_column();
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
-        let iteration = Iteration {
-            iteration: 0,
-            cost,
-            misfit: self.current.misfit(),
-            step: 0.0,
-            damping: 0.0,
-            held: 0,
-            evaluations: 1,
-            infeasible: 0,
-        };
-        self.course.record(x, iteration);
+        self.course.record(x, Iteration::at(&self.current));
         Ok((state.cost(cost), None))
     }
 
@@ -299,19 +289,16 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             shortened = true;
         }
 
-        let cost = self.current.cost();
         let iteration = Iteration {
             iteration: state.iter + 1,
-            cost,
-            misfit: self.current.misfit(),
             step,
             damping,
-            held: 0,
             evaluations,
             infeasible,
+            ..Iteration::at(&self.current)
         };
         self.course.record(&x, iteration);
-        Ok((state.param(x).cost(cost), None))
+        Ok((state.param(x).cost(self.current.cost()), None))
     }
 
     fn terminate(&mut self, state: &State) -> TerminationStatus {

@@ -527,13 +527,9 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Multipliers of the rows, of the bounds (negative at a lower one) and of the levels.
-    pub(super) fn multipliers(&self) -> (&[f64], &[f64], &[f64]) {
-        (
-            &self.row_multipliers,
-            &self.bound_multipliers,
-            &self.level_multipliers,
-        )
+    /// Multipliers of the rows and of the levels.
+    pub(super) fn multipliers(&self) -> [&[f64]; 2] {
+        [&self.row_multipliers, &self.level_multipliers]
     }
 
     /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is

@@ -40,8 +40,6 @@ pub struct ConstrainedFit {
     /// The derivative of half the squared goal by each row's limit, negated: not negative but for rows
     /// that must vanish.
     pub multipliers: Vec<f64>,
-    /// Likewise by bounds, per half range: negative at a lower one.
-    pub bound_multipliers: Vec<f64>,
     /// Likewise by half the square of each level.
     pub level_multipliers: Vec<f64>,
     /// How far slopes and multipliers are from balance, relative to their sizes.
@@ -114,13 +112,11 @@ impl SequentialConvex<'_> {
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
         let imbalance = self.model.imbalance();
-        let (rows, bounds, levels) = self.model.multipliers();
-        let (rows, bounds, levels) = (rows.to_vec(), bounds.to_vec(), levels.to_vec());
+        let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
         let (termination, history) = self.course.finished();
         ConstrainedFit {
             violation: self.current.violation(self.equalities, &self.levels),
             multipliers: rows,
-            bound_multipliers: bounds,
             level_multipliers: levels,
             imbalance,
             x,
@@ -189,17 +185,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         self.rebuild_model(x);
         let [cost, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation);
-        let iteration = Iteration {
-            iteration: 0,
-            cost: self.reported().cost(),
-            misfit: self.reported().misfit(),
-            step: 0.0,
-            damping: 0.0,
-            held: 0,
-            evaluations: 1,
-            infeasible: 0,
-        };
-        self.course.record(x, iteration);
+        self.course.record(x, Iteration::at(self.reported()));
         Ok((state.cost(cost), None))
     }
 
@@ -299,13 +285,10 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         let cost = self.current.goal.cost();
         let iteration = Iteration {
             iteration: state.iter + 1,
-            cost: self.reported().cost(),
-            misfit: self.reported().misfit(),
             step,
-            damping: 0.0,
-            held: 0,
             evaluations,
             infeasible,
+            ..Iteration::at(self.reported())
         };
         self.course.record(&x, iteration);
         Ok((state.param(x).cost(cost), None))

@@ -127,18 +127,14 @@ pub(super) fn nearest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::test_problems::{Function, Written, freudenstein_roth};
+    use crate::optimise::test_problems::{Function, freudenstein_roth, written};
 
     fn vector(entries: &[f64]) -> DVector<f64> {
         DVector::from_column_slice(entries)
     }
 
     fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
-        let problem = || Written {
-            variables: 2,
-            residuals: 2,
-            rows: freudenstein_roth,
-        };
+        let problem = || written(freudenstein_roth, &[0.5, -2.0]);
         let bounds = Bounds::new(&[[-20.0, 20.0], [-6.0, 6.0]]).unwrap();
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -182,11 +178,7 @@ mod tests {
             true => Err(Infeasible::Refused("too far".into())),
             false => Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])]),
         };
-        let problem = || Written {
-            variables: 1,
-            residuals: 1,
-            rows,
-        };
+        let problem = || written(rows, &[0.0]);
         let bounds = Bounds::new(&[[-3.0, 3.0]]).unwrap();
         for (design, nearest) in [(-0.4, -1.0), (-0.1, 0.5), (2.5, 0.5)] {
             let design = vector(&[design]);

@@ -26,15 +26,35 @@ impl Noise {
     }
 }
 
+/// Values with their gradients.
+pub(super) type Values = Vec<(f64, Vec<f64>)>;
+
 /// Each residual with its gradient, or why there are none.
-pub(super) type Rows = Result<Vec<(f64, Vec<f64>)>, Infeasible>;
+pub(super) type Rows = Result<Values, Infeasible>;
+
+/// Writes values with their gradients.
+pub(super) fn write(rows: Values, into: &mut Evaluation) {
+    for (i, (value, gradient)) in rows.into_iter().enumerate() {
+        into.residuals[i] = value;
+        into.write_slopes(i, &gradient, 1.0);
+    }
+}
 
 /// A problem written as a function of the variables.
 #[derive(Clone)]
 pub(super) struct Written<F> {
-    pub variables: usize,
-    pub residuals: usize,
-    pub rows: F,
+    variables: usize,
+    residuals: usize,
+    rows: F,
+}
+
+/// The problem of a function that has residuals at this point.
+pub(super) fn written<F: Fn(&[f64]) -> Rows>(rows: F, at: &[f64]) -> Written<F> {
+    Written {
+        variables: at.len(),
+        residuals: rows(at).expect("it has residuals there").len(),
+        rows,
+    }
 }
 
 impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
@@ -47,12 +67,7 @@ impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
     }
 
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
-        for (i, (residual, gradient)) in (self.rows)(x.as_slice())?.into_iter().enumerate() {
-            into.residuals[i] = residual;
-            for (j, derivative) in gradient.into_iter().enumerate() {
-                into.jacobian[(i, j)] = derivative;
-            }
-        }
+        write((self.rows)(x.as_slice())?, into);
         Ok(())
     }
 }
@@ -64,20 +79,9 @@ pub(super) type Function = fn(&[f64]) -> Rows;
 pub(super) struct Published {
     pub name: &'static str,
     pub rows: Function,
-    pub residuals: usize,
     pub start: &'static [f64],
     pub ranges: &'static [[f64; 2]],
     pub sum_of_squares: f64,
-}
-
-impl Published {
-    pub(super) fn problem(&self) -> Written<Function> {
-        Written {
-            variables: self.start.len(),
-            residuals: self.residuals,
-            rows: self.rows,
-        }
-    }
 }
 
 const WIDE: [f64; 2] = [-100.0, 100.0];
@@ -86,7 +90,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Rosenbrock (1)",
         rows: rosenbrock,
-        residuals: 2,
         start: &[-1.2, 1.0],
         ranges: &[WIDE; 2],
         sum_of_squares: 0.0,
@@ -94,7 +97,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Freudenstein and Roth (2)",
         rows: freudenstein_roth,
-        residuals: 2,
         start: &[0.5, -2.0],
         ranges: &[WIDE; 2],
         sum_of_squares: 48.9842,
@@ -102,7 +104,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Beale (5)",
         rows: beale,
-        residuals: 3,
         start: &[1.0, 1.0],
         ranges: &[[-10.0, 10.0]; 2],
         sum_of_squares: 0.0,
@@ -110,7 +111,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Jennrich and Sampson (6)",
         rows: jennrich_sampson,
-        residuals: 10,
         start: &[0.3, 0.4],
         ranges: &[[-1.0, 1.0]; 2],
         sum_of_squares: 124.362,
@@ -118,7 +118,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Bard (8)",
         rows: bard,
-        residuals: 15,
         start: &[1.0, 1.0, 1.0],
         ranges: &[[-10.0, 10.0]; 3],
         sum_of_squares: 8.21487e-3,
@@ -126,7 +125,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Powell singular (13)",
         rows: powell_singular,
-        residuals: 4,
         start: &[3.0, -1.0, 0.0, 1.0],
         ranges: &[WIDE; 4],
         sum_of_squares: 0.0,
@@ -134,7 +132,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Wood (14)",
         rows: wood,
-        residuals: 6,
         start: &[-3.0, -1.0, -3.0, -1.0],
         ranges: &[[-10.0, 10.0]; 4],
         sum_of_squares: 0.0,
@@ -142,7 +139,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Kowalik and Osborne (15)",
         rows: kowalik_osborne,
-        residuals: 11,
         start: &[0.25, 0.39, 0.415, 0.39],
         ranges: &[[-1.0, 1.0]; 4],
         sum_of_squares: 3.07505e-4,
@@ -151,7 +147,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Rosenbrock above -1.5 (Hock and Schittkowski 1)",
         rows: rosenbrock,
-        residuals: 2,
         start: &[-2.0, 1.0],
         ranges: &[[-100.0, 100.0], [-1.5, 100.0]],
         sum_of_squares: 0.0,
@@ -159,7 +154,6 @@ pub(super) const PUBLISHED: &[Published] = &[
     Published {
         name: "Rosenbrock above 1.5, from the right (Hock and Schittkowski 2)",
         rows: rosenbrock,
-        residuals: 2,
         start: &[2.0, 3.0],
         ranges: &[[-100.0, 100.0], [1.5, 100.0]],
         sum_of_squares: 0.050_426_187_9,

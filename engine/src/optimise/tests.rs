@@ -1,7 +1,7 @@
 //! Claims about whole runs.
 
 use super::test_problems::{
-    Function, Noise, PUBLISHED, Rows, Written, freudenstein_roth, rosenbrock,
+    Function, Noise, PUBLISHED, Rows, freudenstein_roth, rosenbrock, written,
 };
 use super::*;
 use nalgebra::{DMatrix, DVector};
@@ -11,7 +11,13 @@ fn vector(entries: &[f64]) -> DVector<f64> {
     DVector::from_column_slice(entries)
 }
 
-fn run(problem: impl LeastSquares, ranges: &[[f64; 2]], start: &[f64], options: &Options) -> Fit {
+fn run(
+    rows: impl Fn(&[f64]) -> Rows,
+    ranges: &[[f64; 2]],
+    start: &[f64],
+    options: &Options,
+) -> Fit {
+    let problem = written(rows, start);
     let bounds = Bounds::new(ranges).unwrap();
     let start = DVector::from_column_slice(start);
     fit(problem, &bounds, &start, options, Control::default()).unwrap()
@@ -53,7 +59,7 @@ fn violation(fit: &Fit) -> f64 {
 fn val_published_minima_are_found() {
     for published in PUBLISHED {
         let fit = run(
-            published.problem(),
+            published.rows,
             published.ranges,
             published.start,
             &to_the_end(),
@@ -113,13 +119,8 @@ fn derivatives_of_the_test_problems_are_right() {
 /// The minimiser of problem 2 of Hock and Schittkowski in closed form.
 #[test]
 fn val_a_bound_active_at_the_minimum_is_met_exactly() {
-    let problem = Written {
-        variables: 2,
-        residuals: 2,
-        rows: rosenbrock,
-    };
     let fit = run(
-        problem,
+        rosenbrock,
         &[[-100.0, 100.0], [1.5, 100.0]],
         &[2.0, 3.0],
         &to_the_end(),
@@ -135,12 +136,12 @@ fn val_a_bound_active_at_the_minimum_is_met_exactly() {
 /// Near a zero of the residuals the misfit is squared in every iteration.
 #[test]
 fn zeros_are_approached_quadratically() {
-    let problem = Written {
-        variables: 2,
-        residuals: 2,
-        rows: freudenstein_roth,
-    };
-    let fit = run(problem, &[[-100.0, 100.0]; 2], &[6.0, 5.0], &to_the_end());
+    let fit = run(
+        freudenstein_roth,
+        &[[-100.0, 100.0]; 2],
+        &[6.0, 5.0],
+        &to_the_end(),
+    );
     assert!((&fit.x - vector(&[5.0, 4.0])).amax() < 1e-14, "{}", fit.x);
     let misfits: Vec<f64> = fit.history.iter().map(|i| i.misfit).collect();
     let near = misfits
@@ -152,8 +153,8 @@ fn zeros_are_approached_quadratically() {
 }
 
 /// Residuals that see only the sum of the variables, through a curve.
-fn seen_by_its_sum(target: f64) -> Written<impl Fn(&[f64]) -> Rows + Clone> {
-    let rows = move |x: &[f64]| {
+fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
+    move |x: &[f64]| {
         let sum = x[0] + x[1] + x[2];
         let row = |i: usize| {
             let t = i as f64 / 10.0;
@@ -161,11 +162,6 @@ fn seen_by_its_sum(target: f64) -> Written<impl Fn(&[f64]) -> Rows + Clone> {
             (t * sum + 0.05 * sum * sum - t * target, vec![slope; 3])
         };
         Ok((0..20).map(row).collect())
-    };
-    Written {
-        variables: 3,
-        residuals: 20,
-        rows,
     }
 }
 
@@ -212,12 +208,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
             let row = |i: usize| (r[i], a_.row(i).iter().copied().collect());
             Ok((0..82).map(row).collect())
         };
-        let problem = Written {
-            variables: 6,
-            residuals: 82,
-            rows,
-        };
-        let fit = run(problem, &[[-1.0, 1.0]; 6], &[0.0; 6], &to_the_end());
+        let fit = run(rows, &[[-1.0, 1.0]; 6], &[0.0; 6], &to_the_end());
         assert!(fit.termination.at_minimum(), "{}", fit.termination);
         assert!(fit.holds.iter().all(|&hold| hold == ActiveBound::Free));
         // The part of the move that the rows of `right` do not span.
@@ -255,16 +246,11 @@ fn val_a_planted_design_is_found_through_weak_directions() {
             };
             Ok((0..82).map(row).collect())
         };
-        let problem = Written {
-            variables: 6,
-            residuals: 82,
-            rows,
-        };
         let options = Options {
             misfit_below: 0.0,
             ..Options::default()
         };
-        let fit = run(problem, &[[-0.02, 0.02]; 6], &[0.0; 6], &options);
+        let fit = run(rows, &[[-0.02, 0.02]; 6], &[0.0; 6], &options);
         let off = (&fit.x - planted).amax();
         assert!(off < 1e-9, "seed {seed}: {off:e} after {}", fit.termination);
         assert!(fit.history.len() < 40, "{} iterations", fit.history.len());
@@ -272,23 +258,17 @@ fn val_a_planted_design_is_found_through_weak_directions() {
 }
 
 /// Rosenbrock with no residuals right of a line through the valley, or beyond a parabola.
-fn fenced(fence: fn(&[f64]) -> bool) -> Written<impl Fn(&[f64]) -> Rows + Clone> {
-    let rows = move |x: &[f64]| match fence(x) {
+fn fenced(fence: fn(&[f64]) -> bool) -> impl Fn(&[f64]) -> Rows {
+    move |x: &[f64]| match fence(x) {
         true => Err(Infeasible::Refused("beyond the fence".into())),
         false => rosenbrock(x),
-    };
-    Written {
-        variables: 2,
-        residuals: 2,
-        rows,
     }
 }
 
 #[test]
 fn infeasible_trials_are_counted_and_avoided() {
-    let problem = fenced(|x| x[1] < x[0] * x[0] - 0.2);
     let fit = run(
-        problem,
+        fenced(|x| x[1] < x[0] * x[0] - 0.2),
         &[[-3.0, 3.0]; 2],
         &[-1.2, 1.5],
         &Options::default(),
@@ -299,9 +279,8 @@ fn infeasible_trials_are_counted_and_avoided() {
 
 #[test]
 fn a_minimum_out_of_reach_ends_with_its_reason() {
-    let problem = fenced(|x| x[0] > 0.5);
     let fit = run(
-        problem,
+        fenced(|x| x[0] > 0.5),
         &[[-3.0, 3.0]; 2],
         &[-1.2, 1.0],
         &Options::default(),
@@ -314,14 +293,10 @@ fn a_minimum_out_of_reach_ends_with_its_reason() {
 #[test]
 fn residuals_that_are_not_numbers_are_refused_with_a_reason() {
     let rows: Function = |x| Ok(vec![(x[0], vec![1.0]), ((x[0] - 1.0).sqrt(), vec![1.0])]);
-    let problem = Written {
-        variables: 1,
-        residuals: 2,
-        rows,
-    };
     let bounds = Bounds::new(&[[-2.0, 2.0]]).unwrap();
     let start = vector(&[0.0]);
     let options = Options::default();
+    let problem = written(rows, &[0.0]);
     let refused = fit(problem, &bounds, &start, &options, Control::default()).unwrap_err();
     assert!(
         refused.to_string().starts_with("residual 1 is NaN"),
@@ -334,24 +309,19 @@ fn a_start_without_residuals_is_an_error_with_its_reason() {
     let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
     let start = vector(&[2.0, 0.0]);
     let options = Options::default();
-    let refused = fit(
-        fenced(|x| x[0] > 0.5),
-        &bounds,
-        &start,
-        &options,
-        Control::default(),
-    );
+    let problem = written(fenced(|x| x[0] > 0.5), &[0.0; 2]);
+    let refused = fit(problem, &bounds, &start, &options, Control::default());
     assert_eq!(refused, Err(Infeasible::Refused("beyond the fence".into())));
 }
 
 #[test]
 fn a_start_at_the_minimum_ends_at_once() {
-    let problem = Written {
-        variables: 2,
-        residuals: 2,
-        rows: rosenbrock,
-    };
-    let fit = run(problem, &[[-3.0, 3.0]; 2], &[1.0, 1.0], &Options::default());
+    let fit = run(
+        rosenbrock,
+        &[[-3.0, 3.0]; 2],
+        &[1.0, 1.0],
+        &Options::default(),
+    );
     assert_eq!(fit.termination, Termination::MisfitReached);
     assert_eq!(fit.evaluations(), 1);
 }
@@ -364,12 +334,7 @@ fn a_corner_all_bounds_hold_is_stationary() {
             (x[1] - 4.0, vec![0.0, 1.0]),
         ])
     };
-    let problem = Written {
-        variables: 2,
-        residuals: 2,
-        rows,
-    };
-    let fit = run(problem, &[[-1.0, 1.0]; 2], &[0.0, 0.0], &Options::default());
+    let fit = run(rows, &[[-1.0, 1.0]; 2], &[0.0, 0.0], &Options::default());
     assert_eq!(fit.termination, Termination::Stationary);
     assert_eq!(fit.x, vector(&[-1.0, 1.0]));
     assert_eq!(fit.holds, [ActiveBound::Lower, ActiveBound::Upper]);
@@ -377,16 +342,11 @@ fn a_corner_all_bounds_hold_is_stationary() {
 
 #[test]
 fn limits_and_interrupts_keep_what_is_reached() {
-    let problem = || Written {
-        variables: 2,
-        residuals: 2,
-        rows: rosenbrock,
-    };
     let options = Options {
         max_iterations: 3,
         ..Options::default()
     };
-    let limited = run(problem(), &[[-3.0, 3.0]; 2], &[-1.2, 1.0], &options);
+    let limited = run(rosenbrock, &[[-3.0, 3.0]; 2], &[-1.2, 1.0], &options);
     assert_eq!(limited.termination, Termination::IterationLimit);
     assert_eq!(limited.history.len(), 4);
 
@@ -400,7 +360,8 @@ fn limits_and_interrupts_keep_what_is_reached() {
     };
     let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
     let start = vector(&[-1.2, 1.0]);
-    let stopped = fit(problem(), &bounds, &start, &Options::default(), control).unwrap();
+    let problem = written(rosenbrock, &[-1.2, 1.0]);
+    let stopped = fit(problem, &bounds, &start, &Options::default(), control).unwrap();
     assert_eq!(stopped.termination, Termination::Interrupted);
     assert_eq!(stopped.history, limited.history[..3]);
 }
@@ -424,15 +385,10 @@ fn random_bounded_problems_end_at_kuhn_tucker_points() {
             };
             Ok((0..200).map(row).collect())
         };
-        let problem = Written {
-            variables: n,
-            residuals: 200,
-            rows,
-        };
         let ranges: Vec<[f64; 2]> = (0..n)
             .map(|_| [-1.0 - 0.5 * noise.next(), 0.6 + 0.5 * noise.next()])
             .collect();
-        let fit = run(problem, &ranges, &vec![0.0; n], &to_the_end());
+        let fit = run(rows, &ranges, &vec![0.0; n], &to_the_end());
         assert!(
             fit.termination.at_minimum(),
             "seed {seed}: {}",

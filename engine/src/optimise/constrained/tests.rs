@@ -1,12 +1,9 @@
 //! Problems whose constrained minima are known.
 
-use super::super::test_problems::Noise;
+use super::super::test_problems::{Noise, Values, write};
 use super::super::{Bounds, Control, Evaluation, Infeasible, Options, Termination};
 use super::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
 use nalgebra::{DMatrix, DVector};
-
-/// Values with their gradients.
-type Values = Vec<(f64, Vec<f64>)>;
 
 /// Goal, level and rows as functions of the variables.
 struct Stated<F> {
@@ -31,12 +28,7 @@ impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
         let level = into.levels.first_mut().unwrap_or(&mut nothing);
         let parts = [&mut into.goal, level, &mut into.rows];
         for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {
-            for (i, (value, gradient)) in values.into_iter().enumerate() {
-                part.residuals[i] = value;
-                for (j, entry) in gradient.into_iter().enumerate() {
-                    part.jacobian[(i, j)] = entry;
-                }
-            }
+            write(values, part);
         }
         Ok(())
     }

@@ -1,12 +1,10 @@
 //! Fronts that are known.
 
+use super::super::test_problems::{Values, write};
 use super::super::trade::{Aim, Distance};
 use super::super::{Assessment, Bounds, Constrained, Control, Infeasible, Options, Shape};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
-
-/// A value with its gradient, by aim.
-type Values = Vec<(f64, Vec<f64>)>;
 
 /// Each aim has so many residuals of its own.
 struct Stated {
@@ -26,12 +24,7 @@ impl Constrained for Stated {
         }
     }
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        for (row, (value, gradient)) in (self.at)(x.as_slice()).into_iter().enumerate() {
-            into.goal.residuals[row] = value;
-            for (column, entry) in gradient.into_iter().enumerate() {
-                into.goal.jacobian[(row, column)] = entry;
-            }
-        }
+        write((self.at)(x.as_slice()), &mut into.goal);
         Ok(())
     }
 }

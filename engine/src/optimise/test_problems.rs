@@ -4,7 +4,7 @@
 //! software, ACM Trans. Math. Softw. 7, 1981 (numbers in brackets), which gives the sums of squares
 //! at the minima to six digits.
 
-use super::{Evaluation, Infeasible, LeastSquares};
+use super::{Assessment, Constrained, Evaluation, Infeasible, LeastSquares, Shape};
 use nalgebra::DVector;
 
 /// A reproducible sequence of numbers in [-1, 1) (G. Steele, D. Lea, Ch. Flood, Fast splittable
@@ -33,7 +33,7 @@ pub(super) type Values = Vec<(f64, Vec<f64>)>;
 pub(super) type Rows = Result<Values, Infeasible>;
 
 /// Writes values with their gradients.
-pub(super) fn write(rows: Values, into: &mut Evaluation) {
+fn write(rows: Values, into: &mut Evaluation) {
     for (i, (value, gradient)) in rows.into_iter().enumerate() {
         into.residuals[i] = value;
         into.write_slopes(i, &gradient, 1.0);
@@ -69,6 +69,59 @@ impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
         write((self.rows)(x.as_slice())?, into);
         Ok(())
+    }
+}
+
+/// Goal, level and rows as functions of the variables.
+pub(super) struct Stated<F> {
+    variables: usize,
+    shape: Shape,
+    level: f64,
+    at: F,
+}
+
+impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
+    fn variables(&self) -> usize {
+        self.variables
+    }
+    fn shape(&self) -> Shape {
+        self.shape.clone()
+    }
+    fn levels(&self) -> Vec<f64> {
+        self.shape.levels.iter().map(|_| self.level).collect()
+    }
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        let mut nothing = Evaluation::new(0, x.len());
+        let level = into.levels.first_mut().unwrap_or(&mut nothing);
+        let parts = [&mut into.goal, level, &mut into.rows];
+        for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {
+            write(values, part);
+        }
+        Ok(())
+    }
+}
+
+/// The problem of a function that has values there, `level` being that of what it holds to one.
+pub(super) fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
+    start: &[f64],
+    equalities: usize,
+    level: f64,
+    mut at: F,
+) -> Stated<F> {
+    let [goal, held, rows] = at(start);
+    Stated {
+        variables: start.len(),
+        shape: Shape {
+            goal: goal.len(),
+            levels: (!held.is_empty())
+                .then_some(held.len())
+                .into_iter()
+                .collect(),
+            rows: rows.len(),
+            equalities,
+        },
+        level,
+        at,
     }
 }
 

@@ -1,61 +1,9 @@
 //! Problems whose constrained minima are known.
 
-use super::super::test_problems::{Noise, Values, write};
-use super::super::{Bounds, Control, Evaluation, Infeasible, Options, Termination};
-use super::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
+use super::super::test_problems::{Noise, Values, stated};
+use super::super::{Bounds, Control, Options, Termination};
+use super::{ConstrainedFit, constrained_fit};
 use nalgebra::{DMatrix, DVector};
-
-/// Goal, level and rows as functions of the variables.
-struct Stated<F> {
-    variables: usize,
-    shape: Shape,
-    level: f64,
-    at: F,
-}
-
-impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
-    fn variables(&self) -> usize {
-        self.variables
-    }
-    fn shape(&self) -> Shape {
-        self.shape.clone()
-    }
-    fn levels(&self) -> Vec<f64> {
-        self.shape.levels.iter().map(|_| self.level).collect()
-    }
-    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        let mut nothing = Evaluation::new(0, x.len());
-        let level = into.levels.first_mut().unwrap_or(&mut nothing);
-        let parts = [&mut into.goal, level, &mut into.rows];
-        for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {
-            write(values, part);
-        }
-        Ok(())
-    }
-}
-
-fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
-    start: &[f64],
-    equalities: usize,
-    level: f64,
-    mut at: F,
-) -> Stated<F> {
-    let [goal, held, rows] = at(start);
-    Stated {
-        variables: start.len(),
-        shape: Shape {
-            goal: goal.len(),
-            levels: (!held.is_empty())
-                .then_some(held.len())
-                .into_iter()
-                .collect(),
-            rows: rows.len(),
-            equalities,
-        },
-        level,
-        at,
-    }
-}
 
 fn solve<F: FnMut(&[f64]) -> [Values; 3]>(
     start: &[f64],

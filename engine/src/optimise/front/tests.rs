@@ -1,33 +1,10 @@
 //! Fronts that are known.
 
-use super::super::test_problems::{Values, write};
+use super::super::test_problems::{Values, stated};
 use super::super::trade::{Aim, Distance};
-use super::super::{Assessment, Bounds, Constrained, Control, Infeasible, Options, Shape};
+use super::super::{Bounds, Control, Options};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
-
-/// Each aim has so many residuals of its own.
-struct Stated {
-    variables: usize,
-    residuals: usize,
-    at: fn(&[f64]) -> Values,
-}
-
-impl Constrained for Stated {
-    fn variables(&self) -> usize {
-        self.variables
-    }
-    fn shape(&self) -> Shape {
-        Shape {
-            goal: self.residuals,
-            ..Shape::default()
-        }
-    }
-    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        write((self.at)(x.as_slice()), &mut into.goal);
-        Ok(())
-    }
-}
 
 /// The front of so many aims, each of so many residuals.
 fn traced(
@@ -41,10 +18,10 @@ fn traced(
     let distance = Distance::new(&design, &bounds, &vec![1.0; ranges.len()]);
     let options = Options::default();
     let tracer = Tracer {
-        problem: || Stated {
-            variables: ranges.len(),
-            residuals: aims * each,
-            at,
+        problem: || {
+            stated(design.as_slice(), 0, f64::INFINITY, |x| {
+                [at(x), vec![], vec![]]
+            })
         },
         bounds: &bounds,
         distance: &distance,

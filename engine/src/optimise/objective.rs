@@ -26,8 +26,8 @@ use super::{Evaluation, Infeasible, LeastSquares};
 use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Toggles};
-use crate::model::{Drive, Frame, PointId, Suspension};
+use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
+use crate::model::{Drive, Frame, Mechanism, PointId, Suspension};
 use crate::number::{Jet, Vector3, Width};
 use crate::solve::{Solver, StationOrder};
 use crate::study::{Scatter, Variable};
@@ -196,10 +196,38 @@ fn place_in_words(drive: Drive, value: f64) -> String {
     }
 }
 
-/// A drive value without a pose.
-fn unreached(drive: Drive, value: f64, failure: Failure) -> Infeasible {
-    let place = place_in_words(drive, value);
-    Infeasible::Refused(format!("{place} is not reached: {failure}"))
+/// A design that cannot be solved.
+fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
+    |fault| Infeasible::Refused(fault.describe(mechanism))
+}
+
+/// Reads the poses of a leg at some drive values, one after the other, until one cannot be.
+fn read_poses<'a>(
+    solver: &mut Solver<'a>,
+    leg: &Leg,
+    order: &StationOrder,
+    mut read: impl FnMut(&Solver<'a>, usize, &MotionPoint<f64>, &Pose<f64>) -> Result<(), Failure>,
+) -> Result<(), Infeasible> {
+    let mechanism = solver.mechanism();
+    let mut failed = None;
+    let visited = solver.for_each_pose(leg.drive, order, leg.rack, |solver, number, pose| {
+        let place = MotionPoint {
+            drive: leg.drive,
+            value: order.values()[number],
+            rack: leg.rack,
+        };
+        match pose.and_then(|pose| read(solver, number, &place, pose)) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(failure) => {
+                let place = place_in_words(place.drive, place.value);
+                let why = format!("{place} is not reached: {failure}");
+                failed = Some(Infeasible::Refused(why));
+                ControlFlow::Break(())
+            }
+        }
+    });
+    visited.map_err(refused(mechanism))?;
+    failed.map_or(Ok(()), Err)
 }
 
 /// A drive value where nothing can carry the load whose force is read there.
@@ -470,8 +498,8 @@ impl<'a, const N: usize> Objective<'a, N> {
     /// Makes ready to solve the moved design one by one.
     fn prepare(&mut self) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
-        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
-        self.solver.prepare(&self.moved).map_err(refused)?;
+        let prepared = self.solver.prepare(&self.moved);
+        prepared.map_err(refused(mechanism))?;
         self.reader.series.prepare(mechanism, &self.moved);
         if let Some(moving) = &mut self.moving {
             moving.prepare(&self.solver, &self.moved, &self.ways);
@@ -486,7 +514,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     fn begin(&mut self, leg: &Leg) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
-        begun.map_err(|fault| Infeasible::Refused(fault.describe(mechanism)))
+        begun.map_err(refused(mechanism))
     }
 
     /// Visits the stations of a leg.
@@ -511,74 +539,53 @@ impl<'a, const N: usize> Objective<'a, N> {
             values.clear();
             values.resize(leg.order.values().len(), f64::NAN);
         }
-        let mechanism = solver.mechanism();
-        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         let mut failed = None;
-        let visited =
-            solver.for_each_pose(leg.drive, &leg.order, leg.rack, |solver, station, pose| {
-                let value = leg.order.values()[station];
-                let place = MotionPoint {
-                    drive: leg.drive,
-                    value,
-                    rack: leg.rack,
-                };
-                let motion = place.along_drive::<N>();
-                let linearised = pose
-                    .and_then(|pose| solver.linearised(&reader.series, pose, &motion))
-                    .and_then(|linearised| {
-                        match toggles.note(Some(solver), &linearised.at, value) {
-                            None => Ok(linearised),
-                            Some(rod) => Err(Failure::Toggle(rod)),
-                        }
-                    });
-                let linearised = match linearised {
-                    Ok(linearised) => linearised,
-                    Err(failure) => {
-                        failed = Some(unreached(leg.drive, value, failure));
-                        return ControlFlow::Break(());
+        read_poses(solver, leg, &leg.order, |solver, station, place, pose| {
+            let motion = place.along_drive::<N>();
+            let linearised = solver.linearised(&reader.series, pose, &motion)?;
+            if let Some(rod) = toggles.note(Some(solver), &linearised.at, place.value) {
+                return Err(Failure::Toggle(rod));
+            }
+            let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+            let reading = |measure| Reading {
+                measure,
+                view: &view,
+                linearised: &linearised,
+                solver,
+                motion: place,
+                ways,
+                moving: moving.as_ref(),
+            };
+            let slopes = &mut reader.slopes;
+            if let Some((into, first)) = into {
+                for wish in &leg.targets[station] {
+                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                    let found = read(measure, &view, &linearised, solver.size())[0];
+                    failed = failed.take().or_else(|| uncarried(measure, found, place));
+                    let deviation = wish.wanted.deviation(found);
+                    into.residuals[row] = deviation * wish.scale;
+                    if wish.wanted.is_band() && deviation == 0.0 {
+                        // Within its band.
+                        into.jacobian.row_mut(row).fill(0.0);
+                        continue;
                     }
-                };
-                let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                let reading = |measure| Reading {
-                    measure,
-                    view: &view,
-                    linearised: &linearised,
-                    solver,
-                    motion: &place,
-                    ways,
-                    moving: moving.as_ref(),
-                };
-                let slopes = &mut reader.slopes;
-                if let Some((into, first)) = into {
-                    for wish in &leg.targets[station] {
-                        let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
-                        let found = read(measure, &view, &linearised, solver.size())[0];
-                        failed = failed.take().or_else(|| uncarried(measure, found, &place));
-                        let deviation = wish.wanted.deviation(found);
-                        into.residuals[row] = deviation * wish.scale;
-                        if wish.wanted.is_band() && deviation == 0.0 {
-                            // Within its band.
-                            into.jacobian.row_mut(row).fill(0.0);
-                            continue;
-                        }
-                        slopes.form(&reading(measure));
-                        into.write_slopes(row, &slopes.by_variable, wish.scale);
-                    }
+                    slopes.form(&reading(measure));
+                    into.write_slopes(row, &slopes.by_variable, wish.scale);
                 }
-                let Some(rows) = rows else {
-                    return ControlFlow::Continue(());
-                };
-                for check in &leg.checks[station] {
-                    let part = &layout.parts[check.part];
-                    let found = read(&part.of, &view, &linearised, solver.size())[0];
-                    failed = failed.take().or_else(|| uncarried(&part.of, found, &place));
-                    values[check.part][station] = found;
-                    slopes.form(&reading(&part.of));
-                    check.write(part, found, &slopes.by_variable, rows);
-                }
-                ControlFlow::Continue(())
-            });
-        visited.map_err(refused)?;
+            }
+            let Some(rows) = rows else {
+                return Ok(());
+            };
+            for check in &leg.checks[station] {
+                let part = &layout.parts[check.part];
+                let found = read(&part.of, &view, &linearised, solver.size())[0];
+                failed = failed.take().or_else(|| uncarried(&part.of, found, place));
+                values[check.part][station] = found;
+                slopes.form(&reading(&part.of));
+                check.write(part, found, &slopes.by_variable, rows);
+            }
+            Ok(())
+        })?;
         failed.map_or(Ok(()), Err)
     }
 
@@ -597,62 +604,41 @@ impl<'a, const N: usize> Objective<'a, N> {
         else {
             return Ok(());
         };
-        let mechanism = solver.mechanism();
-        let refused = |fault: DesignFault| Infeasible::Refused(fault.describe(mechanism));
         for round in 1..=SEARCHES {
             if searches.is_empty() {
                 break;
             }
             let places: Vec<f64> = searches.iter().map(|search| search.place).collect();
             let order = StationOrder::through(&places);
-            let mut failed = None;
-            let visited =
-                solver.for_each_pose(leg.drive, &order, leg.rack, |solver, number, pose| {
-                    let search = &mut searches[number];
-                    let place = MotionPoint {
-                        drive: leg.drive,
-                        value: search.place,
-                        rack: leg.rack,
-                    };
-                    let motion = place.along_drive::<3>();
-                    let linearised =
-                        pose.and_then(|pose| solver.linearised(&reader.series, pose, &motion));
-                    let linearised = match linearised {
-                        Ok(linearised) => linearised,
-                        Err(failure) => {
-                            failed = Some(unreached(leg.drive, search.place, failure));
-                            return ControlFlow::Break(());
-                        }
-                    };
-                    let Extremes { part, sign, .. } = &leg.extremes[search.of];
-                    let part = &layout.parts[*part];
-                    let limit = if *sign > 0.0 { part.upper } else { part.lower };
-                    let limit = limit.expect("an extreme is sought for a limit");
-                    let scale = sign / part.scale;
-                    let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-                    let series = read(&part.of, &view, &linearised, solver.size());
-                    let value = (series[0] - limit) * scale;
-                    search.is_found = search.advance(series[1]) || round == SEARCHES;
-                    if search.is_found && value > search.at_station {
-                        reader.slopes.form(&Reading {
-                            measure: &part.of,
-                            view: &view,
-                            linearised: &linearised,
-                            solver,
-                            motion: &place,
-                            ways,
-                            moving: moving.as_ref(),
-                        });
-                        rows.residuals[search.row] = value;
-                        let slopes = &reader.slopes.by_variable;
-                        rows.write_slopes(search.row, slopes, scale);
-                    }
-                    ControlFlow::Continue(())
-                });
-            visited.map_err(refused)?;
-            if let Some(reason) = failed {
-                return Err(reason);
-            }
+            read_poses(solver, leg, &order, |solver, number, place, pose| {
+                let search = &mut searches[number];
+                let motion = place.along_drive::<3>();
+                let linearised = solver.linearised(&reader.series, pose, &motion)?;
+                let Extremes { part, sign, .. } = &leg.extremes[search.of];
+                let part = &layout.parts[*part];
+                let limit = if *sign > 0.0 { part.upper } else { part.lower };
+                let limit = limit.expect("an extreme is sought for a limit");
+                let scale = sign / part.scale;
+                let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
+                let series = read(&part.of, &view, &linearised, solver.size());
+                let value = (series[0] - limit) * scale;
+                search.is_found = search.advance(series[1]) || round == SEARCHES;
+                if search.is_found && value > search.at_station {
+                    reader.slopes.form(&Reading {
+                        measure: &part.of,
+                        view: &view,
+                        linearised: &linearised,
+                        solver,
+                        motion: place,
+                        ways,
+                        moving: moving.as_ref(),
+                    });
+                    rows.residuals[search.row] = value;
+                    let slopes = &reader.slopes.by_variable;
+                    rows.write_slopes(search.row, slopes, scale);
+                }
+                Ok(())
+            })?;
             searches.retain(|search| !search.is_found);
         }
         Ok(())

@@ -211,6 +211,12 @@ impl Problems {
         self.errors.last_mut().expect("just pushed")
     }
 
+    /// Notes a mistake at a place of the study file which leaves no value.
+    pub fn refuse<T>(&mut self, span: Range<usize>, message: impl Into<String>) -> Option<T> {
+        self.add(span, message);
+        None
+    }
+
     /// Notes mistakes found in another file.
     pub fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);

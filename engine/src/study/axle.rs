@@ -173,8 +173,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
             match c_factor.value {
                 0.0 => {
                     let message = "a c_factor of 0 never moves the rack";
-                    problems.add(c_factor.span.clone(), message);
-                    None
+                    problems.refuse(c_factor.span.clone(), message)
                 }
                 value => Some(Some(value * left.frame.sign(Axis::Y))),
             }
@@ -242,8 +241,7 @@ fn springs(
             "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
             _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
         };
-        problems.add(span, message);
-        return None;
+        return problems.refuse(span, message);
     };
     if left.mechanism.spring.is_none() {
         let message = "[spring] is given, but the study gives no spring";
@@ -305,13 +303,11 @@ fn spring(
         (_, _, Some(curve)) => {
             let message =
                 "force_curve already gives the spring; expected rate and force, or force_curve";
-            problems.add(curve.span(), message);
-            None
+            problems.refuse(curve.span(), message)
         }
         _ => {
             let message = "expected rate and force (in the design position), or force_curve";
-            problems.add(place, message);
-            None
+            problems.refuse(place, message)
         }
     }
 }
@@ -326,8 +322,7 @@ fn force_curve(
             [x, y] => points.push([x.value, y.value]),
             other => {
                 let message = format!("expected a pair [length, force], found {}", other.len());
-                problems.add(pair.span(), message);
-                return None;
+                return problems.refuse(pair.span(), message);
             }
         }
     }
@@ -384,8 +379,7 @@ fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
     } else {
         return Some(at_load);
     };
-    problems.add(text.span(), message);
-    None
+    problems.refuse(text.span(), message)
 }
 
 /// The stations.
@@ -436,8 +430,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
         (heave, Some(roll), ..) => {
             if let Some((false, span)) = on_plane {
                 let message = "roll is that of the body on a plane; expected ground = \"plane\", or travel_left and travel_right on pads";
-                problems.add(span, message);
-                return None;
+                return problems.refuse(span, message);
             }
             WheelMotion::Roll {
                 heave: heave.unwrap_or_else(|| vec![0.0]),
@@ -455,8 +448,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
         },
         (None, None, None, None) => {
             let message = "expected heave, roll, or travel_left and travel_right: where the axle is to be solved";
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         }
         (None, None, left, right) => WheelMotion::Travels {
             left: left.unwrap_or_else(|| vec![0.0]),
@@ -497,8 +489,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             "{} stations; expected at most {MOST_STATIONS}",
             course.stations()
         );
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     Some(course)
 }

@@ -184,20 +184,17 @@ pub(super) fn target(
     }
     if let Some(path) = &written.file {
         let message = "a curve from a file is not there for an axle; expected points";
-        problems.add(path.span(), message);
-        return None;
+        return problems.refuse(path.span(), message);
     }
     if let Some(motion) = &written.motion {
-        problems.add(
+        return problems.refuse(
             motion.span(),
             "further motions are not there for an axle; expected over",
         );
-        return None;
     }
     let Some(name) = &written.characteristic else {
         let message = "expected what it is about: characteristic";
-        problems.add(spanned.span(), message);
-        return None;
+        return problems.refuse(spanned.span(), message);
     };
     let of = subject(name, &written.side, study, problems);
     let site = site(
@@ -243,8 +240,7 @@ fn subject(
             let own: Vec<_> = all.into_iter().filter(of_side).collect();
             if own.is_empty() {
                 let message = format!("{found} is of the axle as a whole, not of one wheel");
-                problems.add(text.span(), message);
-                return None;
+                return problems.refuse(text.span(), message);
             }
             own
         }
@@ -308,8 +304,7 @@ fn site(
                 "the motion has several numbers; expected over, which of {} is meant",
                 keys(several)
             );
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         }
     };
     let mut words = String::new();
@@ -319,8 +314,7 @@ fn site(
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
                 let message = format!("the motion of this study has {known}, and no {key}");
-                problems.add(given.span(), message);
-                return None;
+                return problems.refuse(given.span(), message);
             }
             continue;
         }
@@ -330,8 +324,7 @@ fn site(
                     "it is over {0}: what is held is the rest, not {0}",
                     over.key()
                 );
-                problems.add(given.span(), message);
-                return None;
+                return problems.refuse(given.span(), message);
             }
             continue;
         }
@@ -346,8 +339,7 @@ fn site(
         if let Some(given) = given {
             if list.is_empty() {
                 let message = format!("expected at least one value of {}", coordinate.key());
-                problems.add(given.span(), message);
-                return None;
+                return problems.refuse(given.span(), message);
             }
             let texts: Vec<_> = list.iter().map(ToString::to_string).collect();
             words += &format!(", {} {}", coordinate.key(), texts.join(" "));

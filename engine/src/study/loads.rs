@@ -87,13 +87,11 @@ fn resolved(
     let at = choose(&written.at, "place", &PLACES, problems);
     if at == Some(LoadPoint::ContactPoint) && suspension.wheel_radius.is_none() {
         let message = "the contact point needs radius in [wheel], which this study does not give";
-        problems.add(written.at.span(), message);
-        return None;
+        return problems.refuse(written.at.span(), message);
     }
     if written.force.is_none() && written.moment.is_none() {
         let message = "expected a force, a moment or both, found neither";
-        problems.add(written.name.span(), message);
-        return None;
+        return problems.refuse(written.name.span(), message);
     }
     let unit = suspension.length_unit.symbol();
     let force = components(&written.force, "N", problems);
@@ -116,8 +114,7 @@ fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
         let message = format!(
             "expected a name of letters, digits and _, with which column names begin; found {name:?}"
         );
-        problems.add(written.name.span(), message);
-        return None;
+        return problems.refuse(written.name.span(), message);
     }
     Some(name.clone())
 }
@@ -136,8 +133,7 @@ fn components(
         other => {
             let found = other.len();
             let message = format!("expected three components [x, y, z] in {unit}, found {found}");
-            problems.add(written.span(), message);
-            None
+            problems.refuse(written.span(), message)
         }
     }
 }

@@ -34,8 +34,7 @@ pub(super) fn member(
             let points = points?;
             let [a, b] = points.as_slice() else {
                 let message = format!("expected the two ends of a member, found {}", points.len());
-                problems.add(written.span(), message);
-                return None;
+                return problems.refuse(written.span(), message);
             };
             let found = members.into_iter().find(|(_, member)| {
                 let ends = member.ends(mechanism);

@@ -105,8 +105,7 @@ pub(super) fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -
     if stations > MOST_STATIONS as usize {
         let message =
             format!("{stations} stations with those of the rack; expected at most {MOST_STATIONS}");
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     let written_rack = section.rack.as_ref().map(Spanned::get_ref);
     Some(Motion {
@@ -165,8 +164,7 @@ fn drive_values(
             let at_times: Vec<f64> = law.times.iter().map(|t| law.value(*t)).collect();
             if at_times.iter().any(|v| v.abs() > Number::MOST) {
                 let message = "the polynomial grows beyond 1e12 between these times";
-                problems.add(time.polynomial.span(), message);
-                return None;
+                return problems.refuse(time.polynomial.span(), message);
             }
             Some((at_times, Some(law)))
         }
@@ -178,8 +176,7 @@ fn drive_values(
         }
         (None, None) => {
             let message = format!("expected {name} or time: where the mechanism is to be solved");
-            problems.add(place, message);
-            None
+            problems.refuse(place, message)
         }
     }
 }
@@ -235,8 +232,7 @@ fn time_law(
     let polynomial = time.polynomial.get_ref();
     if polynomial.is_empty() {
         let message = "expected coefficients, lowest power first, found an empty list";
-        problems.add(time.polynomial.span(), message);
-        return None;
+        return problems.refuse(time.polynomial.span(), message);
     }
     Some(TimeLaw {
         polynomial: polynomial.iter().map(|c| resolved(c.value)).collect(),
@@ -251,11 +247,10 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
         Values::Range(r) => range(&r.from, &r.to, &r.steps, problems),
         Values::List(list) => {
             if list.is_empty() {
-                problems.add(
+                return problems.refuse(
                     written.span(),
                     "expected at least one value, found an empty list",
                 );
-                return None;
             }
             let mut sorted: Vec<&Number> = list.iter().collect();
             sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -314,8 +309,7 @@ pub(super) fn within(
         i64::MAX => format!("expected at least {least}, found {found}"),
         _ => format!("expected from {least} to {most}, found {found}"),
     };
-    problems.add(number.span(), message);
-    None
+    problems.refuse(number.span(), message)
 }
 
 /// `count` values from `from` to `to`.

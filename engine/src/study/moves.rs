@@ -55,8 +55,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
             let length = entries.iter().fold(0.0, |sum: f64, c| sum.hypot(*c));
             if entries.len() != 3 || !(length > 0.0 && length.is_finite()) {
                 let message = "expected a direction [x, y, z] that is not nothing";
-                problems.add(direction.span(), message);
-                return None;
+                return problems.refuse(direction.span(), message);
             }
             let shares = Axis::ALL.into_iter().zip(entries);
             let shares = shares.map(|(axis, entry)| (axis, entry / length));
@@ -64,13 +63,11 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
         }
         (Some(_), Some(direction)) => {
             let message = "expected axis or direction, found both";
-            problems.add(direction.span(), message);
-            None
+            problems.refuse(direction.span(), message)
         }
         (None, None) => {
             let message = "expected axis, along which it moves, or direction";
-            problems.add(written.place.clone(), message);
-            None
+            problems.refuse(written.place.clone(), message)
         }
     }
 }
@@ -101,20 +98,17 @@ fn points(
         (None, Some(list)) => list,
         (Some(_), Some(list)) => {
             let message = "expected hardpoint, or hardpoints that move together, found both";
-            problems.add(list.span(), message);
-            return None;
+            return problems.refuse(list.span(), message);
         }
         (None, None) => {
             let message = "expected hardpoint, or hardpoints that move together";
-            problems.add(written.place.clone(), message);
-            return None;
+            return problems.refuse(written.place.clone(), message);
         }
     };
     let names = list.get_ref();
     if names.is_empty() {
         let message = "expected at least one hardpoint, found an empty list";
-        problems.add(list.span(), message);
-        return None;
+        return problems.refuse(list.span(), message);
     }
     let points: Vec<_> = names
         .iter()
@@ -138,13 +132,11 @@ fn points(
             points.len(),
             numbers.len()
         );
-        problems.add(factors.span(), message);
-        return None;
+        return problems.refuse(factors.span(), message);
     }
     if let Some(zero) = numbers.iter().find(|n| n.value == 0.0) {
         let message = "a hardpoint with factor 0 does not move; leave it out";
-        problems.add(zero.span.clone(), message);
-        return None;
+        return problems.refuse(zero.span.clone(), message);
     }
     let factors = numbers.iter().map(|n| n.value);
     Some(points.into_iter().zip(factors).collect())

@@ -44,8 +44,7 @@ pub(super) fn optimise(
         Some(number) if number.value >= 0.0 => Some(Some(number.value)),
         Some(number) => {
             let message = format!("expected a misfit from 0 up, found {}", number.value);
-            problems.add(number.span.clone(), message);
-            None
+            problems.refuse(number.span.clone(), message)
         }
     };
     let fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
@@ -141,13 +140,11 @@ fn front(
     let names = written.get_ref();
     if !(2..=3).contains(&names.len()) {
         let message = format!("expected two or three targets, found {}", names.len());
-        problems.add(written.span(), message);
-        return None;
+        return problems.refuse(written.span(), message);
     }
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
         let message = "measurements are not traded: front does not go with fit = true";
-        problems.add(written.span(), message);
-        return None;
+        return problems.refuse(written.span(), message);
     }
     let length = context.suspension.length_unit;
     let known: Vec<String> = targets.iter().map(|t| t.name(length)).collect();
@@ -159,8 +156,7 @@ fn front(
         let name = text.get_ref();
         choose(text, "target", &options, problems)?;
         if wishes.iter().any(|wish| wish.name == *name) {
-            problems.add(text.span(), format!("{name:?} is listed twice"));
-            return None;
+            return problems.refuse(text.span(), format!("{name:?} is listed twice"));
         }
         let numbers = (0..known.len()).filter(|number| known[*number] == *name);
         wishes.push(Wish {
@@ -185,11 +181,10 @@ fn variables(
 ) -> Option<Vec<Variable>> {
     let written = section.variables.get_ref();
     if written.is_empty() {
-        problems.add(
+        return problems.refuse(
             section.variables.span(),
             "expected at least one variable, found an empty list",
         );
-        return None;
     }
     let resolved: Vec<_> = written
         .iter()
@@ -274,14 +269,12 @@ fn variable(
                 "expected two offsets [lowest, highest], found {}",
                 other.len()
             );
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         }
     };
     let [low, high] = range;
     if low == high {
-        problems.add(place, format!("the range is empty: both ends are {low}"));
-        return None;
+        return problems.refuse(place, format!("the range is empty: both ends are {low}"));
     }
     if low > high {
         let error = problems.add(
@@ -294,8 +287,7 @@ fn variable(
     if low > 0.0 || high < 0.0 {
         let message =
             format!("offsets from {low} to {high} leave out the design, which is offset 0");
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     let moves = moves?;
     Some(Variable {
@@ -364,8 +356,7 @@ fn rigid(
         let turn = above_zero(number, problems)?;
         if turn > LARGEST_TURN {
             let message = format!("expected at most {LARGEST_TURN} degrees, found {turn}");
-            problems.add(number.span.clone(), message);
-            return None;
+            return problems.refuse(number.span.clone(), message);
         }
         Some(turn)
     });

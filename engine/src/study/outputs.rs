@@ -145,13 +145,11 @@ pub(super) fn hardpoint(
         && mechanism.point(name).is_none()
     {
         let message = format!("this study does not give {name} ({})", absent.about);
-        problems.add(text.span(), message);
-        return None;
+        return problems.refuse(text.span(), message);
     }
     if mechanism.point(name).is_some() && !hardpoints(suspension).any(|(known, _)| known == name) {
         let message = format!("{name} is an extra point; expected a hardpoint");
-        problems.add(text.span(), message);
-        return None;
+        return problems.refuse(text.span(), message);
     }
     let hardpoints: Vec<_> = hardpoints(suspension).collect();
     choose(text, "hardpoint", &hardpoints, problems)
@@ -176,8 +174,7 @@ pub(super) fn characteristic(
             text.get_ref(),
             mechanism.topology.name
         );
-        problems.add(text.span(), message);
-        return None;
+        return problems.refuse(text.span(), message);
     }
     let vehicle = &suspension.vehicle;
     // What a study calls it; of what no key gives, or what is said below, nothing.
@@ -227,6 +224,5 @@ pub(super) fn characteristic(
         "{} needs {needs}, which this study does not give",
         text.get_ref()
     );
-    problems.add(text.span(), message);
-    None
+    problems.refuse(text.span(), message)
 }

@@ -33,8 +33,7 @@ pub(super) fn right_wheel(
             return Some(None);
         }
         let message = format!("unknown right wheel {word:?}; expected \"mirrored\" or a table");
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     let own = own(file)?;
     if own.hardpoints.is_empty() && own.bodies.is_empty() && own.wheel.is_none() {
@@ -58,14 +57,12 @@ pub(super) fn right_wheel(
     }
     if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
         let message = format!("right wheel: {}", fault.describe(&right.mechanism));
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     let centre = right.design[right.mechanism.wheel_centre.0];
     if centre.y < 0.0 {
         let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     Some(Some(right))
 }

@@ -88,20 +88,17 @@ fn adjustment(
             let Some(axis) = &written.axis else {
                 let message =
                     "expected axis: the way the shim moves the point, \"x\", \"y\" or \"z\"";
-                problems.add(place, message);
-                return None;
+                return problems.refuse(place, message);
             };
             let change = coordinate(shim, axis, context.suspension, problems)?;
             (format!("{} {}", shim.get_ref(), axis.get_ref()), change)
         }
         (Some(length), Some(_)) => {
-            problems.add(length.span(), "expected length or shim, found both");
-            return None;
+            return problems.refuse(length.span(), "expected length or shim, found both");
         }
         (None, None) => {
             let message = "expected length = \"tie_rod\", or shim = \"upper_ball_joint\" with axis";
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         }
     };
     if let (Some(per_turn), Some(_)) = (&written.per_turn, &written.step) {

@@ -81,16 +81,14 @@ pub(super) fn length(
         MemberName::Ends(names) => {
             let [a, b] = names.as_slice() else {
                 let message = format!("expected two points, found {}", names.len());
-                problems.add(written.span(), message);
-                return None;
+                return problems.refuse(written.span(), message);
             };
             let ends = [a, b].map(|text| point(text, suspension, problems));
             let [Some(first), Some(second)] = ends else {
                 return None;
             };
             if first == second {
-                problems.add(b.span(), "a length is between two different points");
-                return None;
+                return problems.refuse(b.span(), "a length is between two different points");
             }
             let name = format!("{}_to_{}", a.get_ref(), b.get_ref());
             Some((name, [first, second]))
@@ -107,8 +105,7 @@ pub(super) fn force(
 ) -> Option<(CarriedForce, f64)> {
     if context.loads.is_empty() {
         let message = "this study has no loads; they are in [outputs] loads";
-        problems.add(name.span(), message);
-        return None;
+        return problems.refuse(name.span(), message);
     }
     let Suspension {
         mechanism, frame, ..
@@ -166,11 +163,10 @@ pub(super) fn subject(
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
             let Some(axis) = about.axis else {
-                problems.add(
+                return problems.refuse(
                     name.span(),
                     "point needs axis: the coordinate that is wanted",
                 );
-                return None;
             };
             let axes = Axis::ALL.map(|axis| (axis.name(), axis));
             let axis = choose(axis, "axis", &axes, problems)?;
@@ -205,14 +201,12 @@ pub(super) fn subject(
         (None, None, None, None) => {
             let message =
                 "expected what it is about: characteristic, point with axis, length, or load";
-            problems.add(about.place.clone(), message);
-            None
+            problems.refuse(about.place.clone(), message)
         }
         _ => {
             let message =
                 "expected one of characteristic, point, length and load, found more than one";
-            problems.add(about.place.clone(), message);
-            None
+            problems.refuse(about.place.clone(), message)
         }
     }
 }
@@ -231,8 +225,7 @@ pub(super) fn site(
             let options: Vec<_> = motions.map(|named| (named.0.as_str(), named)).collect();
             if options.is_empty() {
                 let message = "this study names no motions; they are sections [motions.NAME]";
-                problems.add(text.span(), message);
-                return None;
+                return problems.refuse(text.span(), message);
             }
             Some(choose(text, "motion", &options, problems)?.clone())
         }
@@ -243,8 +236,7 @@ pub(super) fn site(
         Some(Numbers::Many(list)) => {
             if list.is_empty() {
                 let place = rack.as_ref().map_or(0..0, Spanned::span);
-                problems.add(place, "expected at least one rack displacement");
-                return None;
+                return problems.refuse(place, "expected at least one rack displacement");
             }
             list.iter().map(|number| number.value).collect()
         }

@@ -124,8 +124,7 @@ fn hardpoints<'a>(
     }
     let is_found = |name: &str| is_given(name) || misspelt.contains(&name);
     if let Some(fault) = HardpointFault::missing(topology, is_found) {
-        problems.add(section.hardpoints.span(), fault.to_string());
-        return None;
+        return problems.refuse(section.hardpoints.span(), fault.to_string());
     }
     // A misspelt name is said already.
     if sound {
@@ -209,8 +208,7 @@ pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Op
                 "expected three coordinates [x, y, z], found {}",
                 other.len()
             );
-            problems.add(coordinates.span(), message);
-            None
+            problems.refuse(coordinates.span(), message)
         }
     }
 }
@@ -240,8 +238,7 @@ fn spin_axis(
         (SpinAxis::Along(_), None) => {
             let message = "the direction of the wheel is missing: expected the hardpoint spindle_inner, \
                            or static_camber and static_toe in [wheel]";
-            problems.add(file.suspension.hardpoints.span(), message);
-            None
+            problems.refuse(file.suspension.hardpoints.span(), message)
         }
         (SpinAxis::Along(_), Some(_)) => {
             let [camber, toe] = angles.map(|angle| below_right_angle(angle.as_ref(), problems));
@@ -258,8 +255,7 @@ pub(super) fn below_right_angle(angle: Option<&Number>, problems: &mut Problems)
         return Some(angle.value);
     }
     let message = format!("expected between -90 and 90 degrees, found {}", angle.value);
-    problems.add(angle.span.clone(), message);
-    None
+    problems.refuse(angle.span.clone(), message)
 }
 
 fn extra_points(
@@ -307,8 +303,7 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
     let mut share = |share: &Option<Number>| match share {
         Some(share) if !(0.0..=1.0).contains(&share.value) => {
             let message = format!("expected a share from 0 to 1, found {}", share.value);
-            problems.add(share.span.clone(), message);
-            None
+            problems.refuse(share.span.clone(), message)
         }
         share => Some(share.as_ref().map(|s| s.value)),
     };
@@ -370,6 +365,5 @@ pub(super) fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64
         return Some(number.value);
     }
     let message = format!("expected a number above 0, found {}", number.value);
-    problems.add(number.span.clone(), message);
-    None
+    problems.refuse(number.span.clone(), message)
 }

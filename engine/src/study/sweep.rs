@@ -96,8 +96,7 @@ pub(super) fn sweep(
         }
         (None, None) => {
             let message = "expected what moves: variables = [...], or designs = \"designs.csv\"";
-            problems.add(section.span(), message);
-            None
+            problems.refuse(section.span(), message)
         }
     };
     Some(Sweep {
@@ -169,8 +168,7 @@ fn sampled(
     let listed = variables.get_ref();
     if listed.is_empty() {
         let message = "expected at least one variable, found an empty list";
-        problems.add(variables.span(), message);
-        return None;
+        return problems.refuse(variables.span(), message);
     }
     let resolved: Vec<_> = listed
         .iter()
@@ -184,16 +182,14 @@ fn sampled(
             "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
             resolved.len()
         );
-        problems.add(variables.span(), message);
-        return None;
+        return problems.refuse(variables.span(), message);
     }
     let samples = match method {
         Sampling::Grid => grid_points(variables, &resolved, problems)?,
         _ => {
             let Some(samples) = &written.samples else {
                 let message = format!("method = \"{}\" needs samples, a number", method.name());
-                problems.add(section.span(), message);
-                return None;
+                return problems.refuse(section.span(), message);
             };
             // Samples times variables and two must not exceed it either.
             let most = MOST_DESIGNS / (resolved.len() as u64 + 2);
@@ -297,14 +293,12 @@ fn range(written: &Spanned<Vec<Number>>, problems: &mut Problems) -> Option<[f64
                 "expected two numbers [lowest, highest], found {}",
                 other.len()
             );
-            problems.add(written.span(), message);
-            return None;
+            return problems.refuse(written.span(), message);
         }
     };
     if low == high {
         let message = format!("the range is empty: both ends are {low}");
-        problems.add(written.span(), message);
-        return None;
+        return problems.refuse(written.span(), message);
     }
     if low > high {
         let message = format!("the range is reversed: {low} is above {high}");
@@ -332,8 +326,7 @@ fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_+-".contains(c);
     if text.is_empty() || !text.chars().all(allowed) {
         let message = format!("expected a name of letters, digits and underscores, found {text:?}");
-        problems.add(name.span(), message);
-        return None;
+        return problems.refuse(name.span(), message);
     }
     Some(text.clone())
 }

@@ -27,11 +27,10 @@ pub(super) fn targets(
 ) -> Option<Vec<(Target, Option<WrittenCurve>)>> {
     let written = section.targets.get_ref();
     if written.is_empty() {
-        problems.add(
+        return problems.refuse(
             section.targets.span(),
             "expected at least one target, found an empty list",
         );
-        return None;
     }
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
     let resolved: Vec<_> = written
@@ -73,8 +72,7 @@ fn target(
     if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
         let message =
             format!("no value is known to {tolerance:?}; expected at least {LEAST_TOLERANCE:?}");
-        problems.add(written.tolerance.span.clone(), message);
-        return None;
+        return problems.refuse(written.tolerance.span.clone(), message);
     }
     let weight = match &written.weight {
         None => Some(1.0),
@@ -127,27 +125,21 @@ fn target(
         (None, None, Some(at), Some(value), false) => place.value(at, value, problems),
         (None, None, at, None, true) => place.band(written, at.as_ref(), problems),
         (None, None, Some(at), None, false) => {
-            problems.add(at.span.clone(), "at needs value: what is wanted there");
-            None
+            problems.refuse(at.span.clone(), "at needs value: what is wanted there")
         }
-        (None, None, None, Some(value), false) => {
-            problems.add(
-                value.span.clone(),
-                "value needs at: the drive value where it is wanted",
-            );
-            None
-        }
+        (None, None, None, Some(value), false) => problems.refuse(
+            value.span.clone(),
+            "value needs at: the drive value where it is wanted",
+        ),
         (None, None, None, None, false) => {
             let message = "expected what is wanted: points = [[drive, value], ...], file = \"curve.csv\", \
                            at and value, or a band: between, at_least, at_most";
-            problems.add(place.place.clone(), message);
-            None
+            problems.refuse(place.place.clone(), message)
         }
         _ => {
             let message =
                 "expected one of points, file, at with value, or a band, found more than one";
-            problems.add(place.place.clone(), message);
-            None
+            problems.refuse(place.place.clone(), message)
         }
     };
     let wanted = wanted?;
@@ -218,8 +210,7 @@ fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
         return Some(value);
     }
     let message = format!("expected a number of at least {LEAST:e}, found {value:e}");
-    problems.add(number.span.clone(), message);
-    None
+    problems.refuse(number.span.clone(), message)
 }
 
 fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpolation> {
@@ -250,8 +241,7 @@ fn curve(
                 "expected a pair [drive value, wanted value], found {} numbers",
                 point.get_ref().len()
             );
-            problems.add(point.span(), message);
-            return None;
+            return problems.refuse(point.span(), message);
         };
         let last = curve.last().filter(|_| !as_measured);
         if let Some([before, _]) = last.filter(|[before, _]| *before >= drive.value) {
@@ -266,10 +256,7 @@ fn curve(
         curve.push([drive.value, value.value]);
     }
     match curve.as_slice() {
-        [] => {
-            problems.add(place, "expected at least two points, found an empty list");
-            None
-        }
+        [] => problems.refuse(place, "expected at least two points, found an empty list"),
         [[drive, value]] => {
             let error = problems.add(place, "a curve has at least two points, found one");
             error.help(format!(
@@ -312,8 +299,7 @@ impl Place<'_> {
                 "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
                 reach(motion)
             );
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         }
         if as_measured {
             points.retain(within);
@@ -342,8 +328,7 @@ impl Place<'_> {
                 at.value,
                 reach(self.motion)
             );
-            problems.add(at.span.clone(), message);
-            return None;
+            return problems.refuse(at.span.clone(), message);
         }
         Some(drive)
     }
@@ -362,8 +347,7 @@ impl Place<'_> {
                         "expected two limits [lower, upper], found {}",
                         between.get_ref().len()
                     );
-                    problems.add(between.span(), message);
-                    return None;
+                    return problems.refuse(between.span(), message);
                 };
                 [Some((lower, between.span())), Some((upper, between.span()))]
             }
@@ -373,8 +357,7 @@ impl Place<'_> {
             (Some(between), _, _) => {
                 let message =
                     "between says both limits; expected it alone, or at_least and at_most";
-                problems.add(between.span(), message);
-                return None;
+                return problems.refuse(between.span(), message);
             }
         };
         let mut limit = |given: Option<(&LimitText, Span<usize>)>| match given {
@@ -411,16 +394,14 @@ impl Place<'_> {
                 "no station of the motion, which {}, is within this band",
                 reach(self.motion)
             );
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         if let Some(sample) = samples.iter().find(|s| s.low > s.high) {
             let message = format!(
                 "the band is empty at {}: its lower limit is above the upper one",
                 self.motion.drive.printed(sample.drive)
             );
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         Some(wanted)
     }

@@ -46,8 +46,7 @@ pub(super) fn tolerance(
     let written = section.scatter.get_ref();
     if written.is_empty() {
         let message = "expected at least one scatter, found an empty list";
-        problems.add(section.scatter.span(), message);
-        return None;
+        return problems.refuse(section.scatter.span(), message);
     }
     let scatter: Vec<_> = written
         .iter()
@@ -89,8 +88,7 @@ fn whole(
     }
     let (low, high) = (within.start(), within.end());
     let message = format!("expected a whole number from {low} to {high}, found {value}");
-    problems.add(written.span(), message);
-    None
+    problems.refuse(written.span(), message)
 }
 
 /// What scatters of both wheels by an entry of `scatter`: the parts of each by themselves, those of the right one as the mirror
@@ -166,8 +164,7 @@ fn contributors(
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
         let message = "expected one of hardpoint, hardpoints, length and jig: what scatters";
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
         return jig(points, written, place.clone(), context, problems).map(|jig| vec![jig]);
@@ -201,11 +198,10 @@ fn contributors(
     let names = written.hardpoints.iter().flat_map(|list| list.get_ref());
     let names: Vec<&Text> = written.hardpoint.iter().chain(names).collect();
     if names.is_empty() {
-        problems.add(
+        return problems.refuse(
             place,
             "expected at least one hardpoint, found an empty list",
         );
-        return None;
     }
     let along = match &written.axis {
         None => Some(Axis::ALL.to_vec()),
@@ -253,20 +249,17 @@ fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> 
             }),
             _ => {
                 let message = "expected limits = [lowest, highest], the first below the second";
-                problems.add(limits.span(), message);
-                None
+                problems.refuse(limits.span(), message)
             }
         },
         (Some(_), Some(limits)) => {
             let message =
                 "expected sigma, of a normal scatter, or limits, of a uniform one, found both";
-            problems.add(limits.span(), message);
-            None
+            problems.refuse(limits.span(), message)
         }
         (None, None) => {
             let message = "expected sigma = 0.2, of a normal scatter, or limits = [-0.5, 0.5], of a uniform one";
-            problems.add(place, message);
-            None
+            problems.refuse(place, message)
         }
     }
 }
@@ -296,11 +289,10 @@ fn jig(
         .collect();
     let points = points?;
     if points.len() < 2 {
-        problems.add(
+        return problems.refuse(
             names.span(),
             "expected two hardpoints or more: what the jig holds",
         );
-        return None;
     }
     let sigma = |number: &Option<Number>, problems: &mut Problems| match number {
         None => Some(0.0),
@@ -311,11 +303,10 @@ fn jig(
         sigma(&written.turn, problems)?,
     );
     if shift == 0.0 && turn == 0.0 {
-        problems.add(
+        return problems.refuse(
             place,
             "expected shift, turn (degrees) or both: how the jig scatters",
         );
-        return None;
     }
     let places = points.iter().map(|id| suspension.design[id.0]);
     let sum = places.clone().fold(Vector3::default(), |a, b| a + b);
@@ -388,8 +379,7 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
                     "{} is outside of the motion, which runs from {lowest} to {highest}",
                     at.value
                 );
-                problems.add(at.span.clone(), message);
-                None
+                problems.refuse(at.span.clone(), message)
             } else {
                 Some(Some(at.value))
             }
@@ -401,16 +391,14 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
             [low, high] if low.value < high.value => Some([low.value, high.value]),
             _ => {
                 let message = "expected between = [lowest, highest], the first below the second";
-                problems.add(between.span(), message);
-                None
+                problems.refuse(between.span(), message)
             }
         },
         (None, Some(low), None) => Some([low.value, f64::INFINITY]),
         (None, None, Some(high)) => Some([f64::NEG_INFINITY, high.value]),
         _ => {
             let message = "expected one of between = [lowest, highest], at_least and at_most";
-            problems.add(place, message);
-            None
+            problems.refuse(place, message)
         }
     };
     let (of, site) = of?;

@@ -21,13 +21,11 @@ impl Reader<'_> {
         let joint = point(name, suspension, problems)?;
         let Some(most) = &self.written.at_most else {
             let message = "articulation needs at_most: the largest angle, in degrees";
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         };
         if !(most.value > 0.0 && most.value < 90.0) {
             let message = format!("expected an angle between 0 and 90, found {}", most.value);
-            problems.add(most.span.clone(), message);
-            return None;
+            return problems.refuse(most.span.clone(), message);
         }
         let angle = most.value.to_radians();
         let degree = 1.0_f64.to_radians();
@@ -78,8 +76,7 @@ impl Reader<'_> {
                     "{} is no joint of the wheel carrier with an arm or a rod",
                     name.get_ref()
                 );
-                problems.add(name.span(), message);
-                return None;
+                return problems.refuse(name.span(), message);
             }
         };
         Some((title(), vec![part]))
@@ -100,15 +97,13 @@ impl Reader<'_> {
         };
         if mechanism.body(joint) != body {
             let message = format!("{} is to be a point of the {expected}", name.get_ref());
-            problems.add(name.span(), message);
-            return None;
+            return problems.refuse(name.span(), message);
         }
         let ends = ["drive_shaft_inner", "drive_shaft_outer"].map(|end| mechanism.point(end));
         let [Some(inner), Some(outer)] = ends else {
             let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
                            drive_shaft_outer";
-            problems.add(name.span(), message);
-            return None;
+            return problems.refuse(name.span(), message);
         };
         Some(Some(of([inner, outer])))
     }
@@ -127,8 +122,7 @@ impl Reader<'_> {
         if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
             let message =
                 "a plunge is counted from the design position; expected limits with 0 between them";
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         let of = self.limited(Measure::Plunge(ends), lower, upper);
         Some((format!("plunge of {name} {}", words(limits)), vec![of]))
@@ -144,8 +138,7 @@ impl Reader<'_> {
         if let Some((_, direction)) = given {
             let along = self.vector(direction, problems)?;
             if along.norm() == 0.0 {
-                problems.add(direction.span(), "a stud has a direction");
-                return None;
+                return problems.refuse(direction.span(), "a stud has a direction");
             }
             return Some(Stud::Along(along * (1.0 / along.norm())));
         }

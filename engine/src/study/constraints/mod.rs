@@ -59,8 +59,7 @@ impl Reader<'_> {
             Some(text) if text.get_ref() == "design" => true,
             Some(text) => {
                 let message = format!("expected \"design\", found {:?}", text.get_ref());
-                problems.add(text.span(), message);
-                return None;
+                return problems.refuse(text.span(), message);
             }
         };
         let subjects = [
@@ -77,8 +76,7 @@ impl Reader<'_> {
         if subjects.iter().filter(|given| **given).count() != 1 {
             let message = "expected one of length, point, members, articulation, plunge, characteristic, load, \
                            coplanar and line";
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         let (name, parts) = if let Some(written) = &written.length {
             self.length(written, problems)?
@@ -103,8 +101,7 @@ impl Reader<'_> {
         if self.context.axle.is_some() && !has_motion && moves() {
             let message = "constraints of an axle hold through a motion of the left wheel: expected motion = \"NAME\", \
                            with travel and rack in [motions.NAME], or at = \"design\"";
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
         Some(Constraint {
@@ -136,14 +133,12 @@ impl Reader<'_> {
                         "expected two limits [lower, upper], found {}",
                         between.get_ref().len()
                     );
-                    problems.add(between.span(), message);
-                    return None;
+                    return problems.refuse(between.span(), message);
                 };
                 if written.at_least.is_some() || written.at_most.is_some() {
                     let message =
                         "between says both limits; expected it alone, or at_least and at_most";
-                    problems.add(between.span(), message);
-                    return None;
+                    return problems.refuse(between.span(), message);
                 }
                 [Some(low.value), Some(high.value)]
             }
@@ -152,8 +147,7 @@ impl Reader<'_> {
             && low > high
         {
             let message = format!("the limits are reversed: {low} is above {high}");
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         Some(limits)
     }
@@ -163,8 +157,7 @@ impl Reader<'_> {
         let limits = self.limits(problems)?;
         if limits == [None, None] {
             let message = "expected a limit: between = [lower, upper], at_least or at_most";
-            problems.add(self.place.clone(), message);
-            return None;
+            return problems.refuse(self.place.clone(), message);
         }
         Some(limits)
     }
@@ -290,8 +283,7 @@ impl Reader<'_> {
                 "expected two members that stay apart, found {}; or inside = {{ rim = ... }}",
                 names.get_ref().len()
             );
-            problems.add(names.span(), message);
-            return None;
+            return problems.refuse(names.span(), message);
         };
         let found = [a, b].map(|name| member(name, self.suspension(), problems));
         let [Some(first), Some(second)] = found else {
@@ -299,8 +291,7 @@ impl Reader<'_> {
         };
         if first.iter().any(|end| second.contains(end)) {
             let message = format!("{} and {} meet in a joint", a.get_ref(), b.get_ref());
-            problems.add(names.span(), message);
-            return None;
+            return problems.refuse(names.span(), message);
         }
         let radii = self.radii(2, problems)?;
         let gap = self.clearance(problems)?;
@@ -326,8 +317,7 @@ impl Reader<'_> {
             return Some(numbers);
         }
         let message = format!("expected {count} radii, one for each member, none negative");
-        problems.add(radii.span(), message);
-        None
+        problems.refuse(radii.span(), message)
     }
 
     fn clearance(&self, problems: &mut Problems) -> Option<f64> {
@@ -336,8 +326,7 @@ impl Reader<'_> {
             Some(gap) if gap.value >= 0.0 => Some(gap.value),
             Some(gap) => {
                 let message = format!("expected a clearance from 0 up, found {}", gap.value);
-                problems.add(gap.span.clone(), message);
-                None
+                problems.refuse(gap.span.clone(), message)
             }
         }
     }
@@ -348,8 +337,7 @@ impl Reader<'_> {
                 "expected three coordinates, found {}",
                 written.get_ref().len()
             );
-            problems.add(written.span(), message);
-            return None;
+            return problems.refuse(written.span(), message);
         };
         let v = Vector3::new(x.value, y.value, z.value);
         Some(self.suspension().frame.vector(v))
@@ -381,8 +369,7 @@ impl Reader<'_> {
                 "expected at least {least} points of a {what}, found {}: fewer always are on one",
                 list.len()
             );
-            problems.add(names.span(), message);
-            return None;
+            return problems.refuse(names.span(), message);
         }
         let ids: Vec<Option<PointId>> = list
             .iter()

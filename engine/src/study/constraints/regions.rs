@@ -26,8 +26,7 @@ impl Reader<'_> {
             (None, Some(region)) => (region, false),
             _ => {
                 let message = "expected inside or outside: where the point stays, or does not go";
-                problems.add(self.place.clone(), message);
-                return None;
+                return problems.refuse(self.place.clone(), message);
             }
         };
         let gap = self.clearance(problems)?;
@@ -42,23 +41,20 @@ impl Reader<'_> {
         ];
         if given.iter().filter(|g| **g).count() != 1 {
             let message = "expected one of box, half_space, sphere, cylinder and rim";
-            problems.add(region.span(), message);
-            return None;
+            return problems.refuse(region.span(), message);
         }
         let ends = [&shape.from, &shape.to];
         if shape.rim.is_none()
             && let Some(end) = ends.into_iter().flatten().next()
         {
-            problems.add(end.span.clone(), "from and to belong to rim");
-            return None;
+            return problems.refuse(end.span.clone(), "from and to belong to rim");
         }
         if shape.rim.is_some() && self.is_on_spin_axis(id) {
             let message = format!(
                 "{} lies on the spin axis, so nothing moves it out of the rim; expected a point that may come near it",
                 name.get_ref()
             );
-            problems.add(name.span(), message);
-            return None;
+            return problems.refuse(name.span(), message);
         }
         let (what, parts) = match is_inside {
             true => self.inside(id, shape, region.span(), gap, problems)?,
@@ -76,17 +72,15 @@ impl Reader<'_> {
     ) -> Option<[Vector3<f64>; 2]> {
         let [a, b] = corners.get_ref().as_slice() else {
             let message = format!("expected two corners, found {}", corners.get_ref().len());
-            problems.add(corners.span(), message);
-            return None;
+            return problems.refuse(corners.span(), message);
         };
         let (a, b) = (self.vector(a, problems)?, self.vector(b, problems)?);
         let half = ((b - a) * 0.5).map(f64::abs);
         if half.to_array().contains(&0.0) {
-            problems.add(
+            return problems.refuse(
                 corners.span(),
                 "the box has no volume: the corners agree in a coordinate",
             );
-            return None;
         }
         Some([(a + b) * 0.5, half])
     }
@@ -104,11 +98,10 @@ impl Reader<'_> {
         let radius = above_zero(&tube.radius, problems)?;
         let length = (to - from).norm();
         if length == 0.0 {
-            problems.add(
+            return problems.refuse(
                 tube.to.span(),
                 "the cylinder has no length: from and to are one point",
             );
-            return None;
         }
         let along = (to - from) * (1.0 / length);
         Some(((from + to) * 0.5, along, 0.5 * length, radius))
@@ -124,8 +117,7 @@ impl Reader<'_> {
         let normal = self.vector(&space.normal, problems)?;
         let length = normal.norm();
         if length == 0.0 {
-            problems.add(space.normal.span(), "a normal has a length");
-            return None;
+            return problems.refuse(space.normal.span(), "a normal has a length");
         }
         Some(Measure::Height {
             point: id,
@@ -230,8 +222,7 @@ impl Reader<'_> {
             ("cylinder", of, gap)
         } else {
             let message = "a rim has an inside only; what is outside of it is left of a wheel";
-            problems.add(place, message);
-            return None;
+            return problems.refuse(place, message);
         };
         Some((what, vec![self.limited(of, Some(lower), None)]))
     }
@@ -261,18 +252,16 @@ impl Reader<'_> {
         let shape = region.get_ref();
         let Some(rim) = &shape.rim else {
             let message = "members stay inside of a rim; expected rim = its radius";
-            problems.add(region.span(), message);
-            return None;
+            return problems.refuse(region.span(), message);
         };
         let [from, to] = rim_ends(shape, region.span(), problems)?;
         let radius = above_zero(rim, problems)?;
         let list = names.get_ref();
         if list.is_empty() {
-            problems.add(
+            return problems.refuse(
                 names.span(),
                 "expected at least one member, found an empty list",
             );
-            return None;
         }
         let gap = self.clearance(problems)?;
         let radii = self.radii(list.len(), problems)?;
@@ -316,8 +305,7 @@ fn rim_ends(
         && low >= high
     {
         let message = format!("from = {low} is not inboard of to = {high}");
-        problems.add(place, message);
-        return None;
+        return problems.refuse(place, message);
     }
     Some(ends)
 }
@@ -328,6 +316,5 @@ fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems)
         return Some(room - gap);
     }
     let message = format!("there is no room: {room} with a clearance of {gap}");
-    problems.add(place, message);
-    None
+    problems.refuse(place, message)
 }

@@ -3,6 +3,7 @@
 use super::error::Problems;
 use super::file::{self, Coordinates};
 use super::names::choose;
+use super::suspension::three;
 use super::{Load, LoadPoint};
 use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
@@ -125,15 +126,9 @@ fn components(
     unit: &str,
     problems: &mut Problems,
 ) -> Option<Vector3<f64>> {
-    let Some(written) = written else {
-        return Some(Vector3::default());
-    };
-    match written.get_ref().as_slice() {
-        [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
-        other => {
-            let found = other.len();
-            let message = format!("expected three components [x, y, z] in {unit}, found {found}");
-            problems.refuse(written.span(), message)
-        }
+    let what = format!("components [x, y, z] in {unit}");
+    match written {
+        None => Some(Vector3::default()),
+        Some(written) => three(written, &what, problems),
     }
 }

@@ -201,14 +201,20 @@ pub(super) fn bodies(
 }
 
 pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
-    match coordinates.get_ref().as_slice() {
+    three(coordinates, "coordinates [x, y, z]", problems)
+}
+
+/// The three numbers of a list, in the study's axes; `what` they are, in words.
+pub(super) fn three(
+    list: &Coordinates,
+    what: &str,
+    problems: &mut Problems,
+) -> Option<Vector3<f64>> {
+    match list.get_ref().as_slice() {
         [x, y, z] => Some(Vector3::new(x.value, y.value, z.value)),
         other => {
-            let message = format!(
-                "expected three coordinates [x, y, z], found {}",
-                other.len()
-            );
-            problems.refuse(coordinates.span(), message)
+            let message = format!("expected three {what}, found {}", other.len());
+            problems.refuse(list.span(), message)
         }
     }
 }

@@ -8,6 +8,7 @@ use super::file::{self, Constraint as Written, Coordinates};
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::subject::{force, length, member, point, site};
+use super::suspension::three;
 use super::value::{Number, Text};
 use super::{Constraint, Limited};
 use crate::characteristics::{Measure, Quantity, Unit};
@@ -115,10 +116,9 @@ impl Reader<'_> {
         self.context.suspension
     }
 
-    /// A length that anybody would see, and what it is called.
-    fn length_scale(&self) -> (f64, String) {
-        let unit = self.suspension().length_unit;
-        (unit.per_metre() / 1000.0, "mm".to_owned())
+    /// A length that anybody would see: a millimetre.
+    fn length_scale(&self) -> f64 {
+        self.suspension().length_unit.per_metre() / 1000.0
     }
 
     /// `between`, `at_least` and `at_most`.
@@ -204,14 +204,7 @@ impl Reader<'_> {
             }
             false => self.needed_limits(problems)?,
         };
-        let (scale, unit) = self.length_scale();
-        let of = Limited {
-            of: Measure::Length(ends),
-            lower,
-            upper,
-            scale,
-            unit,
-        };
+        let of = self.limited(Measure::Length(ends), lower, upper);
         let name = match kept {
             true => format!("length {name} as it is"),
             false => format!("length {name} {}", words([lower, upper])),
@@ -230,8 +223,8 @@ impl Reader<'_> {
         let unit = found.info().unit;
         let visible = match unit {
             Unit::Angle => 1.0,
-            Unit::Length => self.length_scale().0,
-            Unit::AnglePerLength => 1e-3 / self.length_scale().0,
+            Unit::Length => self.length_scale(),
+            Unit::AnglePerLength => 1e-3 / self.length_scale(),
             Unit::Percent => 1.0,
             Unit::Ratio => 0.01,
         };
@@ -295,14 +288,8 @@ impl Reader<'_> {
         }
         let radii = self.radii(2, problems)?;
         let gap = self.clearance(problems)?;
-        let (scale, unit) = self.length_scale();
-        let of = Limited {
-            of: Measure::Clearance([first, second]),
-            lower: Some(radii[0] + radii[1] + gap),
-            upper: None,
-            scale,
-            unit,
-        };
+        let least = radii[0] + radii[1] + gap;
+        let of = self.limited(Measure::Clearance([first, second]), Some(least), None);
         let name = format!("clearance of {} and {}", a.get_ref(), b.get_ref());
         Some((name, vec![of]))
     }
@@ -332,25 +319,18 @@ impl Reader<'_> {
     }
 
     fn vector(&self, written: &Coordinates, problems: &mut Problems) -> Option<Vector3<f64>> {
-        let [x, y, z] = written.get_ref().as_slice() else {
-            let message = format!(
-                "expected three coordinates, found {}",
-                written.get_ref().len()
-            );
-            return problems.refuse(written.span(), message);
-        };
-        let v = Vector3::new(x.value, y.value, z.value);
+        let v = three(written, "coordinates", problems)?;
         Some(self.suspension().frame.vector(v))
     }
 
+    /// A length within limits.
     fn limited(&self, of: Measure, lower: Option<f64>, upper: Option<f64>) -> Limited {
-        let (scale, unit) = self.length_scale();
         Limited {
             of,
             lower,
             upper,
-            scale,
-            unit,
+            scale: self.length_scale(),
+            unit: "mm".to_owned(),
         }
     }
 

@@ -5,12 +5,11 @@ use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
-use super::{About as Of, Site, Subject};
+use super::{About, Site, Subject, file};
 use crate::analyse::{Support, members as carriers};
 use crate::axle::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
 use crate::model::{Axis, Constraint, PointId, Suspension};
-use std::ops::Range as Span;
 use toml::Spanned;
 
 /// A point of the study, hardpoint or extra point.
@@ -131,38 +130,29 @@ pub(super) fn force(
     Some((force, sign))
 }
 
-/// The keys of a target that say what it is about.
-pub(super) struct About<'a> {
-    /// Where they are.
-    pub place: Span<usize>,
-    /// A characteristic,
-    pub characteristic: &'a Option<Text>,
-    /// or a point
-    pub point: &'a Option<Text>,
-    /// with a coordinate,
-    pub axis: &'a Option<Text>,
-    /// or a length,
-    pub length: &'a Option<Spanned<MemberName>>,
-    /// or a force under a load.
-    pub load: &'a Option<Text>,
-}
-
 /// What a target is about.
 pub(super) fn subject(
-    about: &About<'_>,
+    target: &Spanned<file::Target>,
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Subject> {
+    let (written, place) = (target.get_ref(), target.span());
     let suspension = context.suspension;
     let unit = suspension.length_unit;
-    match (about.characteristic, about.point, about.length, about.load) {
+    let given = (
+        &written.characteristic,
+        &written.point,
+        &written.length,
+        &written.load,
+    );
+    match given {
         (Some(name), None, None, None) => {
             let found = characteristic(name, suspension, problems)?;
             Some(Subject::characteristic(found, unit))
         }
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
-            let Some(axis) = about.axis else {
+            let Some(axis) = &written.axis else {
                 return problems.refuse(
                     name.span(),
                     "point needs axis: the coordinate that is wanted",
@@ -171,7 +161,7 @@ pub(super) fn subject(
             let axes = Axis::ALL.map(|axis| (axis.name(), axis));
             let axis = choose(axis, "axis", &axes, problems)?;
             Some(Subject {
-                about: Of::Wheel(Measure::Quantity(Quantity::Coordinate(id?, axis))),
+                about: About::Wheel(Measure::Quantity(Quantity::Coordinate(id?, axis))),
                 column: format!("{}_{}_{}", name.get_ref(), axis.name(), unit.symbol()),
                 unit: Unit::Corner(crate::characteristics::Unit::Length),
                 length: unit,
@@ -181,7 +171,7 @@ pub(super) fn subject(
         (None, None, Some(written), None) => {
             let (name, ends) = length(written, suspension, problems)?;
             Some(Subject {
-                about: Of::Wheel(Measure::Length(ends)),
+                about: About::Wheel(Measure::Length(ends)),
                 column: format!("{name}_length_{}", unit.symbol()),
                 unit: Unit::Corner(crate::characteristics::Unit::Length),
                 length: unit,
@@ -191,7 +181,7 @@ pub(super) fn subject(
         (None, None, None, Some(name)) => {
             let (force, sign) = force(name, context, problems)?;
             Some(Subject {
-                about: Of::Wheel(Measure::Carried(force)),
+                about: About::Wheel(Measure::Carried(force)),
                 column: format!("{}_{}", name.get_ref(), Unit::Force.suffix(unit)),
                 unit: Unit::Force,
                 length: unit,
@@ -201,12 +191,12 @@ pub(super) fn subject(
         (None, None, None, None) => {
             let message =
                 "expected what it is about: characteristic, point with axis, length, or load";
-            problems.refuse(about.place.clone(), message)
+            problems.refuse(place, message)
         }
         _ => {
             let message =
                 "expected one of characteristic, point, length and load, found more than one";
-            problems.refuse(about.place.clone(), message)
+            problems.refuse(place, message)
         }
     }
 }

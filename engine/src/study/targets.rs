@@ -6,7 +6,7 @@ use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
 use super::resolve::Context;
-use super::subject::{About, site, subject};
+use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number};
 use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
@@ -55,15 +55,7 @@ fn target(
         },
         None => {
             axle_targets::Where::from(written).refuse(false, problems);
-            let about = About {
-                place: place.clone(),
-                characteristic: &written.characteristic,
-                point: &written.point,
-                axis: &written.axis,
-                length: &written.length,
-                load: &written.load,
-            };
-            let of = subject(&about, context, problems);
+            let of = subject(spanned, context, problems);
             let site = site(&written.motion, &written.rack, context, problems);
             (of, site, None)
         }

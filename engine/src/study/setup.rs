@@ -5,7 +5,7 @@ use super::file;
 use super::members::{coordinate, member};
 use super::outputs::characteristic;
 use super::resolve::Context;
-use super::suspension::above_zero;
+use super::suspension::positive;
 use super::{Adjustment, Setup, Want};
 use crate::build::BuildParameter;
 use toml::Spanned;
@@ -67,10 +67,6 @@ fn adjustment(
 ) -> Option<Adjustment> {
     let place = written.span();
     let written = written.get_ref();
-    let positive = |number: &Option<super::value::Number>, problems: &mut Problems| match number {
-        None => Some(None),
-        Some(number) => above_zero(number, problems).map(Some),
-    };
     let per_turn = positive(&written.per_turn, problems);
     let step = positive(&written.step, problems);
     let (name, change) = match (&written.length, &written.shim) {

@@ -1,6 +1,5 @@
 //! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
 
-use super::Outputs;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
@@ -15,7 +14,7 @@ use crate::axle::{
     SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
 
 /// The most stations of an axle: a few seconds' worth.
@@ -79,7 +78,7 @@ pub(super) fn axle(
 ) -> Option<AxleStudy> {
     let section = file.axle.as_ref()?;
     let mut sound = refuse_corner_keys(file, problems);
-    if suspension.frame != left_frame(suspension) {
+    if suspension.frame.meaning().1 == Side::Right {
         let place = file
             .suspension
             .side
@@ -102,19 +101,6 @@ pub(super) fn axle(
     let plan = plan(file, &axle, course, problems)?;
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy { axle, plan })
-}
-
-/// The frame that a left wheel has in the study's axes: outboard is the kernel's +y.
-fn left_frame(suspension: &Suspension) -> crate::model::Frame {
-    use crate::model::{Frame, FrameConvention, Side};
-    let all = [
-        FrameConvention::Iso8855,
-        FrameConvention::SaeJ670,
-        FrameConvention::XRear,
-    ];
-    let lefts = all.map(|convention| Frame::new(convention, Side::Left));
-    let own = |frame: &&Frame| **frame == suspension.frame;
-    lefts.iter().find(own).copied().unwrap_or(lefts[0])
 }
 
 /// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
@@ -166,26 +152,20 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
 fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
     let vehicle = &file.vehicle;
     let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
-    let c_factor = match &file.steering {
+    let c_factor = match file.steering.as_ref().map(|s| &s.get_ref().c_factor) {
         None => Some(None),
-        Some(section) => {
-            let c_factor = &section.get_ref().c_factor;
-            match c_factor.value {
-                0.0 => {
-                    let message = "a c_factor of 0 never moves the rack";
-                    problems.refuse(c_factor.span.clone(), message)
-                }
-                value => Some(Some(value * left.frame.sign(Axis::Y))),
-            }
+        Some(zero) if zero.value == 0.0 => {
+            let message = "a c_factor of 0 never moves the rack";
+            problems.refuse(zero.span.clone(), message)
         }
+        Some(c_factor) => Some(Some(c_factor.value * left.frame.sign(Axis::Y))),
     };
     let springs = springs(file, left, problems);
-    let rate = |section: &Option<Spanned<file::Rate>>, problems: &mut Problems| match section {
+    let rates = [&file.anti_roll_bar, &file.tyre];
+    let [mut bar_rate, tyre_rate] = rates.map(|section| match section {
         None => Some(None),
         Some(section) => above_zero(&section.get_ref().rate, problems).map(Some),
-    };
-    let mut bar_rate = rate(&file.anti_roll_bar, problems);
-    let tyre_rate = rate(&file.tyre, problems);
+    });
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
         let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
         let error = problems.add(section.span(), message);
@@ -250,20 +230,18 @@ fn springs(
         return None;
     }
     let common = section.get_ref();
-    let given = (&common.rate, &common.force, &common.force_curve);
+    let (rate, force) = (common.rate.as_ref(), common.force.as_ref());
+    let given = (rate, force, common.force_curve.as_ref());
     let left = spring(given, section.span(), problems);
     let right = match own {
         None => left.clone(),
         Some(section) => {
             let own = section.get_ref();
-            // Rate or force alone differs from what both have.
-            let given = match own.force_curve {
-                Some(_) => (&own.rate, &own.force, &own.force_curve),
-                None => (
-                    or(&own.rate, &common.rate),
-                    or(&own.force, &common.force),
-                    &None,
-                ),
+            let (own_rate, own_force) = (own.rate.as_ref(), own.force.as_ref());
+            let given = match &own.force_curve {
+                Some(curve) => (own_rate, own_force, Some(curve)),
+                // Rate or force alone differs from what both have.
+                None => (own_rate.or(rate), own_force.or(force), None),
             };
             spring(given, section.span(), problems)
         }
@@ -275,18 +253,11 @@ fn springs(
     Some(Some([law(left?), law(right?)]))
 }
 
-fn or<'a, T>(own: &'a Option<T>, common: &'a Option<T>) -> &'a Option<T> {
-    match own {
-        Some(_) => own,
-        None => common,
-    }
-}
-
 /// Rate, force and curve as they are written.
 type GivenSpring<'a> = (
-    &'a Option<Number>,
-    &'a Option<Number>,
-    &'a Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+    Option<&'a Number>,
+    Option<&'a Number>,
+    Option<&'a Spanned<Vec<Spanned<Vec<Number>>>>>,
 );
 
 fn spring(
@@ -336,7 +307,6 @@ fn force_curve(
 
 /// The track of `[vehicle]` must be the design's.
 fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
-    use crate::model::Side;
     let Some(track) = &file.vehicle.track else {
         return Some(());
     };
@@ -506,13 +476,7 @@ fn plan(
         let quantities = default.iter().flat_map(|name| Quantity::named(name));
         return Some(AxlePlan::of(course?, quantities.collect()));
     };
-    let names: Vec<_> = Quantity::names()
-        .into_iter()
-        .map(|name| (name, name))
-        .collect();
-    let listed = distinct(&section.characteristics, problems, |text, problems| {
-        choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
-    });
+    let listed = distinct(&section.characteristics, problems, quantities);
     let order = outputs::order(section, problems);
     let points = outputs::points(section, &axle.left, problems);
     let sensitivities = outputs::sensitivities(section, &axle.left, problems);
@@ -531,27 +495,26 @@ fn plan(
     })
 }
 
+/// The quantities of this name, which those of both wheels share.
+pub(super) fn quantities(text: &Text, problems: &mut Problems) -> Option<Vec<Quantity>> {
+    let names = Quantity::names().into_iter().map(|name| (name, name));
+    let names: Vec<_> = names.collect();
+    choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
+}
+
 /// What a study must give for something that a quantity needs, where it does not.
 pub fn missing(need: Need, setup: &Setup) -> Option<&'static str> {
-    match need {
-        Need::WheelRadius => setup.wheel_radius.is_none().then_some("radius in [wheel]"),
-        Need::Wheelbase => setup
-            .wheelbase
-            .is_none()
-            .then_some("wheelbase in [vehicle]"),
-        Need::CFactor => setup.c_factor.is_none().then_some("c_factor in [steering]"),
-        Need::Spring => setup.springs.is_none().then_some("[spring]"),
-        Need::AntiRollBar => setup.bar_rate.is_none().then_some("[anti_roll_bar]"),
-        Need::TyreRate => setup.tyre_rate.is_none().then_some("[tyre]"),
-        Need::SprungMass => setup
-            .sprung_mass
-            .is_none()
-            .then_some("sprung_mass in [vehicle]"),
-        Need::UnsprungMass => {
-            let absent = setup.unsprung_mass.is_none();
-            absent.then_some("unsprung_mass in [vehicle]")
-        }
-    }
+    let (is_given, what) = match need {
+        Need::WheelRadius => (setup.wheel_radius.is_some(), "radius in [wheel]"),
+        Need::Wheelbase => (setup.wheelbase.is_some(), "wheelbase in [vehicle]"),
+        Need::CFactor => (setup.c_factor.is_some(), "c_factor in [steering]"),
+        Need::Spring => (setup.springs.is_some(), "[spring]"),
+        Need::AntiRollBar => (setup.bar_rate.is_some(), "[anti_roll_bar]"),
+        Need::TyreRate => (setup.tyre_rate.is_some(), "[tyre]"),
+        Need::SprungMass => (setup.sprung_mass.is_some(), "sprung_mass in [vehicle]"),
+        Need::UnsprungMass => (setup.unsprung_mass.is_some(), "unsprung_mass in [vehicle]"),
+    };
+    (!is_given).then_some(what)
 }
 
 /// Whether the study gives all that a quantity needs; says what it does not.
@@ -610,9 +573,4 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         sound = false;
     }
     sound.then_some(())
-}
-
-/// The outputs of one wheel in a study of an axle: none.
-pub(super) fn no_corner_outputs() -> Outputs {
-    Outputs::of(Vec::new())
 }

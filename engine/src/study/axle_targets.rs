@@ -1,6 +1,6 @@
 //! Targets of an axle: what of it is wanted, over which number of its motion, and where the rest is held.
 
-use super::axle::{AxleStudy, lacks_nothing};
+use super::axle::{AxleStudy, lacks_nothing, quantities};
 use super::error::Problems;
 use super::file;
 use super::motion::values;
@@ -222,12 +222,7 @@ fn subject(
     study: &AxleStudy,
     problems: &mut Problems,
 ) -> Option<Subject> {
-    let names: Vec<_> = Quantity::names()
-        .into_iter()
-        .map(|name| (name, name))
-        .collect();
-    let found = choose(name, "quantity of an axle", &names, problems)?;
-    let all = Quantity::named(found);
+    let all = quantities(name, problems)?;
     let side_of = |quantity: &Quantity| match quantity {
         Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
         Quantity::Axle(_) => None,
@@ -239,7 +234,8 @@ fn subject(
             let of_side = |quantity: &Quantity| side_of(quantity) == Some(side);
             let own: Vec<_> = all.into_iter().filter(of_side).collect();
             if own.is_empty() {
-                let message = format!("{found} is of the axle as a whole, not of one wheel");
+                let name = name.get_ref();
+                let message = format!("{name} is of the axle as a whole, not of one wheel");
                 return problems.refuse(text.span(), message);
             }
             own
@@ -257,7 +253,7 @@ fn subject(
     let unit = quantities[0].unit();
     let stem = match quantities.as_slice() {
         [one] => one.name(),
-        _ => found.to_owned(),
+        _ => name.get_ref().clone(),
     };
     Some(Subject {
         about: About::Axle(quantities),

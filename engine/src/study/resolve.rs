@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Load, Motion, Optimise, Study, axle, edit, file, motion, optimise, outputs,
-    overrides, parse, setup, solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, edit, file, motion, optimise,
+    outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -115,7 +115,7 @@ fn resolve(
     let formulation = solver::formulation(&file, &suspension, &mut problems);
     solver::refuse_accuracy(&file, &mut problems);
     let outputs = match of_axle {
-        true => Some(axle::no_corner_outputs()),
+        true => Some(Outputs::of(Vec::new())),
         false => outputs::outputs(&file, &suspension, &mut problems),
     };
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {

@@ -72,6 +72,33 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
     }
 }
 
+/// The lowest and the highest value of a variable; `what` they are, in words.
+pub(super) fn range(
+    written: &Spanned<Vec<Number>>,
+    what: &str,
+    problems: &mut Problems,
+) -> Option<[f64; 2]> {
+    let [low, high] = match written.get_ref().as_slice() {
+        [low, high] => [low.value, high.value],
+        other => {
+            let found = other.len();
+            let message = format!("expected two {what} [lowest, highest], found {found}");
+            return problems.refuse(written.span(), message);
+        }
+    };
+    if low == high {
+        let message = format!("the range is empty: both ends are {low}");
+        return problems.refuse(written.span(), message);
+    }
+    if low > high {
+        let message = format!("the range is reversed: {low} is above {high}");
+        let error = problems.add(written.span(), message);
+        error.help(format!("range = [{high}, {low}]"));
+        return None;
+    }
+    Some([low, high])
+}
+
 /// The names of what moves: `lower_arm_front+lower_arm_rear`.
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));

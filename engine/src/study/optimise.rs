@@ -261,40 +261,18 @@ fn variable(
     };
     let moves = moves::moves(&moved, suspension, problems);
     let cost = cost(written, problems);
-    let place = range.span();
-    let range = match range.get_ref().as_slice() {
-        [low, high] => [low.value, high.value],
-        other => {
-            let message = format!(
-                "expected two offsets [lowest, highest], found {}",
-                other.len()
-            );
-            return problems.refuse(place, message);
-        }
-    };
-    let [low, high] = range;
-    if low == high {
-        return problems.refuse(place, format!("the range is empty: both ends are {low}"));
-    }
-    if low > high {
-        let error = problems.add(
-            place,
-            format!("the range is reversed: {low} is above {high}"),
-        );
-        error.help(format!("range = [{high}, {low}]"));
-        return None;
-    }
+    let [low, high] = moves::range(range, "offsets", problems)?;
     if low > 0.0 || high < 0.0 {
         let message =
             format!("offsets from {low} to {high} leave out the design, which is offset 0");
-        return problems.refuse(place, message);
+        return problems.refuse(range.span(), message);
     }
     let moves = moves?;
     Some(Variable {
         name: moves::names(&moves, suspension),
         moves,
         turn: None,
-        range,
+        range: [low, high],
         cost: cost?,
     })
 }

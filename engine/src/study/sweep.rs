@@ -6,7 +6,7 @@ use super::motion::{evenly_spaced_at, within};
 use super::moves;
 use super::names::choose;
 use super::resolve::Context;
-use super::value::{Number, Text, Whole};
+use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
 use std::collections::HashMap;
@@ -257,7 +257,7 @@ fn variable(
         error.related(list.span(), "these");
         return None;
     }
-    let range = range(&written.range, problems);
+    let range = moves::range(&written.range, "numbers", problems);
     let steps = match &written.steps {
         None => Some(None),
         Some(steps) => self::steps(steps, range, problems).map(Some),
@@ -283,30 +283,6 @@ fn variable(
 pub(super) fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     let kind = if absolute { "" } else { "d" };
     format!("{point}_{kind}{}", axis.name())
-}
-
-fn range(written: &Spanned<Vec<Number>>, problems: &mut Problems) -> Option<[f64; 2]> {
-    let [low, high] = match written.get_ref().as_slice() {
-        [low, high] => [low.value, high.value],
-        other => {
-            let message = format!(
-                "expected two numbers [lowest, highest], found {}",
-                other.len()
-            );
-            return problems.refuse(written.span(), message);
-        }
-    };
-    if low == high {
-        let message = format!("the range is empty: both ends are {low}");
-        return problems.refuse(written.span(), message);
-    }
-    if low > high {
-        let message = format!("the range is reversed: {low} is above {high}");
-        let error = problems.add(written.span(), message);
-        error.help(format!("range = [{high}, {low}]"));
-        return None;
-    }
-    Some([low, high])
 }
 
 fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Option<u64> {

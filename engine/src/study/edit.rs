@@ -2,7 +2,7 @@
 
 use super::targets::WrittenCurve;
 use super::{Designs, Study};
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
@@ -26,14 +26,12 @@ impl Study {
         else {
             return text;
         };
-        let place = built.design[given].to_array();
-        let place = Axis::ALL.map(|axis| built.frame.sign(axis) * place[axis as usize]);
-        let suspension = document.get_mut("suspension");
-        let hardpoints = suspension.and_then(|s| s.get_mut("hardpoints"));
-        if let Some(hardpoints) = hardpoints.and_then(Item::as_table_like_mut) {
-            hardpoints.insert(&added.name, Item::Value(Array::from_iter(place).into()));
+        let root = document.as_table_mut();
+        if let Some(hardpoints) = table(root, &["suspension", "hardpoints"]) {
+            let place = written(built.design[given], built.frame);
+            hardpoints.insert(&added.name, place);
         }
-        if let Some(wheel) = document.get_mut("wheel").and_then(Item::as_table_like_mut) {
+        if let Some(wheel) = table(root, &["wheel"]) {
             wheel.remove("static_camber");
             wheel.remove("static_toe");
         }
@@ -49,11 +47,9 @@ impl Study {
         let frame = left.frame.of_other_side();
         let mut hardpoints = Table::new();
         for (point, place) in right.mechanism.points.iter().zip(&right.design) {
-            let place = Axis::ALL.map(|axis| frame.sign(axis) * place[axis]);
-            hardpoints.insert(&point.name, Item::Value(Array::from_iter(place).into()));
+            hardpoints.insert(&point.name, written(*place, frame));
         }
-        let axle = document.get_mut("axle").and_then(Item::as_table_like_mut);
-        if let Some(axle) = axle {
+        if let Some(axle) = table(document.as_table_mut(), &["axle"]) {
             let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
             match own {
                 Some(right) => {
@@ -159,28 +155,33 @@ fn rewrite(
 
 /// The array with a point's coordinates at the right wheel, where the study gives it.
 fn right_coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
-    let axle = root.get_mut("axle")?.as_table_like_mut()?;
-    let right = axle.get_mut("right")?.as_table_like_mut()?;
-    let points = right.get_mut("hardpoints")?.as_table_like_mut()?;
+    let points = table(root, &["axle", "right", "hardpoints"])?;
     points.get_mut(name)?.as_array_mut()
 }
 
 /// The array with a point's coordinates.
 fn coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
-    let suspension = root.get_mut("suspension")?.as_table_like_mut()?;
+    let suspension = table(root, &["suspension"])?;
     let is_hardpoint = suspension
         .get("hardpoints")
         .and_then(Item::as_table_like)
         .is_some_and(|hardpoints| hardpoints.contains_key(name));
-    let item = if is_hardpoint {
-        let hardpoints = suspension.get_mut("hardpoints")?.as_table_like_mut()?;
-        hardpoints.get_mut(name)?
-    } else {
-        let extra = suspension.get_mut("extra_points")?.as_table_like_mut()?;
-        let point = extra.get_mut(name)?.as_table_like_mut()?;
-        point.get_mut("position")?
+    let item = match is_hardpoint {
+        true => table(suspension, &["hardpoints"])?.get_mut(name)?,
+        false => table(suspension, &["extra_points", name])?.get_mut("position")?,
     };
     item.as_array_mut()
+}
+
+/// The table at a path of keys.
+fn table<'a>(root: &'a mut dyn TableLike, path: &[&str]) -> Option<&'a mut dyn TableLike> {
+    let mut keys = path.iter();
+    keys.try_fold(root, |table, key| table.get_mut(key)?.as_table_like_mut())
+}
+
+/// A place in the kernel's frame as a study writes it.
+fn written(place: Vector3<f64>, frame: Frame) -> Item {
+    Item::Value(Array::from_iter(frame.vector(place).to_array()).into())
 }
 
 /// Puts a number in place of a value, with the spaces and comments around it.
@@ -211,8 +212,7 @@ pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -
 }
 
 fn target(root: &mut dyn TableLike, place: usize) -> Option<&mut dyn TableLike> {
-    let optimise = root.get_mut("optimise")?.as_table_like_mut()?;
-    match optimise.get_mut("targets")? {
+    match table(root, &["optimise"])?.get_mut("targets")? {
         Item::ArrayOfTables(tables) => Some(tables.get_mut(place)?),
         Item::Value(Value::Array(array)) => Some(array.get_mut(place)?.as_inline_table_mut()?),
         _ => None,

@@ -67,8 +67,7 @@ fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, Stu
     let mut points: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
-        let start = record.position().map_or(0, |p| p.byte() as usize);
-        let error = |message: String| Err(at_record(source, start, message));
+        let error = |message: String| Err(at_record(source, &record, message));
         let Some((places, rack)) = columns else {
             let place = |name: &str| record.iter().position(|column| column == name);
             let (Some(drive), Some(value)) = (place(wished.drive), place(wished.value)) else {
@@ -86,7 +85,7 @@ fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, Stu
             };
             parsed.map(Some).map_err(|wanted| {
                 let message = format!("expected {wanted} as {column}, found {text:?}");
-                at_record(source, start, message)
+                at_record(source, &record, message)
             })
         };
         if record.len() <= places[0].max(places[1]) {
@@ -203,8 +202,13 @@ fn along(way: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-/// A mistake in the record that starts at this byte, or after the blank lines there.
-fn at_record(source: &Arc<Source>, start: usize, message: String) -> StudyErrors {
+/// A mistake in a record, which starts at its place or after the blank lines there.
+pub(super) fn at_record(
+    source: &Arc<Source>,
+    record: &csv::StringRecord,
+    message: String,
+) -> StudyErrors {
+    let start = record.position().map_or(0, |p| p.byte() as usize);
     let rest = source.text.get(start..).unwrap_or("");
     let blank = rest.len() - rest.trim_start().len();
     let span = start + blank..source.text.len();

@@ -4,13 +4,15 @@
 //! from the design, both in the study's axes and unit, which may follow (`tie_rod_inner_z_mm`). A column
 //! `design` is passed over: designs are numbered by their rows, from 0.
 
+use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
 use super::names::nearest;
+use super::outputs::hardpoints;
 use super::source::{LONGEST_TABLE, read_text};
 use super::sweep::column_stem;
 use super::value::Number;
 use super::{Move, SweepVariable};
-use crate::model::{Axis, PointId, Suspension};
+use crate::model::{Axis, Suspension};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -50,13 +52,7 @@ impl DesignTable {
             None => return Err(StudyError::of_file(&source.name, "the file is empty").into()),
             Some(header) => header.map_err(text_error)?,
         };
-        let at = |record: &csv::StringRecord, message: String| {
-            let start = record.position().map_or(0, |p| p.byte() as usize);
-            let rest = source.text.get(start..).unwrap_or("");
-            let blank = rest.len() - rest.trim_start().len();
-            let span = start + blank..source.text.len();
-            StudyErrors::from(StudyError::new(source.clone(), Some(span), message))
-        };
+        let at = |record: &_, message: String| at_record(&source, record, message);
         let mut variables: Vec<SweepVariable> = Vec::new();
         let mut places = Vec::new();
         for (place, column) in header.iter().enumerate().filter(|(_, c)| *c != "design") {
@@ -179,19 +175,16 @@ impl DesignTable {
 fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, String> {
     let unit = suspension.length_unit.symbol();
     let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
-    let topology = suspension.mechanism.topology;
-    let points = suspension.mechanism.points.iter().enumerate();
-    let hardpoints = points.filter(|(_, p)| topology.hardpoint(&p.name).is_some());
     let mut known = Vec::new();
-    for (id, point) in hardpoints {
+    for (point, id) in hardpoints(suspension) {
         for axis in Axis::ALL {
             for absolute in [true, false] {
-                let name = column_stem(&point.name, axis, absolute);
+                let name = column_stem(point, axis, absolute);
                 if name == stem {
                     return Ok(SweepVariable {
                         name,
                         moves: vec![Move {
-                            point: PointId(id),
+                            point: id,
                             axis,
                             factor: 1.0,
                         }],

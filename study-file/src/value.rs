@@ -1,6 +1,6 @@
 //! Values as written, with their place in the file.
 
-use serde::de::value::MapAccessDeserializer;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
@@ -131,12 +131,8 @@ impl<'de> Visitor<'de> for ValuesVisitor {
         self.visit_f64(value as f64)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Values, A::Error> {
-        let mut list = Vec::new();
-        while let Some(number) = seq.next_element()? {
-            list.push(number);
-        }
-        Ok(Values::List(list))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Values, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Values::List)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
@@ -206,12 +202,8 @@ impl<'de> Visitor<'de> for SelectionVisitor {
         Ok(Selection::All(all))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Selection, A::Error> {
-        let mut names = Vec::new();
-        while let Some(name) = seq.next_element()? {
-            names.push(name);
-        }
-        Ok(Selection::Named(names))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Selection, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Selection::Named)
     }
 }
 
@@ -243,12 +235,8 @@ impl<'de> Visitor<'de> for MemberNameVisitor {
         Ok(MemberName::Name(name.to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<MemberName, A::Error> {
-        let mut ends = Vec::new();
-        while let Some(end) = seq.next_element()? {
-            ends.push(end);
-        }
-        Ok(MemberName::Ends(ends))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<MemberName, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(MemberName::Ends)
     }
 }
 
@@ -284,12 +272,8 @@ impl<'de> Visitor<'de> for NumbersVisitor {
         self.visit_f64(value as f64)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Numbers, A::Error> {
-        let mut list = Vec::new();
-        while let Some(number) = seq.next_element()? {
-            list.push(number);
-        }
-        Ok(Numbers::Many(list))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Numbers, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Numbers::Many)
     }
 }
 
@@ -325,11 +309,7 @@ impl<'de> Visitor<'de> for LimitVisitor {
         self.visit_f64(value as f64)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<LimitText, A::Error> {
-        let mut list = Vec::new();
-        while let Some(point) = seq.next_element()? {
-            list.push(point);
-        }
-        Ok(LimitText::Curve(list))
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<LimitText, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(LimitText::Curve)
     }
 }

@@ -2,9 +2,12 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
 use super::topology::{
-    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+    CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER, SPRING,
+    SPRING_UPPER, STEERING_AXIS, WHEEL_CENTRE, optional, required,
 };
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
+
+const NO_UPPER_ARM: &str = "the upper arm would have no length";
 
 /// The double wishbone.
 pub(super) static DOUBLE_WISHBONE: Topology = Topology {
@@ -43,51 +46,15 @@ pub(super) static DOUBLE_WISHBONE: Topology = Topology {
             "upper_arm_rear",
             "they define the axis of the upper arm",
         ),
-        (
-            "upper_ball_joint",
-            "upper_arm_front",
-            "the upper arm would have no length",
-        ),
-        (
-            "upper_ball_joint",
-            "upper_arm_rear",
-            "the upper arm would have no length",
-        ),
-        (
-            "lower_arm_front",
-            "lower_arm_rear",
-            "they define the axis of the lower arm",
-        ),
-        (
-            "lower_ball_joint",
-            "lower_arm_front",
-            "the lower arm would have no length",
-        ),
-        (
-            "lower_ball_joint",
-            "lower_arm_rear",
-            "the lower arm would have no length",
-        ),
-        (
-            "lower_ball_joint",
-            "upper_ball_joint",
-            "they define the steering axis",
-        ),
-        (
-            "tie_rod_inner",
-            "tie_rod_outer",
-            "the tie rod would have no length",
-        ),
-        (
-            "tie_rod_outer",
-            "lower_ball_joint",
-            "the tie rod could not steer the wheel",
-        ),
-        (
-            "tie_rod_outer",
-            "upper_ball_joint",
-            "the tie rod could not steer the wheel",
-        ),
+        ("upper_ball_joint", "upper_arm_front", NO_UPPER_ARM),
+        ("upper_ball_joint", "upper_arm_rear", NO_UPPER_ARM),
+        ("lower_arm_front", "lower_arm_rear", LOWER_ARM_AXIS),
+        ("lower_ball_joint", "lower_arm_front", NO_LOWER_ARM),
+        ("lower_ball_joint", "lower_arm_rear", NO_LOWER_ARM),
+        ("lower_ball_joint", "upper_ball_joint", STEERING_AXIS),
+        ("tie_rod_inner", "tie_rod_outer", NO_TIE_ROD),
+        ("tie_rod_outer", "lower_ball_joint", CANNOT_STEER),
+        ("tie_rod_outer", "upper_ball_joint", CANNOT_STEER),
         SPINDLE,
     ],
     build,

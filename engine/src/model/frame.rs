@@ -198,18 +198,11 @@ mod tests {
     #[test]
     fn turns_map_so_that_velocities_map_as_vectors() {
         let (omega, r) = (Vector3::new(0.1, 0.2, -0.4), Vector3::new(3.0, -1.0, 2.0));
-        for convention in [
-            FrameConvention::Iso8855,
-            FrameConvention::SaeJ670,
-            FrameConvention::XRear,
-        ] {
-            for side in [Side::Left, Side::Right] {
+        for convention in FrameConvention::ALL {
+            for side in Side::ALL {
                 let frame = Frame::new(convention, side);
-                let turned = Vector3::new(
-                    frame.turn_sign(Axis::X) * omega.x,
-                    frame.turn_sign(Axis::Y) * omega.y,
-                    frame.turn_sign(Axis::Z) * omega.z,
-                );
+                let turned = Axis::ALL.map(|axis| frame.turn_sign(axis) * omega[axis]);
+                let turned = Vector3::from(turned);
                 assert_eq!(
                     frame.vector(omega.cross(r)),
                     turned.cross(frame.vector(r)),

@@ -1,7 +1,10 @@
 //! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, bodies};
-use super::topology::{Given, SPINDLE, SPINDLE_INNER, WHEEL_CENTRE, optional, required};
+use super::topology::{
+    CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER,
+    STEERING_AXIS, WHEEL_CENTRE, optional, required,
+};
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
 /// The MacPherson strut.
@@ -28,38 +31,14 @@ pub(super) static MACPHERSON: Topology = Topology {
     ],
     groups: &[&ANTI_ROLL_BAR],
     distinct: &[
-        (
-            "lower_arm_front",
-            "lower_arm_rear",
-            "they define the axis of the lower arm",
-        ),
-        (
-            "lower_ball_joint",
-            "lower_arm_front",
-            "the lower arm would have no length",
-        ),
-        (
-            "lower_ball_joint",
-            "lower_arm_rear",
-            "the lower arm would have no length",
-        ),
-        (
-            "lower_ball_joint",
-            "strut_top",
-            "they define the steering axis",
-        ),
+        ("lower_arm_front", "lower_arm_rear", LOWER_ARM_AXIS),
+        ("lower_ball_joint", "lower_arm_front", NO_LOWER_ARM),
+        ("lower_ball_joint", "lower_arm_rear", NO_LOWER_ARM),
+        ("lower_ball_joint", "strut_top", STEERING_AXIS),
         ("strut_lower", "strut_upper", "they define the strut axis"),
         ("strut_lower", "strut_top", "the strut would have no length"),
-        (
-            "tie_rod_inner",
-            "tie_rod_outer",
-            "the tie rod would have no length",
-        ),
-        (
-            "tie_rod_outer",
-            "lower_ball_joint",
-            "the tie rod could not steer the wheel",
-        ),
+        ("tie_rod_inner", "tie_rod_outer", NO_TIE_ROD),
+        ("tie_rod_outer", "lower_ball_joint", CANNOT_STEER),
         SPINDLE,
     ],
     build,

@@ -71,6 +71,13 @@ pub(super) const SPINDLE: (&str, &str, &str) = (
     "they define the spin axis of the wheel",
 );
 
+// Why points of arms and tie rods must be distinct.
+pub(super) const LOWER_ARM_AXIS: &str = "they define the axis of the lower arm";
+pub(super) const NO_LOWER_ARM: &str = "the lower arm would have no length";
+pub(super) const STEERING_AXIS: &str = "they define the steering axis";
+pub(super) const NO_TIE_ROD: &str = "the tie rod would have no length";
+pub(super) const CANNOT_STEER: &str = "the tie rod could not steer the wheel";
+
 /// Hardpoints that a study gives together.
 pub struct Group {
     /// What they make, as in "the rocker".

@@ -87,13 +87,18 @@ pub enum Termination {
 impl Termination {
     /// Whether the run ended at what it takes for a minimum.
     pub fn at_minimum(&self) -> bool {
-        !matches!(
-            self,
+        match self {
+            Termination::MisfitReached
+            | Termination::NoFurtherDescent
+            | Termination::StepBelowResolution
+            | Termination::NearestGoodEnough
+            | Termination::NearestOfTheBest
+            | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
-                | Termination::ConstraintsExcludeEachOther
-                | Termination::IterationLimit
-                | Termination::Interrupted
-        )
+            | Termination::ConstraintsExcludeEachOther
+            | Termination::IterationLimit
+            | Termination::Interrupted => false,
+        }
     }
 }
 

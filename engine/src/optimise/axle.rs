@@ -6,7 +6,6 @@
 
 use super::layout::place_in;
 use super::moves::{Way, moved_design, ways};
-use super::objective::{add_to_row, write_row};
 use super::{Evaluation, Infeasible};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
@@ -204,8 +203,12 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                 for wish in own {
                     let is_inside = wish.wanted.is_band() && into.residuals[wish.row] == 0.0;
                     if !is_inside {
-                        write_row(into, wish.row, sides[0].1, left, wish.scale);
-                        add_to_row(into, wish.row, sides[1].1, right, wish.scale);
+                        for ((_, ways), gradient) in sides.iter().zip([left, right]) {
+                            for way in *ways {
+                                let slope = gradient[way.point].dot(way.by);
+                                into.jacobian[(wish.row, way.column)] += slope * wish.scale;
+                            }
+                        }
                     }
                 }
             };

@@ -12,6 +12,7 @@
 
 use super::Infeasible;
 use super::moves::Way;
+use super::objective::refused;
 use crate::build::{Alignment, Assembler, Parts, Rest};
 use crate::mechanism::DesignFault;
 use crate::model::{Mechanism, PointId, Suspension};
@@ -78,10 +79,7 @@ impl<'a> Builds<'a> {
         design: &[Vector3<f64>],
     ) -> Result<Option<Alignment>, Infeasible> {
         let redrawn = self.assembler.redraw(design);
-        redrawn.map_err(|fault| {
-            let mechanism = &self.assembler.suspension().mechanism;
-            Infeasible::Refused(fault.describe(mechanism))
-        })?;
+        redrawn.map_err(refused(self.mechanism()))?;
         let aligned = self.scatter.adjust.as_ref();
         let alignment = aligned.map(|adjust| Alignment::of(adjust, &self.assembler));
         alignment.transpose().map_err(|_| {

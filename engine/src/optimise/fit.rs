@@ -172,20 +172,9 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`; an error says why there are no residuals
-/// even there.
+/// Minimises from the point of the box nearest to `start`, the start of number `index`; an error says why there are no
+/// residuals even there.
 pub fn fit(
-    problem: impl LeastSquares,
-    bounds: &Bounds,
-    start: &DVector<f64>,
-    options: &Options,
-    control: Control<'_>,
-) -> Result<Fit, Infeasible> {
-    fit_start(0, problem, bounds, start, options, control)
-}
-
-/// The same, where the start is one of several.
-pub(super) fn fit_start(
     index: usize,
     problem: impl LeastSquares,
     bounds: &Bounds,

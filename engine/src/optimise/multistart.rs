@@ -1,6 +1,6 @@
 //! Several starts, and the best of where they end.
 
-use super::fit::fit_start;
+use super::fit::fit;
 use super::{Bounds, Control, Fit, Infeasible, LeastSquares, Options};
 use crate::sweep::sobol;
 use nalgebra::DVector;
@@ -52,7 +52,7 @@ pub fn multistart<P: LeastSquares>(
     options: &Options,
     control: Control<'_>,
 ) -> Multistart {
-    let run = |index, x: &DVector<f64>| fit_start(index, problem(), bounds, x, options, control);
+    let run = |index, x: &DVector<f64>| fit(index, problem(), bounds, x, options, control);
     let starts = every_start(0..starts, bounds, design, seed, run);
     let best = least_misfit(&starts).and_then(|least| {
         let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);

@@ -163,31 +163,6 @@ fn read<const N: usize>(
     }
 }
 
-/// Writes the gradient of a value, times a factor, into a row.
-pub(super) fn write_row(
-    into: &mut Evaluation,
-    row: usize,
-    ways: &[Way],
-    gradient: &[Vector3<f64>],
-    scale: f64,
-) {
-    into.jacobian.row_mut(row).fill(0.0);
-    add_to_row(into, row, ways, gradient, scale);
-}
-
-/// Adds the gradient of a value, times a factor, to a row.
-pub(super) fn add_to_row(
-    into: &mut Evaluation,
-    row: usize,
-    ways: &[Way],
-    gradient: &[Vector3<f64>],
-    scale: f64,
-) {
-    for way in ways {
-        into.jacobian[(row, way.column)] += gradient[way.point].dot(way.by) * scale;
-    }
-}
-
 /// A drive value in words.
 fn place_in_words(drive: Drive, value: f64) -> String {
     match drive {
@@ -197,7 +172,7 @@ fn place_in_words(drive: Drive, value: f64) -> String {
 }
 
 /// A design that cannot be solved.
-fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
+pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
     |fault| Infeasible::Refused(fault.describe(mechanism))
 }
 

@@ -20,7 +20,7 @@ fn run(
     let problem = written(rows, start);
     let bounds = Bounds::new(ranges).unwrap();
     let start = DVector::from_column_slice(start);
-    fit(problem, &bounds, &start, options, Control::default()).unwrap()
+    fit(0, problem, &bounds, &start, options, Control::default()).unwrap()
 }
 
 /// Options that leave only the end of all descent as a reason to stop.
@@ -297,7 +297,7 @@ fn residuals_that_are_not_numbers_are_refused_with_a_reason() {
     let start = vector(&[0.0]);
     let options = Options::default();
     let problem = written(rows, &[0.0]);
-    let refused = fit(problem, &bounds, &start, &options, Control::default()).unwrap_err();
+    let refused = fit(0, problem, &bounds, &start, &options, Control::default()).unwrap_err();
     assert!(
         refused.to_string().starts_with("residual 1 is NaN"),
         "{refused}"
@@ -310,7 +310,7 @@ fn a_start_without_residuals_is_an_error_with_its_reason() {
     let start = vector(&[2.0, 0.0]);
     let options = Options::default();
     let problem = written(fenced(|x| x[0] > 0.5), &[0.0; 2]);
-    let refused = fit(problem, &bounds, &start, &options, Control::default());
+    let refused = fit(0, problem, &bounds, &start, &options, Control::default());
     assert_eq!(refused, Err(Infeasible::Refused("beyond the fence".into())));
 }
 
@@ -361,7 +361,7 @@ fn limits_and_interrupts_keep_what_is_reached() {
     let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
     let start = vector(&[-1.2, 1.0]);
     let problem = written(rosenbrock, &[-1.2, 1.0]);
-    let stopped = fit(problem, &bounds, &start, &Options::default(), control).unwrap();
+    let stopped = fit(0, problem, &bounds, &start, &Options::default(), control).unwrap();
     assert_eq!(stopped.termination, Termination::Interrupted);
     assert_eq!(stopped.history, limited.history[..3]);
 }

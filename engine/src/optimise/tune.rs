@@ -6,7 +6,7 @@
 //! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
 
 use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
-use super::fit::fit_start;
+use super::fit::fit;
 use super::multistart::{every_start, fits, least_misfit, nearest};
 use super::pool::{Lent, Pool};
 use super::trade::{Aim, Distance, Trade};
@@ -252,7 +252,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
         let first = |index: usize, x: &DVector<f64>| {
             let (problem, bounds) = (self.problem(), &self.bounds);
             if !is_constrained {
-                return fit_start(index, problem, bounds, x, &until_good, self.control);
+                return fit(index, problem, bounds, x, &until_good, self.control);
             }
             let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
             let good = fit.at.goal.misfit() <= optimise.good_enough;

@@ -376,28 +376,18 @@ impl<'a, const N: usize> Tuner<'a, N> {
     }
 
     fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
-        let ConstrainedFit {
-            x,
-            at,
-            violation,
-            multipliers,
-            culprits,
-            termination,
-            history,
-            ..
-        } = fit;
-        let multipliers = (at_minimum && termination.at_minimum()).then_some(multipliers);
+        let is_minimum = at_minimum && fit.termination.at_minimum();
         Fit {
-            holds: self.bounds.holds(&x),
-            x,
-            evaluation: at.goal,
-            termination,
-            history,
+            holds: self.bounds.holds(&fit.x),
+            x: fit.x,
+            evaluation: fit.at.goal,
+            termination: fit.termination,
+            history: fit.history,
             constraints: Some(ConstraintState {
-                values: at.rows.residuals,
-                violation,
-                multipliers,
-                culprits,
+                values: fit.at.rows.residuals,
+                violation: fit.violation,
+                multipliers: is_minimum.then_some(fit.multipliers),
+                culprits: fit.culprits,
             }),
         }
     }

@@ -141,6 +141,12 @@ mod tests {
     use crate::model::{FrameConvention, PointId, Side};
     use crate::study::Turn;
 
+    const DESIGN: [[f64; 3]; 3] = [
+        [3.0, 600.0, 120.0],
+        [-8.0, 550.0, 340.0],
+        [60.0, 560.0, 150.0],
+    ];
+
     fn turns() -> Vec<Variable> {
         let turn = |axis| Variable {
             name: "body".to_owned(),
@@ -159,11 +165,7 @@ mod tests {
     #[test]
     fn a_body_is_turned_about_its_centroid() {
         let frame = Frame::new(FrameConvention::Iso8855, Side::Left);
-        let design = [
-            Vector3::new(3.0, 600.0, 120.0),
-            Vector3::new(-8.0, 550.0, 340.0),
-            Vector3::new(60.0, 560.0, 150.0),
-        ];
+        let design = DESIGN.map(Vector3::from);
         let mut moved = design;
         let x = DVector::from_column_slice(&[3.0, -7.0, 15.0]);
         moved_design(&design, &frame, &turns(), &x, &mut moved);
@@ -186,11 +188,7 @@ mod tests {
     #[test]
     fn ways_are_the_derivatives_of_the_moves() {
         let frame = Frame::new(FrameConvention::SaeJ670, Side::Right);
-        let design = [
-            Vector3::new(3.0, 600.0, 120.0),
-            Vector3::new(-8.0, 550.0, 340.0),
-            Vector3::new(60.0, 560.0, 150.0),
-        ];
+        let design = DESIGN.map(Vector3::from);
         let variables = turns();
         let x = DVector::from_column_slice(&[4.0, -2.0, 1.0]);
         let mut found = Vec::new();

@@ -103,15 +103,11 @@ impl<'a> Course<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            Some(reason) => TerminationStatus::Terminated(match reason {
-                Termination::Interrupted => TerminationReason::Interrupt,
-                Termination::IterationLimit => TerminationReason::MaxItersReached,
-                Termination::MisfitReached => TerminationReason::TargetCostReached,
-                Termination::NoFeasibleStep(_) | Termination::ConstraintsExcludeEachOther => {
-                    TerminationReason::SolverExit(reason.to_string())
-                }
-                _ => TerminationReason::SolverConverged,
-            }),
+            // In our words: argmin's own are fewer, and nobody asks it.
+            Some(reason) => {
+                let reason = TerminationReason::SolverExit(reason.to_string());
+                TerminationStatus::Terminated(reason)
+            }
         }
     }
 }

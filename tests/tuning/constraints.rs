@@ -34,7 +34,7 @@ fn rows_in_lanes_are_those_of_station_by_station() {
         let problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
         let mut problem = problem.with_width(suspension, width);
         assert_eq!(problem.is_in_lanes(&x), width.is_some());
-        let mut at = Assessment::new(&problem.shape(), x.len());
+        let mut at = Assessment::new(&problem.shape());
         problem.assess(&x, &mut at).unwrap();
         at
     };

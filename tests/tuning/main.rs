@@ -293,7 +293,7 @@ fn check_derivatives(
 ) {
     let (n, shape) = (x.len(), Constrained::shape(problem));
     let mut at = |x: &nalgebra::DVector<f64>| {
-        let mut found = Assessment::new(&shape, n);
+        let mut found = Assessment::new(&shape);
         problem
             .assess(x, &mut found)
             .unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -517,7 +517,7 @@ fn a_front_of_two_targets_is_traced() {
     let layout = TargetLayout::of(&optimise, motion, &suspension.frame, &suspension.mechanism);
     let mut problem = Objective::<1>::new(suspension, &optimise.variables, &layout).unwrap();
     let x = nalgebra::DVector::from_column_slice(&middle.offsets);
-    let mut at = Assessment::new(&Constrained::shape(&problem), x.len());
+    let mut at = Assessment::new(&Constrained::shape(&problem));
     problem.assess(&x, &mut at).unwrap();
     for (deviation, amount) in layout
         .deviations(&at.goal.residuals)

@@ -258,7 +258,7 @@ impl Random {
 
     fn assessed(&self, x: &DVector<f64>) -> Assessment {
         let mut problem = self.problem();
-        let mut at = Assessment::new(&Constrained::shape(&problem), x.len());
+        let mut at = Assessment::new(&Constrained::shape(&problem));
         problem.assess(x, &mut at).unwrap();
         at
     }
@@ -331,7 +331,7 @@ impl<'p> Looked<'p> {
         assert_eq!(shape.equalities, 0);
         let half: Vec<f64> = random.bounds.width().iter().map(|w| 0.5 * w).collect();
         Looked {
-            at: Assessment::new(&shape, half.len()),
+            at: Assessment::new(&shape),
             problem,
             half,
             z: Vec::new(),

@@ -41,7 +41,7 @@ pub fn assessed(
         mut objective: Objective<'_, N>,
         variables: usize,
     ) -> Result<Assessment, Infeasible> {
-        let mut assessment = Assessment::new(&objective.shape(), variables);
+        let mut assessment = Assessment::new(&objective.shape());
         let here = DVector::zeros(variables);
         objective
             .assess(&here, &mut assessment)

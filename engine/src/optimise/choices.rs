@@ -165,7 +165,7 @@ impl<const N: usize> Tuner<'_, N> {
     fn keeps_constraints(&self) -> bool {
         let mut problem = self.problem();
         let shape = problem.shape();
-        let mut at = super::Assessment::new(&shape, self.design.len());
+        let mut at = super::Assessment::new(&shape);
         let assessed = problem.assess(&self.design, &mut at);
         assessed.is_ok() && at.violation(shape.equalities, &[]) <= super::constrained::KEPT
     }

@@ -132,7 +132,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     /// The amounts of all aims at `x`.
     pub(super) fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
         let mut problem = (self.problem)();
-        let mut at = Assessment::new(&problem.shape(), x.len());
+        let mut at = Assessment::new(&problem.shape());
         problem.assess(x, &mut at).ok()?;
         let amount = |aim: &Aim| match aim.rows() {
             None => self.distance.of(x),

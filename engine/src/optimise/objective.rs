@@ -635,12 +635,9 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
 }
 
 impl<const N: usize> Constrained for Objective<'_, N> {
-    fn variables(&self) -> usize {
-        self.variables.len()
-    }
-
     fn shape(&self) -> Shape {
         Shape {
+            variables: self.variables.len(),
             goal: self.layout.residuals(),
             levels: Vec::new(),
             rows: self.layout.labels.len(),

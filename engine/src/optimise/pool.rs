@@ -68,16 +68,8 @@ impl<P: LeastSquares> LeastSquares for Lent<'_, P> {
 }
 
 impl<P: Constrained> Constrained for Lent<'_, P> {
-    fn variables(&self) -> usize {
-        self.get().variables()
-    }
-
     fn shape(&self) -> Shape {
         self.get().shape()
-    }
-
-    fn levels(&self) -> Vec<f64> {
-        self.get().levels()
     }
 
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {

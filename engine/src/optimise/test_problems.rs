@@ -74,21 +74,13 @@ impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
 
 /// Goal, level and rows as functions of the variables.
 pub(super) struct Stated<F> {
-    variables: usize,
     shape: Shape,
-    level: f64,
     at: F,
 }
 
 impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
-    fn variables(&self) -> usize {
-        self.variables
-    }
     fn shape(&self) -> Shape {
         self.shape.clone()
-    }
-    fn levels(&self) -> Vec<f64> {
-        self.shape.levels.iter().map(|_| self.level).collect()
     }
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
         let mut nothing = Evaluation::new(0, x.len());
@@ -110,17 +102,16 @@ pub(super) fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
 ) -> Stated<F> {
     let [goal, held, rows] = at(start);
     Stated {
-        variables: start.len(),
         shape: Shape {
+            variables: start.len(),
             goal: goal.len(),
-            levels: (!held.is_empty())
-                .then_some(held.len())
-                .into_iter()
-                .collect(),
+            levels: match held.len() {
+                0 => Vec::new(),
+                count => vec![(count, level)],
+            },
             rows: rows.len(),
             equalities,
         },
-        level,
         at,
     }
 }

@@ -90,7 +90,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
         held: Vec<(&'a Aim, f64)>,
     ) -> Self {
         Trade {
-            assessment: Assessment::new(&problem.shape(), problem.variables()),
+            assessment: Assessment::new(&problem.shape()),
             problem,
             distance,
             lowered,
@@ -129,22 +129,16 @@ impl<'a, P: Constrained> Trade<'a, P> {
 }
 
 impl<P: Constrained> Constrained for Trade<'_, P> {
-    fn variables(&self) -> usize {
-        self.problem.variables()
-    }
-
     fn shape(&self) -> Shape {
-        let n = self.problem.variables();
+        let shape = self.problem.shape();
+        let n = shape.variables;
+        let held = self.held.iter();
+        let levels = held.map(|(aim, amount)| (aim.residuals(n), aim.unit * amount));
         Shape {
             goal: self.lowered.residuals(n),
-            levels: self.held.iter().map(|(aim, _)| aim.residuals(n)).collect(),
-            ..self.problem.shape()
+            levels: levels.collect(),
+            ..shape
         }
-    }
-
-    fn levels(&self) -> Vec<f64> {
-        let levels = self.held.iter().map(|(aim, amount)| aim.unit * amount);
-        levels.collect()
     }
 
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {

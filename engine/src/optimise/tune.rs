@@ -316,7 +316,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             (found.at.levels.swap_remove(0), found.at.rows)
         } else {
             let mut problem = self.problem();
-            let mut at = super::Assessment::new(&problem.shape(), x.len());
+            let mut at = super::Assessment::new(&problem.shape());
             if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
                 return;
             }

@@ -46,28 +46,22 @@ use nalgebra::DVector;
 
 /// A least-squares problem with constraints.
 pub trait Constrained {
-    /// Number of variables, at least one.
-    fn variables(&self) -> usize;
-
-    /// Numbers of residuals.
+    /// How large it is.
     fn shape(&self) -> Shape;
-
-    /// What the norms of the residuals held to levels must not exceed, one for each of [`Shape::levels`].
-    fn levels(&self) -> Vec<f64> {
-        Vec::new()
-    }
 
     /// Writes everything at `x`, with its exact derivatives. It must depend on `x` alone.
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible>;
 }
 
-/// Numbers of residuals and rows.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Numbers of variables, residuals and rows.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
+    /// Variables, at least one.
+    pub variables: usize,
     /// Residuals of the goal, at least one.
     pub goal: usize,
-    /// Residuals held to each level.
-    pub levels: Vec<usize>,
+    /// Residuals held to each level, and what their norm must not exceed.
+    pub levels: Vec<(usize, f64)>,
     /// Rows, all.
     pub rows: usize,
     /// How many of them, the first, must vanish.
@@ -87,11 +81,11 @@ pub struct Assessment {
 
 impl Assessment {
     /// Room for a problem.
-    pub fn new(shape: &Shape, variables: usize) -> Self {
-        let room = |residuals: usize| Evaluation::new(residuals, variables);
+    pub fn new(shape: &Shape) -> Self {
+        let room = |residuals: usize| Evaluation::new(residuals, shape.variables);
         Assessment {
             goal: room(shape.goal),
-            levels: shape.levels.iter().copied().map(room).collect(),
+            levels: shape.levels.iter().map(|level| room(level.0)).collect(),
             rows: room(shape.rows),
         }
     }

@@ -75,15 +75,15 @@ pub fn constrained_fit(
     control: Control<'_>,
 ) -> Result<ConstrainedFit, Infeasible> {
     let shape = problem.shape();
-    let levels = problem.levels();
+    let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
     let n = bounds.variables();
     let solver = SequentialConvex {
         course: Course::new(bounds, options, control, index),
         equalities: shape.equalities,
         model: ConvexModel::new(bounds, shape.equalities, shape.rows, &levels),
         levels,
-        current: Assessment::new(&shape, n),
-        trial: Assessment::new(&shape, n),
+        current: Assessment::new(&shape),
+        trial: Assessment::new(&shape),
         trial_x: DVector::zeros(n),
         filter: Filter::new(0.0),
         radius: FIRST_RADIUS,
@@ -178,7 +178,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         state: State,
     ) -> Result<(State, Option<KV>), Error> {
         let problem = of(problem);
-        assert_eq!(problem.variables(), self.course.bounds.variables());
+        assert_eq!(problem.shape().variables, self.course.bounds.variables());
         let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;

@@ -37,19 +37,16 @@ pub fn assessed(
     variables: &[Variable],
     layout: &TargetLayout,
 ) -> Result<Result<Assessment, Infeasible>, DesignFault> {
-    fn of<const N: usize>(
-        mut objective: Objective<'_, N>,
-        variables: usize,
-    ) -> Result<Assessment, Infeasible> {
-        let mut assessment = Assessment::new(&objective.shape());
-        let here = DVector::zeros(variables);
+    fn of<const N: usize>(mut objective: Objective<'_, N>) -> Result<Assessment, Infeasible> {
+        let shape = objective.shape();
+        let mut assessment = Assessment::new(&shape);
+        let here = DVector::zeros(shape.variables);
         objective
             .assess(&here, &mut assessment)
             .map(|()| assessment)
     }
-    let count = variables.len();
     Ok(match layout.rate_order() {
-        0 => of(Objective::<1>::new(suspension, variables, layout)?, count),
-        _ => of(Objective::<2>::new(suspension, variables, layout)?, count),
+        0 => of(Objective::<1>::new(suspension, variables, layout)?),
+        _ => of(Objective::<2>::new(suspension, variables, layout)?),
     })
 }

@@ -127,11 +127,7 @@ pub(super) fn nearest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::test_problems::{Function, freudenstein_roth, written};
-
-    fn vector(entries: &[f64]) -> DVector<f64> {
-        DVector::from_column_slice(entries)
-    }
+    use crate::optimise::test_problems::{Function, freudenstein_roth, vector, written};
 
     fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
         let problem = || written(freudenstein_roth, &[0.5, -2.0]);

@@ -26,6 +26,10 @@ impl Noise {
     }
 }
 
+pub(super) fn vector(entries: &[f64]) -> DVector<f64> {
+    DVector::from_column_slice(entries)
+}
+
 /// Values with their gradients.
 pub(super) type Values = Vec<(f64, Vec<f64>)>;
 

@@ -1,15 +1,11 @@
 //! Claims about whole runs.
 
 use super::test_problems::{
-    Function, Noise, PUBLISHED, Rows, freudenstein_roth, rosenbrock, written,
+    Function, Noise, PUBLISHED, Rows, freudenstein_roth, rosenbrock, vector, written,
 };
 use super::*;
 use nalgebra::{DMatrix, DVector};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-fn vector(entries: &[f64]) -> DVector<f64> {
-    DVector::from_column_slice(entries)
-}
 
 fn run(
     rows: impl Fn(&[f64]) -> Rows,
@@ -19,7 +15,7 @@ fn run(
 ) -> Fit {
     let problem = written(rows, start);
     let bounds = Bounds::new(ranges).unwrap();
-    let start = DVector::from_column_slice(start);
+    let start = vector(start);
     fit(0, problem, &bounds, &start, options, Control::default()).unwrap()
 }
 

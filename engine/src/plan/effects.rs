@@ -4,7 +4,7 @@ use super::Plan;
 use crate::characteristics::{Quantity, Slot};
 use crate::model::{RockerId, Spring, SteeringAxis};
 use crate::solve::has_closed_form;
-use crate::study::{Order, Study};
+use crate::study::{Order, Study, TimeLaw};
 
 /// Something that can be computed with a pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,130 +47,122 @@ mod cost {
     pub(super) const CERTIFICATE: f64 = 1000.0;
 }
 
+impl Effect {
+    /// An effect with what it is, what turned it on and what it costs; off where there is none of it.
+    fn of(name: &'static str, found: Option<(String, String, f64)>) -> Effect {
+        let on = found.is_some();
+        let (what, because, cost) = found.unwrap_or_default();
+        Effect {
+            name,
+            on,
+            what,
+            because,
+            cost,
+        }
+    }
+}
+
+/// What is written at a path of keys, with its line.
+fn written(study: &Study, path: &[&str], text: &str) -> String {
+    match study.line_of(path) {
+        Some(line) => format!("{text} (line {line})"),
+        None => text.to_owned(),
+    }
+}
+
 impl Plan {
     /// Every effect the program knows, in the order in which they build on each other. `study` is the
     /// study the plan was made of.
     pub fn effects(&self, study: &Study) -> Vec<Effect> {
-        let off = |name| Effect {
-            name,
-            on: false,
-            what: String::new(),
-            because: String::new(),
-            cost: 0.0,
-        };
-        let on = |name, what: String, because: String, cost| Effect {
-            name,
-            on: true,
-            what,
-            because,
-            cost,
-        };
-        let written = |path: &[&str], text: &str| match study.line_of(path) {
-            Some(line) => format!("{text} (line {line})"),
-            None => text.to_owned(),
-        };
-        let mut effects = vec![on(
-            "position",
+        let written = |path: &[&str], text: &str| written(study, path, text);
+        let mechanism = &study.suspension.mechanism;
+        let position = (
             format!("{} poses", self.stations()),
             written(&["motion"], "[motion]"),
             1.0,
-        )];
-
-        effects.push(match self.rack_moves {
-            true => on(
-                "rack",
+        );
+        let rack = || {
+            (
                 format!("{} displacements", self.racks.len()),
                 written(&["motion", "rack"], "motion.rack"),
                 self.racks.len() as f64 - 1.0,
-            ),
-            false => off("rack"),
-        });
-        effects.push(match &self.time {
-            Some(law) => on(
-                "time",
+            )
+        };
+        let time = |law: &TimeLaw| {
+            (
                 format!("{} times", law.times.len()),
                 written(&["motion", "time"], "motion.time"),
                 0.0,
-            ),
-            None => off("time"),
-        });
-
-        effects.extend(self.derivatives(study, &written, &on, &off));
+            )
+        };
+        let mut effects = vec![
+            Effect::of("position", Some(position)),
+            Effect::of("rack", self.rack_moves.then(rack)),
+            Effect::of("time", self.time.as_ref().map(time)),
+        ];
+        effects.extend(self.derivatives(study));
+        effects.push(Effect::of("sensitivities", self.gradients(study)));
 
         let reasons = |reads: &dyn Fn(Slot) -> bool| {
             let names = self.outputs.iter().filter_map(|o| {
                 let used = o.quantity.reads().iter().any(|slot| reads(*slot));
                 used.then_some(o.name.as_str())
             });
-            names.collect::<Vec<_>>().join(", ")
+            let names = names.collect::<Vec<_>>().join(", ");
+            let because = written(&["outputs", "characteristics"], &names);
+            (!names.is_empty()).then_some(because)
         };
-        let characteristics = ["outputs", "characteristics"];
-        effects.push(match self.reads_steering_axis() {
-            true => {
-                let axis = study.suspension.mechanism.steering_axis;
-                let (what, cost) = match axis {
-                    Some(SteeringAxis::Instantaneous) => {
-                        ("by a velocity analysis of the rack", cost::SCREW_AXIS)
-                    }
-                    _ => ("through two joints", 0.0),
-                };
-                let names = reasons(&Slot::is_of_steering_axis);
-                on(
-                    "steering axis",
-                    what.to_owned(),
-                    written(&characteristics, &names),
-                    cost,
-                )
-            }
-            false => off("steering axis"),
+        let steering_axis = reasons(&Slot::is_of_steering_axis).map(|because| {
+            let (what, cost) = match mechanism.steering_axis {
+                Some(SteeringAxis::Instantaneous) => {
+                    ("by a velocity analysis of the rack", cost::SCREW_AXIS)
+                }
+                _ => ("through two joints", 0.0),
+            };
+            (what.to_owned(), because, cost)
         });
+        effects.push(Effect::of("steering axis", steering_axis));
         let is_spring = |slot: Slot| {
             matches!(
                 slot,
                 Slot::Spring | Slot::SpringLength | Slot::SpringLengthRate
             )
         };
-        let names = reasons(&is_spring);
-        effects.push(match names.is_empty() {
-            false => on(
-                "spring",
-                "its ends".to_owned(),
-                written(&characteristics, &names),
-                0.0,
-            ),
-            true => off("spring"),
-        });
-        effects.extend(self.rockers(study, &written, &on, &off));
-        effects.push(match self.loads.is_empty() {
-            false => {
-                let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
-                let support = match study.suspension.mechanism.spring {
-                    Some(_) => "the spring",
-                    None => "a vertical force at the wheel centre",
-                };
-                on(
-                    "loads",
-                    format!(
-                        "{}: forces in links and joints, against {support}",
-                        names.join(", ")
-                    ),
-                    written(&["outputs", "loads"], "outputs.loads"),
-                    cost::BALANCE + cost::LOAD * self.loads.len() as f64,
-                )
-            }
-            true => off("loads"),
-        });
-        effects.push(match self.certify {
-            true => on(
-                "certificate",
+        let spring = reasons(&is_spring).map(|because| ("its ends".to_owned(), because, 0.0));
+        effects.push(Effect::of("spring", spring));
+        let rockers = [
+            ("rocker", mechanism.spring_rocker()),
+            ("anti-roll bar", mechanism.anti_roll_bar()),
+        ];
+        let rocker =
+            |(name, id): (_, Option<_>)| Effect::of(name, id.and_then(|id| self.rocker(study, id)));
+        effects.extend(rockers.map(rocker));
+        let loads = || {
+            let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
+            let support = match mechanism.spring {
+                Some(_) => "the spring",
+                None => "a vertical force at the wheel centre",
+            };
+            (
+                format!(
+                    "{}: forces in links and joints, against {support}",
+                    names.join(", ")
+                ),
+                written(&["outputs", "loads"], "outputs.loads"),
+                cost::BALANCE + cost::LOAD * self.loads.len() as f64,
+            )
+        };
+        effects.push(Effect::of("loads", (!self.loads.is_empty()).then(loads)));
+        let certificate = || {
+            (
                 "proof of every pose, and that they are one branch".to_owned(),
                 written(&["outputs", "certify"], "outputs.certify"),
                 cost::CERTIFICATE,
-            ),
-            false => off("certificate"),
-        });
+            )
+        };
+        effects.push(Effect::of("certificate", self.certify.then(certificate)));
         // Costs are in poses of this topology.
-        if !has_closed_form(&study.suspension.mechanism) {
+        if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
             for effect in effects.iter_mut().filter(per_pose) {
                 effect.cost /= cost::ITERATED_POSE;
@@ -179,124 +171,106 @@ impl Plan {
         effects
     }
 
-    /// The rocker of the spring and the anti-roll bar.
-    fn rockers(
-        &self,
-        study: &Study,
-        written: &dyn Fn(&[&str], &str) -> String,
-        on: &dyn Fn(&'static str, String, String, f64) -> Effect,
-        off: &dyn Fn(&'static str) -> Effect,
-    ) -> [Effect; 2] {
+    /// A rocker, that of the spring or the anti-roll bar, where something moves it: what turns it, why, and the cost.
+    fn rocker(&self, study: &Study, id: RockerId) -> Option<(String, String, f64)> {
         let mechanism = &study.suspension.mechanism;
-        let effect = |name: &'static str, id: Option<RockerId>| {
-            let Some(id) = id else {
-                return off(name);
-            };
-            let moves = |direct: &RockerId| {
-                let outer = mechanism.rocker(*direct).outer;
-                *direct == id || mechanism.rockers_moving(outer).any(|r| r == id)
-            };
-            let outputs = self.outputs.iter();
-            let moved = outputs.filter(|o| o.quantity.rockers(mechanism).iter().any(moves));
-            let mut names: Vec<_> = moved
-                .map(|o| match o.quantity {
-                    Quantity::Coordinate(point, _) => mechanism.name(point),
-                    _ => &o.name,
-                })
-                .collect();
-            names.dedup();
-            let holds = |spring: Spring| mechanism.rockers_moving(spring.lower).any(|r| r == id);
-            if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
-                names.push("loads");
-            }
-            if names.is_empty() {
-                return off(name);
-            }
-            let rocker = mechanism.rocker(id);
-            let what = format!(
-                "turned by the {} from the {}",
-                rocker.rod,
-                mechanism.seat(&rocker)
-            );
-            let because = written(&["outputs"], &names.join(", "));
-            on(name, what, because, cost::ROCKER * self.coefficients as f64)
+        let moves = |direct: &RockerId| {
+            let outer = mechanism.rocker(*direct).outer;
+            *direct == id || mechanism.rockers_moving(outer).any(|r| r == id)
         };
-        [
-            effect("rocker", mechanism.spring_rocker()),
-            effect("anti-roll bar", mechanism.anti_roll_bar()),
-        ]
+        let outputs = self.outputs.iter();
+        let moved = outputs.filter(|o| o.quantity.rockers(mechanism).iter().any(moves));
+        let mut names: Vec<_> = moved
+            .map(|o| match o.quantity {
+                Quantity::Coordinate(point, _) => mechanism.name(point),
+                _ => &o.name,
+            })
+            .collect();
+        names.dedup();
+        let holds = |spring: Spring| mechanism.rockers_moving(spring.lower).any(|r| r == id);
+        if !self.loads.is_empty() && mechanism.spring.is_some_and(holds) {
+            names.push("loads");
+        }
+        if names.is_empty() {
+            return None;
+        }
+        let rocker = mechanism.rocker(id);
+        let what = format!(
+            "turned by the {} from the {}",
+            rocker.rod,
+            mechanism.seat(&rocker)
+        );
+        let because = written(study, &["outputs"], &names.join(", "));
+        Some((what, because, cost::ROCKER * self.coefficients as f64))
     }
 
-    fn derivatives(
-        &self,
-        study: &Study,
-        written: &dyn Fn(&[&str], &str) -> String,
-        on: &dyn Fn(&'static str, String, String, f64) -> Effect,
-        off: &dyn Fn(&'static str) -> Effect,
-    ) -> Vec<Effect> {
+    /// The derivatives of a pose by the drive.
+    fn derivatives(&self, study: &Study) -> [Effect; 3] {
         let order = study.outputs.order;
-        let mut effects = Vec::new();
-        for (k, name) in ["rates", "curvature", "third derivatives"]
-            .into_iter()
-            .enumerate()
-        {
+        let names = ["rates", "curvature", "third derivatives"];
+        std::array::from_fn(|k| {
             let derivative = k + 1;
-            if self.coefficients <= derivative {
-                effects.push(off(name));
-                continue;
-            }
-            // What is made of velocities takes one derivative more than the order that is reported.
-            let of_velocities = self
-                .outputs
-                .iter()
-                .filter(|o| o.quantity.rate_order() > 0 && o.highest + 1 >= derivative)
-                .map(|o| o.name.as_str());
-            let because = if order as usize >= derivative {
-                let key = format!("outputs.order = \"{}\"", order.name());
-                written(&["outputs", "order"], &key)
-            } else {
-                let names: Vec<_> = of_velocities.collect();
-                let names = match order {
-                    Order::Position => names.join(", "),
-                    _ => format!("{} with order \"{}\"", names.join(", "), order.name()),
+            let found = (self.coefficients > derivative).then(|| {
+                let because = if order as usize >= derivative {
+                    let key = format!("outputs.order = \"{}\"", order.name());
+                    written(study, &["outputs", "order"], &key)
+                } else {
+                    // What is made of velocities takes one derivative more than the order that is reported.
+                    let of_velocities = self
+                        .outputs
+                        .iter()
+                        .filter(|o| o.quantity.rate_order() > 0 && o.highest + 1 >= derivative)
+                        .map(|o| o.name.as_str());
+                    let names = of_velocities.collect::<Vec<_>>().join(", ");
+                    let names = match order {
+                        Order::Position => names,
+                        _ => format!("{names} with order \"{}\"", order.name()),
+                    };
+                    written(study, &["outputs", "characteristics"], &names)
                 };
-                written(&["outputs", "characteristics"], &names)
-            };
-            let one = format!("right-hand side {derivative} of each pose");
-            effects.push(on(name, one, because, cost::DERIVATIVES[k]));
+                let one = format!("right-hand side {derivative} of each pose");
+                (one, because, cost::DERIVATIVES[k])
+            });
+            Effect::of(names[k], found)
+        })
+    }
+
+    /// The gradients of outputs by hardpoints, where any are asked for.
+    fn gradients(&self, study: &Study) -> Option<(String, String, f64)> {
+        if self.sensitivities.is_empty() {
+            return None;
         }
-        effects.push(match self.sensitivities.is_empty() {
-            true => off("sensitivities"),
-            false => {
-                let mechanism = &study.suspension.mechanism;
-                let points: Vec<_> = self
-                    .sensitivities
-                    .iter()
-                    .map(|id| mechanism.name(*id))
-                    .collect();
-                let outputs: Vec<_> = self.outputs.iter().map(|o| o.name.as_str()).collect();
-                let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
-                let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
-                let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
-                // Newton's method has left them behind.
-                let factors = match has_closed_form(mechanism) {
-                    true => cost::FACTORS,
-                    false => 0.0,
-                };
-                on(
-                    "sensitivities",
-                    format!(
-                        "of {} by {} ({} coordinates)",
-                        outputs.join(", "),
-                        points.join(", "),
-                        3 * points.len()
-                    ),
-                    written(&["outputs", "sensitivities"], "outputs.sensitivities"),
-                    factors + each * (passes * self.coefficients) as f64,
-                )
-            }
-        });
-        effects
+        let mechanism = &study.suspension.mechanism;
+        let points: Vec<_> = self
+            .sensitivities
+            .iter()
+            .map(|id| mechanism.name(*id))
+            .collect();
+        let outputs: Vec<_> = self.outputs.iter().map(|o| o.name.as_str()).collect();
+        let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
+        let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
+        let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
+        // Newton's method has left them behind.
+        let factors = match has_closed_form(mechanism) {
+            true => cost::FACTORS,
+            false => 0.0,
+        };
+        let what = format!(
+            "of {} by {} ({} coordinates)",
+            outputs.join(", "),
+            points.join(", "),
+            3 * points.len()
+        );
+        let because = written(
+            study,
+            &["outputs", "sensitivities"],
+            "outputs.sensitivities",
+        );
+        Some((
+            what,
+            because,
+            factors + each * (passes * self.coefficients) as f64,
+        ))
     }
 
     /// Adjoint passes that the gradients of an output take.

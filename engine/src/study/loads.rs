@@ -3,6 +3,7 @@
 use super::error::Problems;
 use super::file::{self, Coordinates};
 use super::names::choose;
+use super::resolve::each;
 use super::suspension::three;
 use super::{Load, LoadPoint};
 use crate::model::{Axis, Suspension};
@@ -35,16 +36,13 @@ pub(super) fn loads_of_axle(
 ) -> Option<[Vec<Load>; 2]> {
     let loads = all(section, left, problems);
     let written = section.loads.iter().flat_map(|l| l.get_ref());
-    let sides: Vec<_> = written
-        .map(|load| match &load.side {
-            None => Some([true; 2]),
-            Some(side) => {
-                let sides = [("left", [true, false]), ("right", [false, true])];
-                choose(side, "side", &sides, problems)
-            }
-        })
-        .collect();
-    let sides: Option<Vec<_>> = sides.into_iter().collect();
+    let sides = each(written, |load| match &load.side {
+        None => Some([true; 2]),
+        Some(side) => {
+            let sides = [("left", [true, false]), ("right", [false, true])];
+            choose(side, "side", &sides, problems)
+        }
+    });
     let mut on = [Vec::new(), Vec::new()];
     for (load, [left, right]) in loads?.into_iter().zip(sides?) {
         on[1].extend(right.then(|| load.clone().on_other_side()));
@@ -59,10 +57,7 @@ fn all(
     problems: &mut Problems,
 ) -> Option<Vec<Load>> {
     let written = section.loads.as_ref().map_or(&[][..], |l| l.get_ref());
-    let loads: Vec<_> = written
-        .iter()
-        .map(|load| resolved(load, suspension, problems))
-        .collect();
+    let loads = each(written, |load| resolved(load, suspension, problems));
     for (i, load) in written.iter().enumerate() {
         // One name may stand for a load on the left wheel and another on the right one.
         let apart = |other: &file::Load| match (&other.side, &load.side) {
@@ -76,7 +71,7 @@ fn all(
             error.related(first.name.span(), "first here");
         }
     }
-    loads.into_iter().collect()
+    loads
 }
 
 fn resolved(

@@ -4,7 +4,7 @@ use super::Move;
 use super::error::Problems;
 use super::file::Coordinates;
 use super::names::choose;
-use super::outputs::hardpoint;
+use super::outputs::{distinct, hardpoint};
 use super::value::{Number, Text};
 use crate::model::{Axis, PointId, Suspension};
 use std::ops::Range as Span;
@@ -137,18 +137,9 @@ fn points(
         let message = "expected at least one hardpoint, found an empty list";
         return problems.refuse(list.span(), message);
     }
-    let points: Vec<_> = names
-        .iter()
-        .map(|name| hardpoint(name, suspension, problems))
-        .collect();
-    for (i, name) in names.iter().enumerate() {
-        if let Some(first) = names[..i].iter().find(|n| n.get_ref() == name.get_ref()) {
-            let message = format!("{:?} is listed twice", name.get_ref());
-            let error = problems.add(name.span(), message);
-            error.related(first.span(), "first here");
-        }
-    }
-    let points: Vec<PointId> = points.into_iter().collect::<Option<_>>()?;
+    let points = distinct(names, problems, |name, problems| {
+        hardpoint(name, suspension, problems)
+    })?;
     let Some(factors) = written.factors else {
         return Some(points.into_iter().map(|point| (point, 1.0)).collect());
     };

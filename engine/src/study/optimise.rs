@@ -7,7 +7,7 @@ use super::motion::within;
 use super::moves;
 use super::names::choose;
 use super::outputs::hardpoint;
-use super::resolve::Context;
+use super::resolve::{Context, each};
 use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
@@ -309,11 +309,7 @@ fn rigid(
         }
     }
     let names = points.get_ref();
-    let ids: Vec<Option<_>> = names
-        .iter()
-        .map(|name| hardpoint(name, suspension, problems))
-        .collect();
-    let Some(ids) = ids.into_iter().collect::<Option<Vec<_>>>() else {
+    let Some(ids) = each(names, |name| hardpoint(name, suspension, problems)) else {
         return vec![None];
     };
     for (i, name) in names.iter().enumerate() {

@@ -5,6 +5,8 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
 use super::names::choose;
+use super::resolve::each;
+use super::subject::point;
 use super::value::{Selection, Text};
 use super::{Order, Outputs};
 use crate::characteristics::{Characteristic, Need};
@@ -57,10 +59,8 @@ pub(super) fn points(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Vec<PointId>> {
-    let points = suspension.mechanism.points.iter().enumerate();
-    let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
     distinct(&section.points, problems, |text, problems| {
-        choose(text, "point", &points, problems)
+        point(text, suspension, problems)
     })
 }
 
@@ -113,7 +113,7 @@ pub(super) fn distinct<T>(
     problems: &mut Problems,
     mut resolve: impl FnMut(&Text, &mut Problems) -> Option<T>,
 ) -> Option<Vec<T>> {
-    let resolved: Vec<_> = names.iter().map(|text| resolve(text, problems)).collect();
+    let resolved = each(names, |text| resolve(text, problems));
     for (i, text) in names.iter().enumerate() {
         if let Some(first) = names[..i].iter().find(|other| *other == text) {
             let message = format!("{:?} is listed twice", text.get_ref());
@@ -121,7 +121,7 @@ pub(super) fn distinct<T>(
             error.related(first.span(), "first here");
         }
     }
-    resolved.into_iter().collect()
+    resolved
 }
 
 /// The hardpoints of the study, extra points left out.
@@ -191,17 +191,14 @@ pub(super) fn characteristic(
         | Need::RearBrakingOrFrontDrive
         | Need::SteeringAxis => None,
     };
-    let missing = |need: &Need| match need.met_by(suspension) {
-        true => None,
-        false => key(need),
-    };
     let needs = characteristic.info().needs;
     let forces = needs.iter().find(|need| {
         use Need::{FrontBraking, RearBrakingOrFrontDrive, RearDrive};
         matches!(need, FrontBraking | RearDrive | RearBrakingOrFrontDrive)
     });
-    let missing = needs.iter().filter_map(missing);
+    let missing = needs.iter().filter(|need| !need.met_by(suspension));
     let missing: Vec<&str> = missing
+        .filter_map(key)
         .chain(
             forces
                 .into_iter()

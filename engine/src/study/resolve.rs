@@ -27,6 +27,15 @@ pub(super) struct Context<'a> {
     pub directory: &'a Path,
 }
 
+/// What is read of each. All of them are read, so that all that is wrong is said.
+pub(super) fn each<W, T>(
+    written: impl IntoIterator<Item = W>,
+    read: impl FnMut(W) -> Option<T>,
+) -> Option<Vec<T>> {
+    let read: Vec<_> = written.into_iter().map(read).collect();
+    read.into_iter().collect()
+}
+
 impl Study {
     /// Reads a study file, or standard input for `-`. `overrides` are edits `path=value` (as in `optimise.starts=4`), applied to
     /// the text before it is read.
@@ -173,44 +182,35 @@ fn resolve(
             optimise::scatter(section, tolerance, adjusted, &context, &mut problems)
         }
     };
-    let optimise = optimise.zip(scatter).map(|((optimise, curves), scatter)| {
-        let robust = optimise.map(|optimise| Optimise {
-            scatter,
-            ..optimise
-        });
-        (robust, curves)
-    });
-    let resolved = motion
-        .zip(formulation)
-        .zip(outputs)
-        .zip(optimise)
-        .zip(sweep)
-        .zip(setup.zip(tolerance).zip(axle));
-    let (
-        ((((motion, formulation), outputs), (optimise, curves)), sweep),
-        ((setup, tolerance), axle),
-    ) = problems.finish(resolved)?;
-    Ok(Study {
-        name: path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
-        text: edit::with_curves_inside(&source.text, &curves),
-        inputs: named_files(&file)
-            .map(|name| directory.join(name))
-            .collect(),
-        suspension,
-        motion,
-        motions,
-        formulation,
-        outputs,
-        optimise,
-        sweep,
-        setup,
-        tolerance,
-        axle,
-    })
+    let study = || {
+        let (optimise, curves) = optimise?;
+        let scatter = scatter?;
+        Some(Study {
+            name: path
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            text: edit::with_curves_inside(&source.text, &curves),
+            inputs: named_files(&file)
+                .map(|name| directory.join(name))
+                .collect(),
+            suspension,
+            motion: motion?,
+            motions,
+            formulation: formulation?,
+            outputs: outputs?,
+            optimise: optimise.map(|optimise| Optimise {
+                scatter,
+                ..optimise
+            }),
+            sweep: sweep?,
+            setup: setup?,
+            tolerance: tolerance?,
+            axle: axle?,
+        })
+    };
+    problems.finish(study())
 }
 
 /// The files a study names.

@@ -5,7 +5,7 @@ use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
 use super::moves;
 use super::names::choose;
-use super::resolve::Context;
+use super::resolve::{Context, each};
 use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
@@ -170,11 +170,7 @@ fn sampled(
         let message = "expected at least one variable, found an empty list";
         return problems.refuse(variables.span(), message);
     }
-    let resolved: Vec<_> = listed
-        .iter()
-        .map(|v| variable(v, suspension, problems))
-        .collect();
-    let resolved: Vec<SweepVariable> = resolved.into_iter().collect::<Option<_>>()?;
+    let resolved = each(listed, |v| variable(v, suspension, problems))?;
     distinct(listed, &resolved, suspension, problems);
     let method = method?;
     if method == Sampling::Saltelli && resolved.len() > MOST_EXCHANGED {

@@ -5,7 +5,7 @@ use super::curve_file::{self, Wished};
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
-use super::resolve::Context;
+use super::resolve::{Context, each};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number};
@@ -33,11 +33,7 @@ pub(super) fn targets(
         );
     }
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
-    let resolved: Vec<_> = written
-        .iter()
-        .map(|t| target(t, is_fit, context, problems))
-        .collect();
-    resolved.into_iter().collect()
+    each(written, |t| target(t, is_fit, context, problems))
 }
 
 fn target(

@@ -6,7 +6,7 @@ use super::file;
 use super::members::{axis, member};
 use super::names::choose;
 use super::outputs::{characteristic, hardpoint};
-use super::resolve::Context;
+use super::resolve::{Context, each};
 use super::suspension::above_zero;
 use super::targets::ends;
 use super::value::{Number, Text};
@@ -48,28 +48,24 @@ pub(super) fn tolerance(
         let message = "expected at least one scatter, found an empty list";
         return problems.refuse(section.scatter.span(), message);
     }
-    let scatter: Vec<_> = written
-        .iter()
-        .map(|s| match context.axle {
-            None => {
-                if let Some(side) = &s.get_ref().side {
-                    let message = "side is of an axle, and this study is of one wheel";
-                    problems.add(side.span(), message);
-                }
-                contributors(s, context, problems)
+    let scatter = each(written, |s| match context.axle {
+        None => {
+            if let Some(side) = &s.get_ref().side {
+                let message = "side is of an axle, and this study is of one wheel";
+                problems.add(side.span(), message);
             }
-            Some(axle) => contributors_of_axle(s, axle, context, problems),
-        })
-        .collect();
+            contributors(s, context, problems)
+        }
+        Some(axle) => contributors_of_axle(s, axle, context, problems),
+    });
     let bands = section.bands.iter().flatten();
-    let bands: Vec<_> = bands.map(|b| band(b, context, problems)).collect();
-    let scatter: Option<Vec<_>> = scatter.into_iter().collect();
+    let bands = each(bands, |b| band(b, context, problems));
     Some(Tolerance {
         builds: u64::try_from(builds?).ok()?,
         seed: u32::try_from(seed?).ok()?,
         aligned,
         scatter: scatter?.into_iter().flatten().collect(),
-        bands: bands.into_iter().collect::<Option<_>>()?,
+        bands: bands?,
     })
 }
 
@@ -207,33 +203,27 @@ fn contributors(
         None => Some(Axis::ALL.to_vec()),
         Some(text) => axis(text, problems).map(|axis| vec![axis]),
     };
-    let points: Vec<_> = names
-        .iter()
-        .map(|name| Some((*name, hardpoint(name, suspension, problems)?)))
-        .collect();
+    let points = each(&names, |name| hardpoint(name, suspension, problems));
     let (law, along) = (law?, along?);
-    points
-        .into_iter()
-        .map(|point| {
-            let (name, id) = point?;
-            let source = |axis: &Axis| Source {
-                name: format!("{} {}", name.get_ref(), axis.name()),
-                changes: vec![(
-                    BuildParameter::Coordinate(id, *axis),
-                    suspension.frame.sign(*axis),
-                )],
-                law,
-                side: None,
-            };
-            Some(Contributor {
-                name: match along.as_slice() {
-                    [only] => format!("{} {}", name.get_ref(), only.name()),
-                    _ => name.get_ref().clone(),
-                },
-                sources: along.iter().map(source).collect(),
-            })
-        })
-        .collect()
+    let contributor = |(name, id): (&Text, PointId)| {
+        let source = |axis: &Axis| Source {
+            name: format!("{} {}", name.get_ref(), axis.name()),
+            changes: vec![(
+                BuildParameter::Coordinate(id, *axis),
+                suspension.frame.sign(*axis),
+            )],
+            law,
+            side: None,
+        };
+        Contributor {
+            name: match along.as_slice() {
+                [only] => format!("{} {}", name.get_ref(), only.name()),
+                _ => name.get_ref().clone(),
+            },
+            sources: along.iter().map(source).collect(),
+        }
+    };
+    Some(names.into_iter().zip(points?).map(contributor).collect())
 }
 
 /// The law of a scatter: normal by `sigma`, uniform by `limits`.

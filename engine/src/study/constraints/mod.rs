@@ -6,13 +6,13 @@ mod regions;
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
 use super::outputs::characteristic;
-use super::resolve::Context;
+use super::resolve::{Context, each};
 use super::subject::{force, length, member, point, site};
 use super::suspension::three;
 use super::value::{Number, Text};
 use super::{Constraint, Limited};
 use crate::characteristics::{Measure, Quantity, Unit};
-use crate::model::{PointId, Suspension};
+use crate::model::Suspension;
 use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -23,19 +23,14 @@ pub(super) fn constraints(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<Constraint>> {
-    let resolved: Vec<_> = section
-        .constraints
-        .iter()
-        .map(|written| {
-            let reader = Reader {
-                written: written.get_ref(),
-                place: written.span(),
-                context,
-            };
-            reader.constraint(problems)
-        })
-        .collect();
-    resolved.into_iter().collect()
+    each(&section.constraints, |written| {
+        let reader = Reader {
+            written: written.get_ref(),
+            place: written.span(),
+            context,
+        };
+        reader.constraint(problems)
+    })
 }
 
 /// One constraint as written.
@@ -351,11 +346,7 @@ impl Reader<'_> {
             );
             return problems.refuse(names.span(), message);
         }
-        let ids: Vec<Option<PointId>> = list
-            .iter()
-            .map(|name| point(name, self.suspension(), problems))
-            .collect();
-        let ids: Vec<PointId> = ids.into_iter().collect::<Option<_>>()?;
+        let ids = each(list, |name| point(name, self.suspension(), problems))?;
         let zero = Some(0.0);
         let mut parts = Vec::new();
         if what == "plane" {

@@ -4,6 +4,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -240,76 +241,59 @@ impl<'de> Visitor<'de> for MemberNameVisitor {
     }
 }
 
-/// One number, or a list of them.
+/// One number, or a list.
 #[derive(Clone, Debug)]
-pub enum Numbers {
-    /// One.
+pub enum OneOr<T> {
+    /// One number.
     One(f64),
-    /// Several.
-    Many(Vec<Number>),
+    /// A list.
+    Many(Vec<T>),
 }
 
-impl<'de> Deserialize<'de> for Numbers {
+/// One number, or a list of them.
+pub type Numbers = OneOr<Number>;
+
+/// A limit: one number, the same everywhere, or a curve of pairs, drive value and limit.
+pub type LimitText = OneOr<Spanned<Vec<Number>>>;
+
+/// What may stand in a list in place of one number.
+pub trait Listed {
+    /// What is expected where either may stand.
+    const EXPECTED: &str;
+}
+
+impl Listed for Number {
+    const EXPECTED: &str = "a number or a list of numbers";
+}
+
+impl Listed for Spanned<Vec<Number>> {
+    const EXPECTED: &str = "a number or a curve [[drive value, limit], ...]";
+}
+
+impl<'de, T: Deserialize<'de> + Listed> Deserialize<'de> for OneOr<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NumbersVisitor)
+        deserializer.deserialize_any(OneOrVisitor(PhantomData))
     }
 }
 
-struct NumbersVisitor;
+struct OneOrVisitor<T>(PhantomData<T>);
 
-impl<'de> Visitor<'de> for NumbersVisitor {
-    type Value = Numbers;
+impl<'de, T: Deserialize<'de> + Listed> Visitor<'de> for OneOrVisitor<T> {
+    type Value = OneOr<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number or a list of numbers")
+        f.write_str(T::EXPECTED)
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Numbers, E> {
-        FiniteVisitor.visit_f64(value).map(Numbers::One)
+    fn visit_f64<E: Error>(self, value: f64) -> Result<OneOr<T>, E> {
+        FiniteVisitor.visit_f64(value).map(OneOr::One)
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Numbers, E> {
+    fn visit_i64<E: Error>(self, value: i64) -> Result<OneOr<T>, E> {
         self.visit_f64(value as f64)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Numbers, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Numbers::Many)
-    }
-}
-
-/// A limit: one number, or a curve of pairs.
-#[derive(Clone, Debug)]
-pub enum LimitText {
-    /// The same everywhere.
-    Value(f64),
-    /// Pairs of drive value and limit.
-    Curve(Vec<Spanned<Vec<Number>>>),
-}
-
-impl<'de> Deserialize<'de> for LimitText {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(LimitVisitor)
-    }
-}
-
-struct LimitVisitor;
-
-impl<'de> Visitor<'de> for LimitVisitor {
-    type Value = LimitText;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number or a curve [[drive value, limit], ...]")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<LimitText, E> {
-        FiniteVisitor.visit_f64(value).map(LimitText::Value)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<LimitText, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<LimitText, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(LimitText::Curve)
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOr<T>, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(OneOr::Many)
     }
 }

@@ -97,7 +97,7 @@ fn target(
             place.curve(&curve, points.span(), is_fit, problems)
         }
         (None, Some(path), None, None, false) => {
-            let drive = place.drive_column(context);
+            let drive = place.motion.drive.column(context.suspension.length_unit);
             let wished = Wished {
                 drive: &drive,
                 value: written.column.as_ref().map_or(&*of.column, |c| c.get_ref()),
@@ -110,7 +110,12 @@ fn target(
             from_file = Some(curve);
             wanted
         }
-        (None, None, Some(at), Some(value), false) => place.value(at, value, problems),
+        (None, None, Some(at), Some(value), false) => {
+            place.single(at, problems).map(|drive| Wanted::At {
+                drive,
+                value: of.from_printed(value.value),
+            })
+        }
         (None, None, at, None, true) => place.band(written, at.as_ref(), problems),
         (None, None, Some(at), None, false) => {
             problems.refuse(at.span.clone(), "at needs value: what is wanted there")
@@ -299,13 +304,6 @@ impl Place<'_> {
         })
     }
 
-    fn value(&self, at: &Number, value: &Number, problems: &mut Problems) -> Option<Wanted> {
-        Some(Wanted::At {
-            drive: self.single(at, problems)?,
-            value: self.of.from_printed(value.value),
-        })
-    }
-
     /// A single drive value, which must be within the motion.
     fn single(&self, at: &Number, problems: &mut Problems) -> Option<f64> {
         let drive = self.drive_value(at.value);
@@ -350,10 +348,10 @@ impl Place<'_> {
         };
         let mut limit = |given: Option<(&LimitText, Span<usize>)>| match given {
             None => Some(None),
-            Some((LimitText::Value(value), _)) => {
+            Some((LimitText::One(value), _)) => {
                 Some(Some(Limit::Value(self.of.from_printed(*value))))
             }
-            Some((LimitText::Curve(points), place)) => {
+            Some((LimitText::Many(points), place)) => {
                 let curve = curve(points, place, false, problems)?;
                 let points = curve.iter();
                 let points = points.map(|[d, v]| [self.drive_value(*d), self.of.from_printed(*v)]);
@@ -400,11 +398,6 @@ impl Place<'_> {
             false => written,
             true => written.to_radians(),
         }
-    }
-
-    /// The name of the drive's column in files.
-    fn drive_column(&self, context: &Context) -> String {
-        self.motion.drive.column(context.suspension.length_unit)
     }
 }
 

@@ -61,6 +61,20 @@ pub fn choose<T: Clone>(
     None
 }
 
+/// The option of this name, or the default where none is given; `None` if it is unknown.
+pub fn choose_or<T: Clone>(
+    text: &Option<Text>,
+    default: T,
+    what: &str,
+    options: &[(&str, T)],
+    problems: &mut Problems,
+) -> Option<T> {
+    match text {
+        Some(text) => choose(text, what, options, problems),
+        None => Some(default),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

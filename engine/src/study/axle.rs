@@ -383,19 +383,17 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
     };
     let refuse = |problems: &mut Problems, given: &Option<Spanned<Values>>, message: &str| {
         let place = given.as_ref().map_or(place.clone(), Spanned::span);
-        problems.add(place, message.to_owned());
+        problems.refuse(place, message)
     };
     let wheels = match (heave, roll, left, right) {
         (_, Some(_), l, r) if l.is_some() || r.is_some() => {
             let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
-            refuse(problems, &section.roll, message);
-            return None;
+            return refuse(problems, &section.roll, message);
         }
         (Some(_), _, l, r) if l.is_some() || r.is_some() => {
             let message =
                 "heave moves both wheels; expected heave, or travel_left and travel_right";
-            refuse(problems, &section.heave, message);
-            return None;
+            return refuse(problems, &section.heave, message);
         }
         (heave, Some(roll), ..) => {
             if let Some((false, span)) = on_plane {
@@ -430,8 +428,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
         (Some(_), Some(_)) => {
             let message =
                 "rack already says where the rack is; expected rack or steering_wheel_angle";
-            refuse(problems, &section.steering_wheel_angle, message);
-            return None;
+            return refuse(problems, &section.steering_wheel_angle, message);
         }
         (racks, None) => {
             let racks = racks.unwrap_or_else(|| vec![0.0]);
@@ -440,8 +437,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
         (None, Some(angles)) => {
             if axle.setup.c_factor.is_none() {
                 let message = "steering_wheel_angle needs c_factor in [steering]";
-                refuse(problems, &section.steering_wheel_angle, message);
-                return None;
+                return refuse(problems, &section.steering_wheel_angle, message);
             }
             let racks = in_course(Coordinate::SteeringWheel, &angles);
             let angles = angles.into_iter().map(f64::to_radians).collect();

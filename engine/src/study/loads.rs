@@ -2,7 +2,7 @@
 
 use super::error::Problems;
 use super::file::{self, Coordinates};
-use super::names::choose;
+use super::names::{choose, choose_or};
 use super::resolve::each;
 use super::suspension::three;
 use super::{Load, LoadPoint};
@@ -36,12 +36,9 @@ pub(super) fn loads_of_axle(
 ) -> Option<[Vec<Load>; 2]> {
     let loads = all(section, left, problems);
     let written = section.loads.iter().flat_map(|l| l.get_ref());
-    let sides = each(written, |load| match &load.side {
-        None => Some([true; 2]),
-        Some(side) => {
-            let sides = [("left", [true, false]), ("right", [false, true])];
-            choose(side, "side", &sides, problems)
-        }
+    let names = [("left", [true, false]), ("right", [false, true])];
+    let sides = each(written, |load| {
+        choose_or(&load.side, [true; 2], "side", &names, problems)
     });
     let mut on = [Vec::new(), Vec::new()];
     for (load, [left, right]) in loads?.into_iter().zip(sides?) {

@@ -414,9 +414,7 @@ impl Variable {
             .flat_map(|turn| turn.points.iter().copied());
         self.moves.iter().map(|m| m.point).chain(turned)
     }
-}
 
-impl Variable {
     /// Every coordinate of every point of a suspension, point by point, each over this range.
     pub fn every_coordinate(suspension: &Suspension, range: [f64; 2]) -> Vec<Variable> {
         let mechanism = &suspension.mechanism;

@@ -2,7 +2,7 @@
 
 use super::error::Problems;
 use super::file;
-use super::names::choose;
+use super::names::choose_or;
 use super::value::{Number, Values, Whole};
 use super::{Drive, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
@@ -91,10 +91,13 @@ impl Motion {
 pub(super) fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
     let place = section.span();
     let section = section.get_ref();
-    let drive = match &section.drive {
-        None => Some(Drive::Travel),
-        Some(text) => choose(text, "drive", &Drive::ALL, problems),
-    };
+    let drive = choose_or(
+        &section.drive,
+        Drive::Travel,
+        "drive",
+        &Drive::ALL,
+        problems,
+    );
     let rack = match &section.rack {
         None => Some(vec![0.0]),
         Some(rack) => values(rack, problems),
@@ -140,15 +143,8 @@ fn drive_values(
         }
     }
     let (name, given) = (drive.key(), values_of(drive));
-    let degrees = match &section.angle_unit {
-        None => true,
-        Some(text) => choose(
-            text,
-            "angle unit",
-            &[("deg", true), ("rad", false)],
-            problems,
-        )?,
-    };
+    let units = [("deg", true), ("rad", false)];
+    let degrees = choose_or(&section.angle_unit, true, "angle unit", &units, problems)?;
     let resolved = |written: f64| match drive {
         Drive::ArmAngle | Drive::PaperTheta if degrees => written.to_radians(),
         _ => written,

@@ -4,7 +4,7 @@ use super::axle_forces;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
-use super::names::choose;
+use super::names::{choose, choose_or};
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
@@ -101,10 +101,7 @@ pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<
         ("velocity", Order::Velocity),
         ("acceleration", Order::Acceleration),
     ];
-    match &section.order {
-        None => Some(Order::Position),
-        Some(text) => choose(text, "order", &orders, problems),
-    }
+    choose_or(&section.order, Order::Position, "order", &orders, problems)
 }
 
 /// What each name stands for; each may stand there once.

@@ -3,7 +3,7 @@
 use super::error::Problems;
 use super::file::{self, Coordinates, File};
 use super::geometry;
-use super::names::{choose, nearest};
+use super::names::{choose, choose_or, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
@@ -19,13 +19,13 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     let topologies: Vec<_> = Topology::ALL.iter().map(|t| (t.name, *t)).collect();
     let topology = choose(&section.topology, "topology", &topologies, problems);
     let frame = frame(section, problems);
-    let length_unit = match &section.length_unit {
-        None => Some(LengthUnit::Millimetre),
-        Some(text) => {
-            let units = LengthUnit::ALL.map(|u| (u.symbol(), u));
-            choose(text, "length unit", &units, problems)
-        }
-    };
+    let length_unit = choose_or(
+        &section.length_unit,
+        LengthUnit::Millimetre,
+        "length unit",
+        &LengthUnit::ALL.map(|u| (u.symbol(), u)),
+        problems,
+    );
     let vehicle = vehicle(&file.vehicle, problems);
     let wheel_radius = positive(&file.wheel.radius, problems);
     let given = hardpoints(section, topology?, problems)?;
@@ -71,14 +71,9 @@ struct Given<'a> {
 fn frame(section: &file::Suspension, problems: &mut Problems) -> Option<Frame> {
     let sides = Side::ALL.map(|side| (side.name(), side));
     let conventions = FrameConvention::ALL.map(|convention| (convention.name(), convention));
-    let side = match &section.side {
-        None => Some(Side::Left),
-        Some(text) => choose(text, "side", &sides, problems),
-    };
-    let convention = match &section.frame {
-        None => Some(FrameConvention::Iso8855),
-        Some(text) => choose(text, "frame", &conventions, problems),
-    };
+    let side = choose_or(&section.side, Side::Left, "side", &sides, problems);
+    let iso = FrameConvention::Iso8855;
+    let convention = choose_or(&section.frame, iso, "frame", &conventions, problems);
     Some(Frame::new(convention?, side?))
 }
 
@@ -315,21 +310,24 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
     };
     let brake_share = share(&section.brake_share_front);
     let drive_share = share(&section.drive_share_front);
-    let positions = [("front", AxlePosition::Front), ("rear", AxlePosition::Rear)];
-    let brakes = [
-        ("outboard", TorquePath::Carrier),
-        ("inboard", TorquePath::Shafts),
+    let positions = [
+        ("front", Some(AxlePosition::Front)),
+        ("rear", Some(AxlePosition::Rear)),
     ];
-    let drives = [
-        ("shafts", TorquePath::Shafts),
-        ("carrier", TorquePath::Carrier),
-    ];
-    let position = optional(&section.position, "position", &positions, problems);
-    let brakes = optional(&section.brakes, "place of the brakes", &brakes, problems);
-    let drive_torque = optional(
+    let (carrier, shafts) = (Some(TorquePath::Carrier), Some(TorquePath::Shafts));
+    let position = choose_or(&section.position, None, "position", &positions, problems);
+    let brakes = choose_or(
+        &section.brakes,
+        None,
+        "place of the brakes",
+        &[("outboard", carrier), ("inboard", shafts)],
+        problems,
+    );
+    let drive_torque = choose_or(
         &section.drive_torque,
+        None,
         "path of the torque",
-        &drives,
+        &[("shafts", shafts), ("carrier", carrier)],
         problems,
     );
     Some(Vehicle {
@@ -342,19 +340,6 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
         brakes: brakes?,
         drive_torque: drive_torque?,
     })
-}
-
-/// The option of this name, if one is given; `None` if it is unknown.
-fn optional<T: Clone>(
-    text: &Option<Text>,
-    what: &str,
-    options: &[(&str, T)],
-    problems: &mut Problems,
-) -> Option<Option<T>> {
-    match text {
-        Some(text) => choose(text, what, options, problems).map(Some),
-        None => Some(None),
-    }
 }
 
 /// The number, if it is given; `None` if it is wrong.

@@ -4,7 +4,7 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
 use super::moves;
-use super::names::choose;
+use super::names::{choose, choose_or};
 use super::resolve::{Context, each};
 use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
@@ -157,10 +157,8 @@ fn sampled(
     problems: &mut Problems,
 ) -> Option<Sampled> {
     let written = section.get_ref();
-    let method = match &written.method {
-        None => Some(Sampling::Grid),
-        Some(method) => choose(method, "method", &Sampling::ALL, problems),
-    };
+    let grid = Sampling::Grid;
+    let method = choose_or(&written.method, grid, "method", &Sampling::ALL, problems);
     let seed = match &written.seed {
         None => Some(1),
         Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),

@@ -118,18 +118,22 @@ impl<'a> Source<'a> {
     }
 
     fn keys(&self, keys: &[&'static str]) -> Keys<'a> {
-        let key_path = |key: &str| match self.path.as_str() {
-            "" => key.to_owned(),
-            path => format!("{path}.{key}"),
-        };
         let withheld = self.notes.borrow().withheld.clone();
-        let given = keys.iter().map(|key| (*key, key_path(key)));
+        let given = keys.iter().map(|key| (*key, key_path(&self.path, key)));
         let given = given.filter(|(_, path)| withheld.as_ref() != Some(path));
         Keys {
             notes: self.notes,
             left: given.collect(),
             value: String::new(),
         }
+    }
+}
+
+/// The place of a key in the table at a place.
+fn key_path(table: &str, key: &str) -> String {
+    match table {
+        "" => key.to_owned(),
+        _ => format!("{table}.{key}"),
     }
 }
 
@@ -242,25 +246,6 @@ impl<'de> SeqAccess<'de> for One<'_> {
     }
 }
 
-/// A table with one name as its key.
-struct OneName<'a>(Option<Source<'a>>);
-
-impl<'de> MapAccess<'de> for OneName<'_> {
-    type Error = Refusal;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Refusal> {
-        let is_left = self.0.is_some();
-        is_left.then(|| seed.deserialize(Key("name"))).transpose()
-    }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
-        seed.deserialize(self.0.take().expect("a value follows its key"))
-    }
-}
-
 impl<'de> Deserializer<'de> for Source<'_> {
     type Error = Refusal;
 
@@ -325,8 +310,12 @@ impl<'de> Deserializer<'de> for Source<'_> {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
         self.note(Kind::Names);
-        let value = self.at(format!("{}{{}}", self.path));
-        visitor.visit_map(OneName(Some(value)))
+        // A table with one name as its key.
+        visitor.visit_map(Keys {
+            notes: self.notes,
+            left: [("name", format!("{}{{}}", self.path))].into(),
+            value: String::new(),
+        })
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
@@ -435,11 +424,7 @@ fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
             notes.borrow_mut().offers.insert(path.clone(), Kind::Table);
         }
         for key in &place.keys {
-            let key = if path.is_empty() {
-                (*key).to_owned()
-            } else {
-                format!("{path}.{key}")
-            };
+            let key = key_path(path, key);
             notes.borrow_mut().withheld = Some(key.clone());
             if !read() {
                 needed.insert(key);
@@ -537,11 +522,10 @@ impl Book {
     }
 
     fn table(&self, path: &str, place: &Place) -> Value {
-        let dot = if path.is_empty() { "" } else { "." };
         let section = path.replace("[]", "").replace("{}", ".NAME");
         let mut properties = Map::new();
         for key in &place.keys {
-            let mut value = self.of(&format!("{path}{dot}{key}"));
+            let mut value = self.of(&key_path(path, key));
             let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
             // The manual explains ranges once.
             let said = said(&section).or_else(|| said("motion.travel"));
@@ -550,7 +534,7 @@ impl Book {
             }
             properties.insert((*key).to_owned(), value);
         }
-        let is_needed = |key: &&&str| self.needed.contains(&format!("{path}{dot}{key}"));
+        let is_needed = |key: &&&str| self.needed.contains(&key_path(path, key));
         let needed: Vec<_> = place.keys.iter().filter(is_needed).collect();
         let mut table = json!({
             "type": "object",

@@ -25,39 +25,31 @@ pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     if is_device(kind) {
         return Err("it is a device; expected a file".to_owned());
     }
-    let mut bytes = Vec::new();
     let file = File::open(path).map_err(failed)?;
-    file.take(longest + 1)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
-    if bytes.len() as u64 > longest {
-        return Err(too_long(longest));
-    }
-    as_text(bytes)
+    text_of(file, longest, failed)
 }
 
 /// What comes from standard input, up to so many bytes.
 pub fn read_input(longest: u64) -> Result<String, String> {
+    text_of(std::io::stdin().lock(), longest, |error| error.to_string())
+}
+
+/// All that comes, up to so many bytes, as a text.
+fn text_of(
+    from: impl Read,
+    longest: u64,
+    failed: impl Fn(std::io::Error) -> String,
+) -> Result<String, String> {
     let mut bytes = Vec::new();
-    let read = std::io::stdin()
-        .lock()
-        .take(longest + 1)
-        .read_to_end(&mut bytes);
-    read.map_err(|error| error.to_string())?;
+    from.take(longest + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     if bytes.len() as u64 > longest {
-        return Err(too_long(longest));
+        return Err(format!(
+            "it is longer than {} MB, the most that is read of such a file",
+            longest >> 20
+        ));
     }
-    as_text(bytes)
-}
-
-fn too_long(longest: u64) -> String {
-    format!(
-        "it is longer than {} MB, the most that is read of such a file",
-        longest >> 20
-    )
-}
-
-fn as_text(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid]

@@ -1,6 +1,7 @@
 //! What targets and constraints name: characteristics, coordinates of points, lengths, members, motions.
 
 use super::error::Problems;
+use super::members::axis;
 use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::Context;
@@ -9,7 +10,7 @@ use super::{About, Site, Subject, file};
 use crate::analyse::{Support, members as carriers};
 use crate::axle::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
-use crate::model::{Axis, Constraint, PointId, Suspension};
+use crate::model::{Constraint, PointId, Suspension};
 use toml::Spanned;
 
 /// A point of the study, hardpoint or extra point.
@@ -145,60 +146,51 @@ pub(super) fn subject(
         &written.length,
         &written.load,
     );
-    match given {
+    let length_unit = Unit::Corner(crate::characteristics::Unit::Length);
+    let (about, column, kind, sign) = match given {
         (Some(name), None, None, None) => {
             let found = characteristic(name, suspension, problems)?;
-            Some(Subject::characteristic(found, unit))
+            return Some(Subject::characteristic(found, unit));
         }
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
-            let Some(axis) = &written.axis else {
-                return problems.refuse(
-                    name.span(),
-                    "point needs axis: the coordinate that is wanted",
-                );
+            let Some(along) = &written.axis else {
+                let message = "point needs axis: the coordinate that is wanted";
+                return problems.refuse(name.span(), message);
             };
-            let axes = Axis::ALL.map(|axis| (axis.name(), axis));
-            let axis = choose(axis, "axis", &axes, problems)?;
-            Some(Subject {
-                about: About::Wheel(Measure::Quantity(Quantity::Coordinate(id?, axis))),
-                column: format!("{}_{}_{}", name.get_ref(), axis.name(), unit.symbol()),
-                unit: Unit::Corner(crate::characteristics::Unit::Length),
-                length: unit,
-                sign: suspension.frame.sign(axis),
-            })
+            let axis = axis(along, problems)?;
+            let about = Measure::Quantity(Quantity::Coordinate(id?, axis));
+            let column = format!("{}_{}_{}", name.get_ref(), axis.name(), unit.symbol());
+            (about, column, length_unit, suspension.frame.sign(axis))
         }
         (None, None, Some(written), None) => {
             let (name, ends) = length(written, suspension, problems)?;
-            Some(Subject {
-                about: About::Wheel(Measure::Length(ends)),
-                column: format!("{name}_length_{}", unit.symbol()),
-                unit: Unit::Corner(crate::characteristics::Unit::Length),
-                length: unit,
-                sign: 1.0,
-            })
+            let column = format!("{name}_length_{}", unit.symbol());
+            (Measure::Length(ends), column, length_unit, 1.0)
         }
         (None, None, None, Some(name)) => {
             let (force, sign) = force(name, context, problems)?;
-            Some(Subject {
-                about: About::Wheel(Measure::Carried(force)),
-                column: format!("{}_{}", name.get_ref(), Unit::Force.suffix(unit)),
-                unit: Unit::Force,
-                length: unit,
-                sign,
-            })
+            let column = format!("{}_{}", name.get_ref(), Unit::Force.suffix(unit));
+            (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
             let message =
                 "expected what it is about: characteristic, point with axis, length, or load";
-            problems.refuse(place, message)
+            return problems.refuse(place, message);
         }
         _ => {
             let message =
                 "expected one of characteristic, point, length and load, found more than one";
-            problems.refuse(place, message)
+            return problems.refuse(place, message);
         }
-    }
+    };
+    Some(Subject {
+        about: About::Wheel(about),
+        column,
+        unit: kind,
+        length: unit,
+        sign,
+    })
 }
 
 /// In which motion, and where the rack is.

@@ -3,8 +3,9 @@
 use super::Move;
 use super::error::Problems;
 use super::file::Coordinates;
-use super::names::choose;
+use super::members;
 use super::outputs::{distinct, hardpoint};
+use super::resolve::some;
 use super::value::{Number, Text};
 use crate::model::{Axis, PointId, Suspension};
 use std::ops::Range as Span;
@@ -47,9 +48,8 @@ pub(super) fn moves(
 
 /// How far it moves along each axis per unit of the variable: along one of them alone, or as a unit vector does.
 fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f64)>> {
-    let axes = Axis::ALL.map(|axis| (axis.name(), axis));
     match (written.axis, written.direction) {
-        (Some(axis), None) => Some(vec![(choose(axis, "axis", &axes, problems)?, 1.0)]),
+        (Some(axis), None) => Some(vec![(members::axis(axis, problems)?, 1.0)]),
         (None, Some(direction)) => {
             let entries: Vec<f64> = direction.get_ref().iter().map(|c| c.value).collect();
             let length = entries.iter().fold(0.0, |sum: f64, c| sum.hypot(*c));
@@ -132,11 +132,7 @@ fn points(
             return problems.refuse(written.place.clone(), message);
         }
     };
-    let names = list.get_ref();
-    if names.is_empty() {
-        let message = "expected at least one hardpoint, found an empty list";
-        return problems.refuse(list.span(), message);
-    }
+    let names = some(list, "hardpoint", problems)?;
     let points = distinct(names, problems, |name, problems| {
         hardpoint(name, suspension, problems)
     })?;

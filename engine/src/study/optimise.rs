@@ -7,7 +7,7 @@ use super::motion::within;
 use super::moves;
 use super::names::choose;
 use super::outputs::hardpoint;
-use super::resolve::{Context, each};
+use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
@@ -179,13 +179,7 @@ fn variables(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Vec<Variable>> {
-    let written = section.variables.get_ref();
-    if written.is_empty() {
-        return problems.refuse(
-            section.variables.span(),
-            "expected at least one variable, found an empty list",
-        );
-    }
+    let written = some(&section.variables, "variable", problems)?;
     let resolved: Vec<_> = written
         .iter()
         .flat_map(|v| match &v.get_ref().rigid {

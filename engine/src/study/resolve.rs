@@ -8,6 +8,7 @@ use super::{
 use crate::model::Suspension;
 use std::path::Path;
 use std::sync::Arc;
+use toml::Spanned;
 
 /// What the later sections refer to.
 pub(super) struct Context<'a> {
@@ -34,6 +35,19 @@ pub(super) fn each<W, T>(
 ) -> Option<Vec<T>> {
     let read: Vec<_> = written.into_iter().map(read).collect();
     read.into_iter().collect()
+}
+
+/// The elements of a list, of which there must be some; `what` one of them is, in words.
+pub(super) fn some<'w, T>(
+    list: &'w Spanned<Vec<T>>,
+    what: &str,
+    problems: &mut Problems,
+) -> Option<&'w [T]> {
+    if list.get_ref().is_empty() {
+        let message = format!("expected at least one {what}, found an empty list");
+        return problems.refuse(list.span(), message);
+    }
+    Some(list.get_ref())
 }
 
 impl Study {

@@ -5,7 +5,7 @@ use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
 use super::moves;
 use super::names::{choose, choose_or};
-use super::resolve::{Context, each};
+use super::resolve::{Context, each, some};
 use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
@@ -163,11 +163,7 @@ fn sampled(
         None => Some(1),
         Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
     };
-    let listed = variables.get_ref();
-    if listed.is_empty() {
-        let message = "expected at least one variable, found an empty list";
-        return problems.refuse(variables.span(), message);
-    }
+    let listed = some(variables, "variable", problems)?;
     let resolved = each(listed, |v| variable(v, suspension, problems))?;
     distinct(listed, &resolved, suspension, problems);
     let method = method?;

@@ -5,7 +5,7 @@ use super::curve_file::{self, Wished};
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
-use super::resolve::{Context, each};
+use super::resolve::{Context, each, some};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number};
@@ -25,13 +25,7 @@ pub(super) fn targets(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<(Target, Option<WrittenCurve>)>> {
-    let written = section.targets.get_ref();
-    if written.is_empty() {
-        return problems.refuse(
-            section.targets.span(),
-            "expected at least one target, found an empty list",
-        );
-    }
+    let written = some(&section.targets, "target", problems)?;
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
     each(written, |t| target(t, is_fit, context, problems))
 }

@@ -6,7 +6,7 @@ use super::file;
 use super::members::{axis, member};
 use super::names::choose;
 use super::outputs::{characteristic, hardpoint};
-use super::resolve::{Context, each};
+use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
 use super::targets::ends;
 use super::value::{Number, Text};
@@ -43,11 +43,7 @@ pub(super) fn tolerance(
             "[tolerance] needs a motion by travel: an angle is another pose in every build";
         problems.add(place, message);
     }
-    let written = section.scatter.get_ref();
-    if written.is_empty() {
-        let message = "expected at least one scatter, found an empty list";
-        return problems.refuse(section.scatter.span(), message);
-    }
+    let written = some(&section.scatter, "scatter", problems)?;
     let scatter = each(written, |s| match context.axle {
         None => {
             if let Some(side) = &s.get_ref().side {

@@ -3,6 +3,7 @@
 use super::super::Limited;
 use super::super::error::Problems;
 use super::super::file::{self, Coordinates};
+use super::super::resolve::some;
 use super::super::subject::{member, point};
 use super::super::suspension::above_zero;
 use super::super::value::Text;
@@ -256,13 +257,7 @@ impl Reader<'_> {
         };
         let [from, to] = rim_ends(shape, region.span(), problems)?;
         let radius = above_zero(rim, problems)?;
-        let list = names.get_ref();
-        if list.is_empty() {
-            return problems.refuse(
-                names.span(),
-                "expected at least one member, found an empty list",
-            );
-        }
+        let list = some(names, "member", problems)?;
         let gap = self.clearance(problems)?;
         let radii = self.radii(list.len(), problems)?;
         let design = &self.suspension().design;

@@ -1,6 +1,6 @@
 //! Double wishbone: two arms, one above the other, and a tie or toe rod.
 
-use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
     CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER, SPRING,
     SPRING_UPPER, STEERING_AXIS, WHEEL_CENTRE, optional, required,
@@ -88,18 +88,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         outer: id("upper_ball_joint"),
     };
     let link = |inner, outer| Constraint::Link { inner, outer };
-    let rockers = given.rockers();
+    let bodies = [
+        ("chassis", Body::Chassis),
+        ("knuckle", Body::Knuckle),
+        ("lower_arm", Body::Arm(ArmId(0))),
+        ("upper_arm", Body::Arm(ArmId(1))),
+    ];
     Mechanism {
-        topology,
-        bodies: [
-            ("chassis", Body::Chassis),
-            ("knuckle", Body::Knuckle),
-            ("lower_arm", Body::Arm(ArmId(0))),
-            ("upper_arm", Body::Arm(ArmId(1))),
-        ]
-        .into_iter()
-        .chain(bodies(&rockers))
-        .collect(),
         constraints: vec![
             link(lower.front, lower.outer),
             link(lower.rear, lower.outer),
@@ -109,15 +104,11 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         ],
         arms: vec![lower, upper],
         origin: lower.outer,
-        wheel_centre: id("wheel_centre"),
-        spin_axis: given.spin_axis(),
         steering_axis: Some(SteeringAxis::Through {
             lower: lower.outer,
             upper: upper.outer,
         }),
-        rockers,
-        spring: given.spring(),
         closed_form: Some(ClosedForm::DoubleWishbone),
-        points: given.0,
+        ..given.mechanism(topology, &bodies)
     }
 }

@@ -1,6 +1,6 @@
 //! Five-link: the knuckle held by five separate rods.
 
-use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
     Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
@@ -78,22 +78,11 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         inner: given.id(inner),
         outer: given.id(outer),
     });
-    let rockers = given.rockers();
+    let bodies = [("chassis", Body::Chassis), ("knuckle", Body::Knuckle)];
     Mechanism {
-        topology,
-        bodies: [("chassis", Body::Chassis), ("knuckle", Body::Knuckle)]
-            .into_iter()
-            .chain(bodies(&rockers))
-            .collect(),
         constraints: constraints.to_vec(),
-        arms: Vec::new(),
         origin: given.id("lower_rear_link_outer"),
-        wheel_centre: given.id("wheel_centre"),
-        spin_axis: given.spin_axis(),
         steering_axis: Some(SteeringAxis::Instantaneous),
-        rockers,
-        spring: given.spring(),
-        closed_form: None,
-        points: given.0,
+        ..given.mechanism(topology, &bodies)
     }
 }

@@ -1,6 +1,6 @@
 //! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
 
-use super::rocker::{ANTI_ROLL_BAR, Carriers, bodies};
+use super::rocker::{ANTI_ROLL_BAR, Carriers};
 use super::topology::{
     CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER,
     STEERING_AXIS, WHEEL_CENTRE, optional, required,
@@ -63,18 +63,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         outer: id("lower_ball_joint"),
     };
     let link = |inner, outer| Constraint::Link { inner, outer };
-    let rockers = given.rockers();
+    let bodies = [
+        ("chassis", Body::Chassis),
+        ("knuckle", Body::Knuckle),
+        ("lower_arm", Body::Arm(ArmId(0))),
+        ("strut_rod", Body::StrutRod(id("strut_top"))),
+    ];
     Mechanism {
-        topology,
-        bodies: [
-            ("chassis", Body::Chassis),
-            ("knuckle", Body::Knuckle),
-            ("lower_arm", Body::Arm(ArmId(0))),
-            ("strut_rod", Body::StrutRod(id("strut_top"))),
-        ]
-        .into_iter()
-        .chain(bodies(&rockers))
-        .collect(),
         constraints: vec![
             link(arm.front, arm.outer),
             link(arm.rear, arm.outer),
@@ -87,18 +82,15 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         ],
         arms: vec![arm],
         origin: arm.outer,
-        wheel_centre: id("wheel_centre"),
-        spin_axis: given.spin_axis(),
         steering_axis: Some(SteeringAxis::Through {
             lower: arm.outer,
             upper: id("strut_top"),
         }),
-        rockers,
         spring: Some(Spring {
             upper: id("strut_top"),
             lower: id("strut_lower"),
         }),
         closed_form: Some(ClosedForm::Strut),
-        points: given.0,
+        ..given.mechanism(topology, &bodies)
     }
 }

@@ -1,7 +1,7 @@
 //! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a
 //! trailing arm, with the axis along x a swing axle.
 
-use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER, bodies};
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
     Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
@@ -46,27 +46,14 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         },
     );
     let (first, second) = (given.id("arm_pivot_inner"), given.id("arm_pivot_outer"));
-    let wheel_centre = given.id("wheel_centre");
-    let rockers = given.rockers();
+    let bodies = [("chassis", Body::Chassis), ("arm", Body::Knuckle)];
     Mechanism {
-        topology,
-        bodies: [("chassis", Body::Chassis), ("arm", Body::Knuckle)]
-            .into_iter()
-            .chain(bodies(&rockers))
-            .collect(),
         constraints: vec![Constraint::Revolute { first, second }],
         arms: vec![Arm {
             front: second,
             rear: first,
-            outer: wheel_centre,
+            outer: given.id("wheel_centre"),
         }],
-        origin: wheel_centre,
-        wheel_centre,
-        spin_axis: given.spin_axis(),
-        steering_axis: None,
-        rockers,
-        spring: given.spring(),
-        closed_form: None,
-        points: given.0,
+        ..given.mechanism(topology, &bodies)
     }
 }

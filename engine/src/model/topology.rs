@@ -2,8 +2,8 @@
 
 use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, Rocker, SpinAxis, Spring, double_wishbone, five_link,
-    macpherson, semi_trailing_arm,
+    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
+    semi_trailing_arm,
 };
 use crate::number::Vector3;
 
@@ -125,23 +125,36 @@ impl Given {
         self.find(name).expect("a required hardpoint is given")
     }
 
-    /// Spring and damper, where both ends are given.
-    pub(super) fn spring(&self) -> Option<Spring> {
-        Some(Spring {
-            upper: self.find("spring_upper")?,
-            lower: self.find("spring_lower")?,
-        })
-    }
-
-    /// The rockers whose hardpoints are given.
-    pub(super) fn rockers(&self) -> Vec<Rocker> {
-        rocker::rockers(|name| self.find(name))
-    }
-
-    /// The spin axis; without `spindle_inner` straight outboard, until the study says how it is turned.
-    pub(super) fn spin_axis(&self) -> SpinAxis {
-        self.find("spindle_inner")
-            .map_or(SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0)), SpinAxis::From)
+    /// What mechanisms of all topologies have in common: wheel, spring and rockers, with these bodies beside the
+    /// rockers. Nothing holds the knuckle yet, whose origin is the centre of the wheel.
+    pub(super) fn mechanism(
+        self,
+        topology: &'static Topology,
+        bodies: &[(&'static str, Body)],
+    ) -> Mechanism {
+        let rockers = rocker::rockers(|name| self.find(name));
+        let wheel_centre = self.id("wheel_centre");
+        let ends = self.find("spring_upper").zip(self.find("spring_lower"));
+        // Without `spindle_inner` straight outboard, until the study says how it is turned.
+        let outboard = SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0));
+        Mechanism {
+            topology,
+            bodies: bodies
+                .iter()
+                .copied()
+                .chain(rocker::bodies(&rockers))
+                .collect(),
+            constraints: Vec::new(),
+            arms: Vec::new(),
+            rockers,
+            origin: wheel_centre,
+            wheel_centre,
+            spin_axis: self.find("spindle_inner").map_or(outboard, SpinAxis::From),
+            steering_axis: None,
+            spring: ends.map(|(upper, lower)| Spring { upper, lower }),
+            closed_form: None,
+            points: self.0,
+        }
     }
 }
 

@@ -155,10 +155,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
         eprint(&format!("undecided: {} more places\n", more + 1));
     }
-    Ok(match all.undecided.is_empty() {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(all.undecided.is_empty()))
 }
 
 /// Whether two poses are one: assemblies differ by far more than this, and rounding by far less.

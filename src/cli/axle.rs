@@ -113,10 +113,7 @@ pub(super) fn solve(
         output.say_failure(&format!("\n{failure}\n"))?;
     }
     output.print_files(&files)?;
-    Ok(match is_complete {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(is_complete))
 }
 
 /// The axle of a tuned design.
@@ -214,10 +211,7 @@ pub(super) fn optimise(
     say_openings(&output, study, &summary, refused)?;
     output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
-    Ok(match complete && !interrupted {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(complete && !interrupted))
 }
 
 /// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
@@ -311,8 +305,5 @@ pub(super) fn check(
     }
     out.table("outputs", summary.table())?;
     out.finish()?;
-    Ok(match curves.are_complete() {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(curves.are_complete()))
 }

@@ -75,10 +75,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let is_complete = of_motions
         .chain([&moved])
         .all(|curves| curves.are_complete());
-    Ok(match is_complete {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(is_complete))
 }
 
 /// The study's drive in the design position, whatever the motion is.

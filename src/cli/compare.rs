@@ -99,10 +99,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     for (column, labels) in &comparison.partial {
         note(&format!("{column}: of {} alone\n", labels.join(", ")));
     }
-    Ok(match is_complete {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(is_complete))
 }
 
 /// Names of files without what they share, each different.

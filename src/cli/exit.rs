@@ -15,6 +15,16 @@ pub(super) enum Exit {
     WrongInput = 2,
 }
 
+impl Exit {
+    /// Of a command that ran: whether everything asked for was done.
+    pub(super) fn of(is_complete: bool) -> Self {
+        match is_complete {
+            true => Exit::Done,
+            false => Exit::Incomplete,
+        }
+    }
+}
+
 /// What stops a command before its end.
 #[derive(Debug)]
 pub(super) enum Stop {

@@ -53,10 +53,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
         out.failure(&format!("\n{failure}\n"))?;
     }
     out.finish()?;
-    Ok(match failures.is_empty() {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(failures.is_empty()))
 }
 
 /// The limits of an axle: which wheel ends what.
@@ -111,10 +108,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
         out.failure(&format!("\n{failure}\n"))?;
     }
     out.finish()?;
-    Ok(match curves.stations.iter().all(|s| s.placed.is_ok()) {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(curves.stations.iter().all(|s| s.placed.is_ok())))
 }
 
 /// What goes how far, from where to where and why.

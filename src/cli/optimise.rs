@@ -184,10 +184,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     say_openings(&output, &study, &summary, refused)?;
     output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
-    Ok(match complete && !interrupted {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(complete && !interrupted))
 }
 
 /// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.

@@ -89,8 +89,5 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         }
     }
     output.print_files(&files)?;
-    Ok(match complete && summary.met {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(complete && summary.met))
 }

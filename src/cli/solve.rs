@@ -78,8 +78,5 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.say(&format!("\nmotion {name}: {stations} stations\n"))?;
     }
     output.print_files(&files)?;
-    Ok(match complete {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(complete))
 }

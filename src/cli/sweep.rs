@@ -336,10 +336,7 @@ fn finish_shard(
     let names = SweepDirectory::part_files(record);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     output.print_where(&names)?;
-    Ok(match own {
-        0 => Exit::Done,
-        _ => Exit::Incomplete,
-    })
+    Ok(Exit::of(own == 0))
 }
 
 /// Writes and says what a sweep, or as much of it as there is, came to.
@@ -401,10 +398,7 @@ pub(super) fn finish(
         true => output.print_files(&files)?,
         false => output.print_where(&files)?,
     }
-    Ok(match summary.is_complete() {
-        true => Exit::Done,
-        false => Exit::Incomplete,
-    })
+    Ok(Exit::of(summary.is_complete()))
 }
 
 /// Prints the study with the hardpoints of one design.

@@ -91,10 +91,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         ))?;
     }
     output.print_files(&files)?;
-    Ok(match interrupted {
-        false => Exit::Done,
-        true => Exit::Incomplete,
-    })
+    Ok(Exit::of(!interrupted))
 }
 
 /// How the parts of a study scatter.

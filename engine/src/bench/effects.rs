@@ -13,7 +13,6 @@ use crate::plan::Plan;
 use crate::solve::Solver;
 use crate::study::{Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw};
 use std::hint::black_box;
-use std::ops::ControlFlow;
 
 /// One effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,38 +174,23 @@ impl Effects {
         let proofs = Proofs::of(&base, &subject)?;
         let jobs = [(&runs[0].1, 1), (&runs[all].2, runs[all].2.racks())];
         let rest = clock.in_rounds(&mut jobs.map(|(planned, many)| proofs.job(planned, many)));
+        let measured = |effect: &str, run: &Planned, alone, added| Measurement {
+            effect: effect.to_owned(),
+            alone,
+            added,
+            work: run.work,
+            poses: run.poses,
+        };
         let plain = runs.iter().zip(times.chunks(2));
         let mut measurements: Vec<Measurement> = plain
-            .map(|((name, alone, _), times)| Measurement {
-                effect: (*name).to_owned(),
-                alone: times[0],
-                added: times[1],
-                work: alone.work,
-                poses: alone.poses,
-            })
+            .map(|((name, alone, _), times)| measured(name, alone, times[0], times[1]))
             .collect();
-        measurements.push(Measurement {
-            effect: "certificate".to_owned(),
-            alone: rest[0],
-            added: rest[1],
-            work: runs[0].1.work,
-            poses: runs[0].1.poses,
-        });
+        let position = &runs[0].1;
+        measurements.push(measured("certificate", position, rest[0], rest[1]));
         if let Some(mut jobs) = unchecked_and_checked(&subject)? {
-            let names = ["poses alone, unchecked", "poses alone"];
-            let times = clock.in_rounds(&mut jobs);
-            measurements.extend(
-                names
-                    .into_iter()
-                    .zip(times)
-                    .map(|(name, time)| Measurement {
-                        effect: name.to_owned(),
-                        alone: time,
-                        added: time,
-                        work: runs[0].1.work,
-                        poses: runs[0].1.poses,
-                    }),
-            );
+            let names = ["poses alone, unchecked", "poses alone"].into_iter();
+            let times = names.zip(clock.in_rounds(&mut jobs));
+            measurements.extend(times.map(|(name, time)| measured(name, position, time, time)));
         }
         Ok(Effects { measurements })
     }
@@ -262,20 +246,14 @@ impl<'m> Proofs<'m> {
         let mut solver = Solver::new(mechanism, &suspension.design)?;
         let plan = Plan::of(base);
         let mut poses = Vec::new();
-        solver.for_each_pose(
-            Drive::Travel,
-            &plan.station_order,
-            subject.rack,
-            |_, station, pose| {
-                let point = MotionPoint {
-                    drive: Drive::Travel,
-                    value: plan.station_order.values()[station],
-                    rack: subject.rack,
-                };
-                poses.extend(pose.ok().map(|pose| (*pose, point)));
-                ControlFlow::Continue(())
-            },
-        )?;
+        subject.for_each_pose(&mut solver, &plan.station_order, |_, station, pose| {
+            let point = MotionPoint {
+                drive: Drive::Travel,
+                value: plan.station_order.values()[station],
+                rack: subject.rack,
+            };
+            poses.extend(pose.ok().map(|pose| (*pose, point)));
+        })?;
         Ok(Proofs {
             certifier: Certifier::new(mechanism, &suspension.design),
             poses,

@@ -6,9 +6,7 @@
 //! same rounds, and reads off nothing. What several threads do is measured after the rounds.
 
 use super::{Clock, Job, Timing, Unmeasurable};
-use crate::attia;
-use crate::attia::PointCoordinates;
-use crate::attia::{Strut, StrutPoints};
+use crate::attia::{self, PointCoordinates, Strut, StrutPoints};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::model::{Axis, Frame, Suspension};

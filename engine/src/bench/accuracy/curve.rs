@@ -1,14 +1,12 @@
 //! Curves through few exact poses: how many it takes, and how to run between them.
 
 use super::poses::lagrange;
-use super::subject::{Subject, camber};
+use super::subject::Subject;
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::mechanism::Configuration;
-use crate::model::Drive;
+use crate::mechanism::Pose;
 use crate::number::{DoubleDouble, Scalar};
 use crate::solve::{Solver, StationOrder};
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 /// Points at which a curve is read.
 const READ: usize = 161;
@@ -105,23 +103,10 @@ pub(super) fn measure(
             let mut solved = vec![f64::NAN; count];
             let mut curve = vec![f64::NAN; exact.len()];
             let mut draw = |curve: &mut [f64]| {
-                let visited = solver.for_each_pose(
-                    Drive::Travel,
-                    &station_order,
-                    subject.rack,
-                    |_, station, pose| {
-                        solved[station] = pose.map_or(f64::NAN, |pose| {
-                            camber(&Configuration {
-                                mechanism: &suspension.mechanism,
-                                design: &suspension.design,
-                                pose: *pose,
-                                rack: subject.rack,
-                                steering: None,
-                            })
-                        });
-                        ControlFlow::Continue(())
-                    },
-                );
+                let take = |_: &Solver<'_>, station: usize, pose: Result<&Pose<f64>, _>| {
+                    solved[station] = pose.map_or(f64::NAN, |pose| subject.camber_at(pose));
+                };
+                let visited = subject.for_each_pose(&mut solver, &station_order, take);
                 visited.expect("the design was solved before");
                 for (value, (first, weights)) in curve.iter_mut().zip(&weights) {
                     let near = solved[*first..].iter().zip(weights);

@@ -10,7 +10,6 @@ use crate::model::{Drive, PointId};
 use crate::number::{DoubleDouble, Dual, Jet, Scalar, Vector3};
 use crate::solve::trial::Forward;
 use crate::solve::{Solver, StationOrder};
-use std::ops::ControlFlow;
 
 /// Gradients by station, output and point, in this order.
 struct Gradients {
@@ -67,6 +66,11 @@ impl<'t> Task<'t> {
             points: points.to_vec(),
             reads: Slots::of(outputs.iter().map(|c| c.info().reads)),
         }
+    }
+
+    fn name(&self) -> String {
+        let (outputs, coordinates) = (self.outputs.len(), 3 * self.points.len());
+        format!("{outputs} outputs by {coordinates} coordinates")
     }
 
     fn room(&self) -> Gradients {
@@ -156,33 +160,21 @@ impl<'t> Task<'t> {
 
     /// The outputs of a design at every station, poses solved anew.
     fn values(&self, solver: &mut Solver<'_>, station_order: &StationOrder, values: &mut [f64]) {
-        let rack = self.subject.rack;
-        let constants = self.subject.constants();
-        let visited = solver.for_each_pose(
-            Drive::Travel,
-            station_order,
-            rack,
-            |solver, station, pose| {
-                let at = &mut values[station * self.outputs.len()..][..self.outputs.len()];
-                match pose {
-                    Err(_) => at.fill(f64::NAN),
-                    Ok(pose) => {
-                        let configuration = Configuration {
-                            mechanism: solver.mechanism(),
-                            design: solver.design(),
-                            pose: *pose,
-                            rack,
-                            steering: None,
-                        };
-                        let inputs = Inputs::standing(&configuration, constants, self.reads);
-                        for (value, c) in at.iter_mut().zip(&self.outputs) {
-                            *value = c.evaluate(&inputs);
-                        }
+        let subject = self.subject;
+        let constants = subject.constants();
+        let visited = subject.for_each_pose(solver, station_order, |solver, station, pose| {
+            let at = &mut values[station * self.outputs.len()..][..self.outputs.len()];
+            match pose {
+                Err(_) => at.fill(f64::NAN),
+                Ok(pose) => {
+                    let configuration = subject.configuration(solver.design(), *pose);
+                    let inputs = Inputs::standing(&configuration, constants, self.reads);
+                    for (value, c) in at.iter_mut().zip(&self.outputs) {
+                        *value = c.evaluate(&inputs);
                     }
                 }
-                ControlFlow::Continue(())
-            },
-        );
+            }
+        });
         if visited.is_err() {
             values.fill(f64::NAN);
         }
@@ -320,29 +312,19 @@ fn analytic_and_differences(
         adjoint
             .design_series
             .prepare(&suspension.mechanism, &suspension.design);
-        let visited = solver.for_each_pose(
-            Drive::Travel,
-            &station_order,
-            subject.rack,
-            |solver, station, pose| {
+        let visited =
+            subject.for_each_pose(&mut solver, &station_order, |solver, station, pose| {
                 if let Ok(pose) = pose {
                     task.adjoint(&mut adjoint, solver, (station, pose), gradients);
                 }
-                ControlFlow::Continue(())
-            },
-        );
+            });
         visited.expect("the design was solved before");
     };
     analytic(&mut gradients);
-    let setting = format!(
-        "{} outputs by {} coordinates",
-        task.outputs.len(),
-        3 * task.points.len()
-    );
     let mut found = vec![Measurement {
         family: Family::Derivative,
         method: "analytic".to_owned(),
-        setting,
+        setting: task.name(),
         error: gradients.error(&exact),
         time: clock.time(stations, || analytic(&mut gradients)),
         evaluations: None,
@@ -431,11 +413,7 @@ fn both_ways(task: &Task<'_>, clock: &Clock) -> Result<[Measurement; 2], Unmeasu
         Measurement {
             family: Family::Sensitivity,
             method: method.to_owned(),
-            setting: format!(
-                "{} outputs by {} coordinates",
-                task.outputs.len(),
-                3 * task.points.len()
-            ),
+            setting: task.name(),
             error: gradients.error(&exact),
             time: clock.time(poses.len(), || work(&mut gradients)),
             evaluations: None,

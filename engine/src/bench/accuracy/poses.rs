@@ -2,18 +2,14 @@
 
 use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::attia;
-use crate::attia::PointCoordinates;
-use crate::attia::{Strut, StrutPoints};
+use crate::attia::{self, PointCoordinates, Strut, StrutPoints};
 use crate::bench::Job;
-use crate::mechanism::{Configuration, Pose, Work};
-use crate::model::Drive;
+use crate::mechanism::{Pose, Work};
 use crate::number::{DoubleDouble, Vector3};
 use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
 use crate::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
-use std::ops::ControlFlow;
 
 /// Where Newton's method starts at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +104,6 @@ struct Way<'s, T, E: Equations<T>> {
     tolerance: f64,
     travels: Vec<T>,
     design: Vec<Vector3<T>>,
-    rack: T,
     known: RefCell<Vec<E::Unknown>>,
     evaluations: Cell<usize>,
 }
@@ -122,7 +117,6 @@ impl<'s, T: Measured, E: Equations<T>> Way<'s, T, E> {
             tolerance,
             travels: subject.travels.iter().map(|t| T::of(*t)).collect(),
             design: subject.design(),
-            rack: T::of(subject.rack),
             known: RefCell::new(Vec::with_capacity(subject.travels.len() + 1)),
             evaluations: Cell::new(0),
         }
@@ -153,13 +147,8 @@ impl<'s, T: Measured, E: Equations<T>> Way<'s, T, E> {
                 if travel.value() != 0.0 {
                     known.push(found);
                 }
-                let at = Configuration {
-                    mechanism: &self.subject.suspension.mechanism,
-                    design: &self.design,
-                    pose: self.equations.pose(&found),
-                    rack: self.rack,
-                    steering: None,
-                };
+                let pose = self.equations.pose(&found);
+                let at = self.subject.configuration(&self.design, pose);
                 visit(step.station, camber(&at));
             }
         }
@@ -311,15 +300,10 @@ pub(in crate::bench) fn unchecked_and_checked<'s>(
     let solver = RefCell::new(Solver::new(mechanism, &suspension.design)?);
     let checked = move || {
         let mut sum = 0.0;
-        let visited = solver.borrow_mut().for_each_pose(
-            Drive::Travel,
-            &station_order,
-            subject.rack,
-            |_, _, pose| {
-                sum += pose.map_or(f64::NAN, |pose| read(subject, pose));
-                ControlFlow::Continue(())
-            },
-        );
+        let mut solver = solver.borrow_mut();
+        let visited = subject.for_each_pose(&mut solver, &station_order, |_, _, pose| {
+            sum += pose.map_or(f64::NAN, |pose| subject.camber_at(pose));
+        });
         visited.expect("the design was solved before");
         black_box(sum);
     };
@@ -338,34 +322,18 @@ pub(in crate::bench) fn unchecked_and_checked<'s>(
 /// What the equation is solved to, in metres: where the program, too, ends.
 const UNCHECKED: f64 = 1e-13;
 
-fn read(subject: &Subject<'_>, pose: &Pose<f64>) -> f64 {
-    camber(&Configuration {
-        mechanism: &subject.suspension.mechanism,
-        design: &subject.suspension.design,
-        pose: *pose,
-        rack: subject.rack,
-        steering: None,
-    })
-}
-
 /// Poses as the program finds them, every check on the way included.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let station_order = StationOrder::through(&subject.travels);
-    let read = |pose: &Pose<f64>| read(subject, pose);
+    let read = |pose: &Pose<f64>| subject.camber_at(pose);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let mut run = |visit: &mut dyn FnMut(usize, &Pose<f64>)| {
-        let visited = solver.for_each_pose(
-            Drive::Travel,
-            &station_order,
-            subject.rack,
-            |_, station, pose| {
-                if let Ok(pose) = pose {
-                    visit(station, pose);
-                }
-                ControlFlow::Continue(())
-            },
-        );
+        let visited = subject.for_each_pose(&mut solver, &station_order, |_, station, pose| {
+            if let Ok(pose) = pose {
+                visit(station, pose);
+            }
+        });
         visited.expect("the design was solved before");
         solver.work()
     };
@@ -399,13 +367,7 @@ fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement
     let read = |pose: &attia::Pose| {
         let rates = attia::Rates::default();
         let pose = equations.knuckle_pose::<1>(pose, rates).ok()?;
-        Some(camber(&Configuration {
-            mechanism: &suspension.mechanism,
-            design: &suspension.design,
-            pose: pose.map(|c| c[0]),
-            rack: subject.rack,
-            steering: None,
-        }))
+        Some(subject.camber_at(&pose.map(|c| c[0])))
     };
     let run = |visit: &mut dyn FnMut(usize, f64)| {
         equations.for_each_pose(&start, &subject.travels, |station, pose| {

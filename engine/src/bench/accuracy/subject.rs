@@ -2,7 +2,7 @@
 
 use crate::bench::Unmeasurable;
 use crate::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
-use crate::mechanism::{Configuration, Pose};
+use crate::mechanism::{Configuration, DesignFault, Failure, Pose};
 use crate::model::{Drive, SteeringAxis, Suspension};
 use crate::number::{DoubleDouble, Real, Scalar, Vector3};
 use crate::plan::Plan;
@@ -110,26 +110,50 @@ impl<'s> Subject<'s> {
         let mut solver = Solver::new(mechanism, &self.suspension.design)?;
         let mut found = Vec::new();
         let station_order = StationOrder::through(travels);
-        solver.for_each_pose(
-            Drive::Travel,
-            &station_order,
-            self.rack,
-            |_, station, pose| {
-                if let Ok(pose) = pose {
-                    let mut start = pose.map(DoubleDouble::from);
-                    // To more than a double's digits its rotation is none.
-                    for _ in 0..2 {
-                        start.rotation = start.rotation.orthonormalised();
-                    }
-                    let travel = DoubleDouble::of(travels[station]);
-                    let (exact, _) = solve(&equations, start, travel, 0.0);
-                    found.push((travels[station], equations.pose(&exact)));
+        self.for_each_pose(&mut solver, &station_order, |_, station, pose| {
+            if let Ok(pose) = pose {
+                let mut start = pose.map(DoubleDouble::from);
+                // To more than a double's digits its rotation is none.
+                for _ in 0..2 {
+                    start.rotation = start.rotation.orthonormalised();
                 }
-                ControlFlow::Continue(())
-            },
-        )?;
+                let travel = DoubleDouble::of(travels[station]);
+                let (exact, _) = solve(&equations, start, travel, 0.0);
+                found.push((travels[station], equations.pose(&exact)));
+            }
+        })?;
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(found)
+    }
+
+    /// Visits the poses at travels, the rack at its place, as the program finds them.
+    pub fn for_each_pose<'m>(
+        &self,
+        solver: &mut Solver<'m>,
+        station_order: &StationOrder,
+        mut visit: impl FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>),
+    ) -> Result<(), DesignFault> {
+        let (drive, rack) = (Drive::Travel, self.rack);
+        solver.for_each_pose(drive, station_order, rack, |solver, station, pose| {
+            visit(solver, station, pose);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// The mechanism with a design in a pose.
+    #[inline]
+    pub fn configuration<'a, T: Measured>(
+        &'a self,
+        design: &'a [Vector3<T>],
+        pose: Pose<T>,
+    ) -> Configuration<'a, T> {
+        Configuration {
+            mechanism: &self.suspension.mechanism,
+            design,
+            pose,
+            rack: T::of(self.rack),
+            steering: None,
+        }
     }
 
     /// The design over another kind of number.
@@ -140,15 +164,13 @@ impl<'s> Subject<'s> {
 
     /// Exact camber of an exact pose.
     pub fn camber_of(&self, pose: &Pose<DoubleDouble>) -> DoubleDouble {
-        let design = self.design();
-        let configuration = Configuration {
-            mechanism: &self.suspension.mechanism,
-            design: &design,
-            pose: *pose,
-            rack: DoubleDouble::of(self.rack),
-            steering: None,
-        };
-        camber(&configuration)
+        camber(&self.configuration(&self.design(), *pose))
+    }
+
+    /// Camber of a pose.
+    #[inline]
+    pub fn camber_at(&self, pose: &Pose<f64>) -> f64 {
+        camber(&self.configuration(&self.suspension.design, *pose))
     }
 
     /// The error of a camber at a station, in degrees.

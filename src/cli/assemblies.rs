@@ -54,11 +54,9 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     });
     visited.map_err(fault)?;
     let Some(all) = solver.assemblies(arguments.travel, rack) else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no method that finds all assemblies of a {}",
-            path.display(),
-            suspension.mechanism.topology.name
-        )));
+        let topology = suspension.mechanism.topology.name;
+        let reason = format!("there is no method that finds all assemblies of a {topology}");
+        return Err(Stop::in_file(path, reason));
     };
     let is_connected = |assembly: &Assembly| {
         connected.is_some_and(|pose| same(&pose, &assembly.pose, solver.size()))

@@ -27,17 +27,18 @@ use std::sync::atomic::Ordering;
 pub(super) fn refuse(study: &Study, path: &Path, command: &str, why: &str) -> Result<(), Stop> {
     match study.axle {
         None => Ok(()),
-        Some(_) => Err(Stop::wrong_input(format!(
-            "{}: axle: `hardpoint {command}` is not yet there for an axle: {why}; without [axle] the study is of \
-             one wheel",
-            path.display()
-        ))),
+        Some(_) => Err(Stop::in_file(
+            path,
+            format!(
+                "axle: `hardpoint {command}` is not yet there for an axle: {why}; without [axle] the study is of \
+                 one wheel"
+            ),
+        )),
     }
 }
 
 pub(super) fn fault(path: &Path, axle: &Axle, fault: (Side, DesignFault)) -> Stop {
-    let why = axle.describe_fault(fault);
-    Stop::wrong_input(format!("{}: {why}", path.display()))
+    Stop::in_file(path, axle.describe_fault(fault))
 }
 
 fn said(

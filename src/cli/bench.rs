@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     super::axle::refuse(&study, path, "bench", why)?;
     let stop = |reason: Unmeasurable| match reason {
         Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
-        other => Stop::wrong_input(format!("{}: {other}", path.display())),
+        other => Stop::in_file(path, other),
     };
     // Before anything is written.
     Subject::of(&study).map_err(stop)?;

@@ -159,7 +159,7 @@ fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Comp
     let plan = Plan::of(&study);
     let solved = curves(&study.suspension, &plan).map_err(|fault| {
         let reason = fault.describe(&study.suspension.mechanism);
-        Stop::wrong_input(format!("{}: {reason}", path.display()))
+        Stop::in_file(path, reason)
     })?;
     let csv = curves_csv(&solved, &plan, unit);
     let table = CurveTable::read(&csv).expect("curves are written as they are read");
@@ -184,15 +184,13 @@ fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compa
 
 /// A finished run: the curves it wrote, and the points of the study it keeps.
 fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
-    let refused = |reason: String| Stop::wrong_input(format!("{}: {reason}", path.display()));
     let csv = std::fs::read(path.join("curves.csv")).map_err(|_| {
-        refused(
-            "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write"
-                .to_owned(),
-        )
+        let reason =
+            "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write";
+        Stop::in_file(path, reason)
     })?;
-    let table =
-        CurveTable::read(&csv).map_err(|reason| refused(format!("curves.csv: {reason}")))?;
+    let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
+    let table = CurveTable::read(&csv).map_err(refused)?;
     let kept = ["optimised.toml", "study.toml"].map(|name| path.join(name));
     if let Some(file) = kept.iter().find(|file| file.is_file()) {
         let study = Study::read(file, &[])?;
@@ -202,7 +200,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
     let unit = unit.ok_or_else(|| {
         refused(format!(
-            "curves.csv: the first column is {first}, which has no unit of length"
+            "the first column is {first}, which has no unit of length"
         ))
     })?;
     Ok(Compared {

@@ -3,6 +3,7 @@
 use crate::results::WriteError;
 use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
+use std::path::Path;
 
 /// The documented exit codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +49,17 @@ impl Stop {
             message: format!("error: {message}"),
             exit: Exit::WrongInput,
         }
+    }
+
+    /// Something is wrong in a file, or in what it was to be used for.
+    pub(super) fn in_file(path: &Path, reason: impl std::fmt::Display) -> Self {
+        Stop::wrong_input(format!("{}: {reason}", path.display()))
+    }
+
+    /// A study has nothing of a section that the command is about, which says `what`.
+    pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
+        let reason = format!("there is no [{section}] section, which says {what}");
+        Stop::in_file(path, reason)
     }
 
     /// What was asked for cannot be had.

@@ -85,8 +85,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
             let written = match &arguments.into {
                 None => subsystem(study, &source.design),
                 Some(path) => {
-                    let refused =
-                        |reason: String| Stop::wrong_input(format!("{}: {reason}", path.display()));
+                    let refused = |reason: String| Stop::in_file(path, reason);
                     let file = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
                     into_subsystem(study, &source.design, &file).map_err(refused)?
                 }
@@ -152,10 +151,10 @@ impl Source {
             let kept = ["optimised.toml", "study.toml"].map(|name| path.join(name));
             let kept = kept.into_iter().find(|file| file.is_file());
             if source.tables.is_empty() && kept.is_none() {
-                return Err(Stop::wrong_input(format!(
-                    "{}: not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
-                    path.display()
-                )));
+                return Err(Stop::in_file(
+                    path,
+                    "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
+                ));
             }
             source.study = kept
                 .map(|file| Study::read(&file, &arguments.set))
@@ -175,8 +174,7 @@ impl Source {
         };
         if let Some(grid) = arguments.round {
             let rounded = rounded(study, &source.design, grid);
-            let rounded = rounded
-                .map_err(|reason| Stop::wrong_input(format!("{}: {reason}", path.display())))?;
+            let rounded = rounded.map_err(|reason| Stop::in_file(path, reason))?;
             say_loss(study, &source.design, &rounded, grid);
             source.design = rounded.design;
         }
@@ -219,10 +217,10 @@ impl Source {
 
     fn study(&self) -> Result<&Study, Stop> {
         self.study.as_ref().ok_or_else(|| {
-            Stop::wrong_input(format!(
-                "{}: this run keeps no study, so there are no points to export; export the study it was of",
-                self.path.display()
-            ))
+            Stop::in_file(
+                &self.path,
+                "this run keeps no study, so there are no points to export; export the study it was of",
+            )
         })
     }
 
@@ -233,8 +231,7 @@ impl Source {
                 self.path.display()
             ));
         }
-        let refused =
-            |reason: String| Stop::wrong_input(format!("{}: {reason}", self.path.display()));
+        let refused = |reason: String| Stop::in_file(&self.path, reason);
         let mut pages = Vec::new();
         if let Some(study) = &self.study {
             pages.push(Page {
@@ -257,7 +254,7 @@ impl Source {
 
 /// A design of a study's sweep.
 fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>, Stop> {
-    let refused = |reason: &str| Stop::wrong_input(format!("{}: {reason}", path.display()));
+    let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
     let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
     let plan = SweepPlan::of(study, sweep)

@@ -67,7 +67,7 @@ fn side(name: &str) -> Result<Side, String> {
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let shown = arguments.file.display().to_string();
-    let refused = |reason: String| Stop::wrong_input(format!("{shown}: {reason}"));
+    let refused = |reason: String| Stop::in_file(&arguments.file, reason);
     let names = match &arguments.map {
         Some(path) => names(path)?,
         None => BTreeMap::new(),
@@ -112,7 +112,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
 
 /// Reads the names given to hardpoints in the file.
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
-    let refused = |reason: String| Stop::wrong_input(format!("{}: {reason}", path.display()));
+    let refused = |reason: String| Stop::in_file(path, reason);
     let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(

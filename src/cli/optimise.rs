@@ -93,10 +93,8 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no [optimise] section, which says what may move and what is wanted",
-            path.display()
-        )));
+        let what = "what may move and what is wanted";
+        return Err(Stop::no_section(path, "optimise", what));
     };
     if let Some(axle) = &study.axle {
         return super::axle::optimise(arguments, &study, axle, optimise, *prices);

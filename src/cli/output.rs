@@ -367,9 +367,5 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
 
 /// A design that cannot be solved is a mistake of the study.
 pub(super) fn design_fault(study: &Study, path: &Path, fault: &DesignFault) -> Stop {
-    Stop::wrong_input(format!(
-        "{}: {}",
-        path.display(),
-        fault.describe(&study.suspension.mechanism)
-    ))
+    Stop::in_file(path, fault.describe(&study.suspension.mechanism))
 }

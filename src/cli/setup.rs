@@ -15,10 +15,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let why = "adjustments are found for one wheel at a time";
     super::axle::refuse(&study, path, "setup", why)?;
     let Some(setup) = &study.setup else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no [setup] section, which says what may be adjusted and what is wanted",
-            path.display()
-        )));
+        let what = "what may be adjusted and what is wanted";
+        return Err(Stop::no_section(path, "setup", what));
     };
     if arguments.report || arguments.plots.is_some() {
         return Err(Stop::wrong_input(
@@ -28,28 +26,22 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     let fault = |fault| design_fault(&study, path, &fault);
     let assembler = Assembler::new(&study.suspension).map_err(fault)?;
-    let found = match SetUp::solve(&study, setup, &assembler) {
-        Ok(found) => found,
-        Err(NoSetUp::Fault(reason)) => return Err(fault(reason)),
-        Err(NoSetUp::Reject(reject)) => {
-            return Err(Stop::not_met(format!("{}: {reject}", path.display())));
-        }
-        Err(NoSetUp::Absurd { adjustment, amount }) => {
-            return Err(Stop::not_met(format!(
-                "{}: what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
-                path.display(),
+    let found = SetUp::solve(&study, setup, &assembler).map_err(|none| {
+        let reason = match none {
+            NoSetUp::Fault(reason) => return fault(reason),
+            NoSetUp::Reject(reject) => reject.to_string(),
+            NoSetUp::Absurd { adjustment, amount } => format!(
+                "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
                 crate::report::brief(amount),
                 study.suspension.length_unit.symbol(),
                 setup.adjust[adjustment].name
-            )));
-        }
-        Err(NoSetUp::Unsettled) => {
-            return Err(Stop::not_met(format!(
-                "{}: what is wanted cannot be met: the adjustments do not reach so far",
-                path.display()
-            )));
-        }
-    };
+            ),
+            NoSetUp::Unsettled => {
+                "what is wanted cannot be met: the adjustments do not reach so far".to_owned()
+            }
+        };
+        Stop::not_met(format!("{}: {reason}", path.display()))
+    })?;
     let output = Output::open(arguments, &study, "setup")?;
     let length = study.suspension.length_unit;
     let summary = SetUpSummary::of(&study, setup, &found);

@@ -28,18 +28,18 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(sweep) = &study.sweep else {
-        return Err(Stop::wrong_input(format!(
-            "{}: there is no [sweep] section, which says which designs are looked at",
-            path.display()
-        )));
+        let what = "which designs are looked at";
+        return Err(Stop::no_section(path, "sweep", what));
     };
     let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
         NotBegun::Fault(fault) => design_fault(&study, path, &fault),
-        NotBegun::TwoColumns(name) => Stop::wrong_input(format!(
-            "{}: two columns of the results would be called {name}; give a variable another name",
-            path.display()
-        )),
+        NotBegun::TwoColumns(name) => Stop::in_file(
+            path,
+            format!(
+                "two columns of the results would be called {name}; give a variable another name"
+            ),
+        ),
     })?;
     if let Some(number) = arguments.design {
         return print_design(&study, &plan, number);

@@ -96,12 +96,8 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
 
 /// How the parts of a study scatter.
 pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
-    study.tolerance.as_ref().ok_or_else(|| {
-        Stop::wrong_input(format!(
-            "{}: there is no [tolerance] section, which says how parts scatter",
-            path.display()
-        ))
-    })
+    let tolerance = study.tolerance.as_ref();
+    tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "how parts scatter"))
 }
 
 /// A study's tolerances, made ready.
@@ -116,11 +112,11 @@ pub(super) fn problem<'s>(
 fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
     match reason {
         NoSetUp::Fault(reason) => design_fault(study, path, &reason),
-        NoSetUp::Reject(reject) => Stop::wrong_input(format!("{}: {reject}", path.display())),
-        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::wrong_input(format!(
-            "{}: aligned = true, but what [setup] adjusts does not move toe and camber one by one",
-            path.display()
-        )),
+        NoSetUp::Reject(reject) => Stop::in_file(path, reject),
+        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::in_file(
+            path,
+            "aligned = true, but what [setup] adjusts does not move toe and camber one by one",
+        ),
     }
 }
 

@@ -76,27 +76,22 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
         };
         table.push(own.of(study, &range.lower, &range.upper));
     }
-    let because = |end: &AxleEnd| {
+    let end = |end: &AxleEnd| {
         let why = match &end.end {
             RangeEnd::Fold(limit) => because(limit, study),
-            _ => "the path could not be followed further".to_owned(),
+            _ => LOST.to_owned(),
         };
-        format!("{} wheel: {why}", end.side.name())
+        (end.value, format!("{} wheel: {why}", end.side.name()))
     };
-    let sign = study.suspension.frame.sign(Axis::Y);
-    let mut push = |quantity: &str, at: &str, factor: f64, ends: [&AxleEnd; 2]| {
-        let [mut from, mut to] = ends.map(|end| (end.value * factor, because(end)));
-        if factor < 0.0 {
-            (from, to) = (to, from);
-        }
-        table.push(row([quantity, at], from, to));
-    };
-    if let Some([lower, upper]) = &limits.rack {
-        push(&format!("rack_{unit}"), "travels 0", sign, [lower, upper]);
+    if let Some(ends) = &limits.rack {
+        let what = [&format!("rack_{unit}"), "travels 0"];
+        let sign = study.suspension.frame.sign(Axis::Y);
+        table.push(row(what, sign, ends.each_ref().map(end)));
     }
     if let [Some(lower), Some(upper)] = &limits.roll {
-        let at = "heave 0, rack 0";
-        push("roll_deg", at, 1.0_f64.to_degrees(), [lower, upper]);
+        let what = ["roll_deg", "heave 0, rack 0"];
+        let degrees = 1.0_f64.to_degrees();
+        table.push(row(what, degrees, [lower, upper].map(end)));
     }
     let mut out = Printer::new(arguments.format);
     out.table("limits", table)?;
@@ -111,9 +106,17 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     Ok(Exit::of(curves.stations.iter().all(|s| s.placed.is_ok())))
 }
 
-/// What goes how far, from where to where and why.
-fn row(what: [&str; 2], from: (f64, String), to: (f64, String)) -> [Cell; 6] {
+/// Why a range ends where nothing was found that ends it.
+const LOST: &str = "the path could not be followed further";
+
+/// What goes how far, from where to where and why: values times a factor, and axes that point the other way swap the
+/// ends.
+fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
     let [quantity, at] = what.map(Cell::from);
+    let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
+    if factor < 0.0 {
+        (from, to) = (to, from);
+    }
     [
         quantity,
         at,
@@ -158,20 +161,13 @@ impl Row {
             _ => "it goes on beyond half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (limit.value * self.factor, because(limit, study)),
-            RangeEnd::FullTurn => (turn * self.factor, beyond.to_owned()),
-            RangeEnd::Unresolved(value) => (
-                value * self.factor,
-                "the path could not be followed further".to_owned(),
-            ),
+            RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
+            RangeEnd::FullTurn => (turn, beyond.to_owned()),
+            RangeEnd::Unresolved(value) => (*value, LOST.to_owned()),
         };
         let turn = std::f64::consts::PI;
-        let (mut from, mut to) = (end(lower, -turn), end(upper, turn));
-        // Axes that point the other way swap the ends.
-        if self.factor < 0.0 {
-            (from, to) = (to, from);
-        }
-        row([&self.quantity, &self.at], from, to)
+        let ends = [end(lower, -turn), end(upper, turn)];
+        row([&self.quantity, &self.at], self.factor, ends)
     }
 }
 
@@ -286,7 +282,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
         let from = end(range.lower, &limits.travel.lower);
         let to = end(range.upper, &limits.travel.upper);
         let name = rod_travel(study, range.rocker);
-        table.push(row([&name, straight(limits)], from, to));
+        table.push(row([&name, straight(limits)], 1.0, [from, to]));
     }
     table
 }

@@ -1,7 +1,7 @@
 //! `hardpoint bench`
 
 use super::exit::{Exit, Stop};
-use super::output::{Destination, Output, default_directory, design_fault, inputs};
+use super::output::{Destination, Output, design_fault, inputs};
 use super::{BenchArguments, BenchKind};
 use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
@@ -43,12 +43,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     // Before anything is written.
     Subject::of(&study).map_err(stop)?;
     let name = format!("bench_{}", study.name);
-    let destination = Destination {
-        out: arguments.out.as_deref(),
-        default: default_directory(&name)?,
-        force: arguments.force,
-        format: arguments.format.into(),
-    };
+    let (out, format) = (arguments.out.as_deref(), arguments.format);
+    let destination = Destination::of(out, &name, arguments.force, format)?;
     let (command, files): (_, &[&str]) = match arguments.kind {
         BenchKind::Throughput => (
             "bench throughput",

@@ -8,7 +8,7 @@ use super::sweep::{finish, not_this};
 use crate::report::{MergeError, Parts, SweepDirectory};
 use crate::results::Claim;
 use crate::study::Study;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     if arguments.out == Path::new("-") {
@@ -34,12 +34,8 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     let files = SweepDirectory::files(record);
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
     files.extend(kept.is_some().then_some(STUDY_COPY));
-    let destination = Destination {
-        out: Some(&arguments.out),
-        default: PathBuf::new(),
-        force: arguments.force,
-        format: arguments.format.into(),
-    };
+    let (out, format) = (Some(arguments.out.as_path()), arguments.format);
+    let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let claim = Claim {
         command: "merge",
         study: &record.study,

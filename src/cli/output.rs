@@ -1,9 +1,9 @@
 //! Where a run's results go: a directory with a summary on standard output, or the main CSV on
 //! standard output with everything else on standard error.
 
-use super::RunArguments;
 use super::exit::Stop;
 use super::terminal;
+use super::{RunArguments, TableFormat};
 use crate::mechanism::DesignFault;
 use crate::report::{Format, Table, Tables};
 use crate::results::{Claim, RunDirectory, study_digest};
@@ -62,16 +62,35 @@ pub(super) struct Output {
 /// What a command writes, and to where.
 pub(super) struct Destination<'a> {
     /// As in `--out`; `-` is standard output.
-    pub out: Option<&'a Path>,
+    out: Option<&'a Path>,
     /// Where it goes if that is not given.
-    pub default: PathBuf,
+    default: PathBuf,
     /// As in `--force`.
-    pub force: bool,
+    force: bool,
     /// How tables are printed.
-    pub format: Format,
+    format: Format,
 }
 
-impl Destination<'_> {
+impl<'a> Destination<'a> {
+    /// As arguments give it; results that go by this name go below `out` where they give none.
+    pub(super) fn of(
+        out: Option<&'a Path>,
+        name: &str,
+        force: bool,
+        format: TableFormat,
+    ) -> Result<Self, Stop> {
+        let default = match out {
+            Some(_) => PathBuf::new(),
+            None => default_directory(name)?,
+        };
+        Ok(Destination {
+            out,
+            default,
+            force,
+            format: format.into(),
+        })
+    }
+
     /// The directory, if it is not standard output.
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
@@ -87,7 +106,7 @@ impl Destination<'_> {
 }
 
 /// The directory for the results of a study where none is given, below `out`.
-pub(super) fn default_directory(name: &str) -> Result<PathBuf, Stop> {
+fn default_directory(name: &str) -> Result<PathBuf, Stop> {
     let is_plain = !["", ".", ".."].contains(&name) && !name.contains(['/', '\\']);
     match is_plain {
         true => Ok(PathBuf::from("out").join(name)),
@@ -127,15 +146,8 @@ impl Output {
             _ => Vec::new(),
         };
         files.extend(of_motions.iter().map(String::as_str));
-        let destination = Destination {
-            out: arguments.out.as_deref(),
-            default: match arguments.out {
-                Some(_) => PathBuf::new(),
-                None => default_directory(&study.name)?,
-            },
-            force: arguments.force,
-            format: arguments.study.format.into(),
-        };
+        let (out, format) = (arguments.out.as_deref(), arguments.study.format);
+        let destination = Destination::of(out, &study.name, arguments.force, format)?;
         let inputs = inputs(study, &arguments.study.study);
         let keeps_study = destination.keeps_study(&inputs);
         files.extend(keeps_study.then_some(STUDY_COPY));

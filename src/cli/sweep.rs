@@ -2,9 +2,7 @@
 
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
-use super::output::{
-    Destination, Output, STUDY_COPY, default_directory, design_fault, inputs, pool,
-};
+use super::output::{Destination, Output, STUDY_COPY, design_fault, inputs, pool};
 use super::progress;
 use super::report::show_sweep;
 use super::terminal;
@@ -132,15 +130,8 @@ fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<
 
 /// Claims the directory of a sweep.
 fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Result<Output, Stop> {
-    let destination = Destination {
-        out: arguments.out.as_deref(),
-        default: match arguments.out {
-            Some(_) => Default::default(),
-            None => default_directory(&study.name)?,
-        },
-        force: arguments.force,
-        format: arguments.study.format.into(),
-    };
+    let (out, format) = (arguments.out.as_deref(), arguments.study.format);
+    let destination = Destination::of(out, &study.name, arguments.force, format)?;
     let inputs = inputs(study, &arguments.study.study);
     let keeps_study = destination.keeps_study(&inputs);
     let mut files = SweepDirectory::files(record);

@@ -85,14 +85,9 @@ pub(super) fn solve(
     let summary = AxleSummary::of(&study.name, axle, plan, &curves, &design);
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &axle_curves_csv(axle, plan, &curves))?;
-    match plan.sensitivities.is_empty() {
-        true => output.without("sensitivities.csv")?,
-        false => {
-            let csv = axle_sensitivities_csv(axle, plan, &curves);
-            output.file("sensitivities.csv", &csv)?;
-            files.push("sensitivities.csv");
-        }
-    }
+    let sensitive = !plan.sensitivities.is_empty();
+    let csv = sensitive.then(|| axle_sensitivities_csv(axle, plan, &curves));
+    files.extend(output.file_if_any("sensitivities.csv", csv)?);
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     let designs = [("design", "curves.csv", axle, &curves)];
@@ -109,7 +104,7 @@ pub(super) fn solve(
     let remarks = said(path, axle, plan, &curves)?;
     let remarks = remarks.into_iter().chain(summary.remarks());
     let is_complete = curves.are_complete();
-    output.say_remarks(remarks, is_complete)?;
+    output.say_doubts(remarks, is_complete)?;
     for failure in summary.failures() {
         output.say_failure(&format!("\n{failure}\n"))?;
     }
@@ -187,7 +182,7 @@ pub(super) fn optimise(
         let curves = AxleSummary::of(&study.name, tuned, &plan, after, &design);
         let remarks = said(path, tuned, &plan, after)?;
         let remarks = remarks.into_iter().chain(curves.remarks());
-        output.say_remarks(remarks, after.are_complete())?;
+        output.say_doubts(remarks, after.are_complete())?;
         for failure in curves.failures() {
             output.say_failure(&format!("\n{failure}\n"))?;
         }
@@ -205,9 +200,7 @@ pub(super) fn optimise(
         "optimise",
         path,
     )?);
-    for remark in variable_doubts(study) {
-        output.say(&format!("\n{remark}\n"))?;
-    }
+    output.say_remarks(variable_doubts(study))?;
     complete &= refused.is_none();
     say_openings(&output, study, &summary, refused)?;
     output.print_files(&files)?;

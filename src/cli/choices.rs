@@ -46,16 +46,9 @@ impl Choices {
         study: &Study,
         optimise: &Optimise,
     ) -> Result<Option<&'static str>, Stop> {
-        match &self.front {
-            Some(front) => {
-                output.file("front.csv", &front_csv(study, optimise, front))?;
-                Ok(Some("front.csv"))
-            }
-            None => {
-                output.without("front.csv")?;
-                Ok(None)
-            }
-        }
+        let front = self.front.as_ref();
+        let csv = front.map(|front| front_csv(study, optimise, front));
+        output.file_if_any("front.csv", csv)
     }
 
     /// Says what there is; whether there is a front where one was asked for.
@@ -73,9 +66,7 @@ impl Choices {
                 front.choices.len()
             ))?;
             output.table("front", &front_table(optimise, front))?;
-            for remark in front_remarks(optimise, front) {
-                output.say(&format!("\n{remark}\n"))?;
-            }
+            output.say_remarks(front_remarks(optimise, front))?;
         }
         if let Some(table) = summary.prices_table() {
             output.lead_on(

@@ -44,10 +44,7 @@ pub(super) fn say_outcome(
         output.lead_on("\n")?;
         output.table("constraints", &table)?;
     }
-    for remark in summary.remarks() {
-        output.say(&format!("\n{remark}\n"))?;
-    }
-    Ok(())
+    output.say_remarks(summary.remarks())
 }
 
 /// Says what the tuned design lacks, what the targets leave open, and how the starts ended. `refused` are the errors
@@ -145,14 +142,10 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.without("curves.csv")?;
         output.without("optimised.toml")?;
     }
-    match &after {
-        Some(after) if !plan.sensitivities.is_empty() => {
-            let csv = sensitivities_csv(after, &plan, &study.suspension.mechanism, length);
-            output.file("sensitivities.csv", &csv)?;
-            files.push("sensitivities.csv");
-        }
-        _ => output.without("sensitivities.csv")?,
-    }
+    let wheel = &study.suspension.mechanism;
+    let sensitive = after.as_ref().filter(|_| !plan.sensitivities.is_empty());
+    let csv = sensitive.map(|after| sensitivities_csv(after, &plan, wheel, length));
+    files.extend(output.file_if_any("sensitivities.csv", csv)?);
     files.extend(choices.write(&output, &study, optimise)?);
     if output.directory().is_some() {
         let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
@@ -174,7 +167,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
     let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
     let said = doubts.chain(after.iter().flat_map(|after| remarks(&study, after)));
-    output.say_remarks(
+    output.say_doubts(
         said,
         after.as_ref().is_none_or(|after| after.are_complete()),
     )?;

@@ -234,6 +234,19 @@ impl Output {
         }
     }
 
+    /// Writes a file where there is something to write, and returns its name; else removes that of an earlier run.
+    pub(super) fn file_if_any<'n>(
+        &self,
+        name: &'n str,
+        contents: Option<Vec<u8>>,
+    ) -> Result<Option<&'n str>, Stop> {
+        match &contents {
+            Some(contents) => self.file(name, contents)?,
+            None => self.without(name)?,
+        }
+        Ok(contents.map(|_| name))
+    }
+
     /// The directory, where there is one.
     pub(super) fn directory(&self) -> Option<&RunDirectory> {
         self.directory.as_ref()
@@ -288,9 +301,18 @@ impl Output {
         Ok(())
     }
 
+    /// Says remarks, each set off by itself.
+    pub(super) fn say_remarks(
+        &self,
+        remarks: impl IntoIterator<Item = impl std::fmt::Display>,
+    ) -> Result<(), Stop> {
+        let mut remarks = remarks.into_iter();
+        remarks.try_for_each(|remark| self.say(&format!("\n{remark}\n")))
+    }
+
     /// Says remarks. Where something that was asked for could not be had, the warnings among them say what: also where
     /// quiet was asked for.
-    pub(super) fn say_remarks(
+    pub(super) fn say_doubts(
         &self,
         remarks: impl IntoIterator<Item = String>,
         is_complete: bool,

@@ -20,7 +20,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     let plan = Plan::of(&study);
     let suspension = &study.suspension;
-    let curves = curves(suspension, &plan).map_err(|fault| design_fault(&study, path, &fault))?;
+    let fault = |fault| design_fault(&study, path, &fault);
+    let curves = curves(suspension, &plan).map_err(fault)?;
     let output = Output::open(arguments, &study, "solve")?;
     let wanted = Wanted::open(arguments)?;
 
@@ -28,15 +29,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let summary = SolveSummary::of(&study, &curves);
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &curves_csv(&curves, &plan, length))?;
-    if plan.sensitivities.is_empty() {
-        output.without("sensitivities.csv")?;
-    } else {
-        let csv = sensitivities_csv(&curves, &plan, &suspension.mechanism, length);
-        output.file("sensitivities.csv", &csv)?;
-        files.push("sensitivities.csv");
-    }
-    let of_motions =
-        NamedCurves::all(&study).map_err(|fault| design_fault(&study, path, &fault))?;
+    let sensitive = !plan.sensitivities.is_empty();
+    let csv = sensitive.then(|| sensitivities_csv(&curves, &plan, &suspension.mechanism, length));
+    files.extend(output.file_if_any("sensitivities.csv", csv)?);
+    let of_motions = NamedCurves::all(&study).map_err(fault)?;
     for motion in &of_motions {
         let csv = curves_csv(&motion.curves, &motion.plan, length);
         output.file(&motion.file, &csv)?;
@@ -46,8 +42,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     files.push("summary.json");
     if output.directory().is_some() {
         let design = ("design", "curves.csv", suspension, &curves);
-        let record = Record::of("solve", &study, &plan, &[design])
-            .map_err(|fault| design_fault(&study, path, &fault))?;
+        let record = Record::of("solve", &study, &plan, &[design]).map_err(fault)?;
         output.record("report.json", &record)?;
         files.push("report.json");
     }
@@ -62,10 +57,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table_for_programs("stations", || summary.stations_table());
     output.table("outputs", &summary.table())?;
     output.table_for_programs("not_solved", || summary.failures_table());
-    let doubts = doubts(suspension).map_err(|fault| design_fault(&study, path, &fault))?;
+    let doubts = doubts(suspension).map_err(fault)?;
     let mut complete = curves.are_complete();
     let said = doubts.into_iter().chain(remarks(&study, &curves));
-    output.say_remarks(said, complete)?;
+    output.say_doubts(said, complete)?;
     for failure in FailureRange::all(&curves, plan.drive, study.suspension.length_unit) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

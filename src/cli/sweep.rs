@@ -364,13 +364,9 @@ pub(super) fn finish(
         output.lead_on("\n")?;
     }
     output.table("outputs", &summary.outputs_table())?;
-    if let Some(remark) = summary.of_which() {
-        output.say(&format!("\n{remark}\n"))?;
-    }
+    output.say_remarks(summary.of_which())?;
     output.table_for_programs("effects", || summary.effects_table());
-    for note in summary.notes() {
-        output.say(&format!("\n{note}\n"))?;
-    }
+    output.say_remarks(summary.notes())?;
     let best = summary.best_table();
     if !best.is_empty() {
         output.lead_on("\nBest by misfit, in tolerances:\n\n")?;

@@ -80,9 +80,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         output.lead_on("\nwhat to hold tighter, what may be looser\n\n")?;
         output.table("ranking", &summary.ranking_table())?;
     }
-    for line in summary.failures() {
-        output.say(&format!("\n{line}\n"))?;
-    }
+    output.say_remarks(summary.failures())?;
     let interrupted = builds.builds < tolerance.builds;
     if interrupted {
         output.say_failure(&format!(

@@ -1,12 +1,12 @@
 //! Curves and limits of both wheels.
 
 use crate::errors::failure;
-use crate::study::{cause_of, ends};
+use crate::study::{cause_of, ends, mostly_nan};
 use hardpoint::axle::{AxleEnd, axle_curves};
 use hardpoint::model::{Axis, Side};
 use hardpoint::report::axle_motion;
 use hardpoint::study::AxleStudy;
-use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -42,20 +42,13 @@ pub(crate) fn solve<'py>(
     if !points.is_empty() {
         let sides = if axle.right.is_some() { 2 } else { 1 };
         let shape = [sides, stations.len(), found.columns.len(), points.len(), 3];
-        let sensitivities = PyArrayDyn::<f64>::zeros(py, &shape[..], false);
-        {
-            let mut write = sensitivities.readwrite();
-            let mut view = write.as_array_mut();
-            view.fill(f64::NAN);
-            for s in &found.sensitivities {
-                let side = usize::from(s.side == Some(Side::Right));
-                if let Some(p) = points.iter().position(|p| *p == s.point) {
-                    view[&[side, s.station, s.column, p, s.axis as usize][..]] = s.value;
-                }
-            }
-        }
+        let known = found.sensitivities.iter().filter_map(|s| {
+            let side = usize::from(s.side == Some(Side::Right));
+            let p = points.iter().position(|p| *p == s.point)?;
+            Some(([side, s.station, s.column, p, s.axis as usize], s.value))
+        });
         let names = points.iter().map(|p| axle.left.mechanism.name(*p));
-        result.set_item("sensitivities", sensitivities)?;
+        result.set_item("sensitivities", mostly_nan(py, shape, known))?;
         result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
     }
     Ok(result)

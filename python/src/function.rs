@@ -3,7 +3,7 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{checked, on_threads};
-use hardpoint::{DesignFunction, DesignStatus, DesignVariable, Evaluation};
+use hardpoint::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyReadonlyArray2,
     PyUntypedArrayMethods,
@@ -39,14 +39,7 @@ impl Function {
     #[pyo3(signature = (study, variables=None))]
     fn new(py: Python<'_>, study: &Study, variables: Option<Vec<String>>) -> PyResult<Self> {
         let own = &study.study;
-        let variables = match variables {
-            None => Ok(DesignVariable::of(own)),
-            Some(names) => names
-                .iter()
-                .map(|n| DesignVariable::named(n, own))
-                .collect(),
-        };
-        let function = variables
+        let function = named(own, variables)
             .and_then(|variables| py.detach(|| DesignFunction::with_variables(own, variables)));
         Ok(Function {
             function: function.map_err(|e| failure(e.to_string()))?,
@@ -92,7 +85,8 @@ impl Function {
         threads: Option<usize>,
     ) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<u8>>)> {
         let f = &self.function;
-        let (x, n) = self.rows(&x)?;
+        let n = x.shape()[0];
+        let x = rows(&x, f.variables().len())?;
         let values = PyArray3::<f64>::zeros(py, [n, f.len() / f.stations(), f.stations()], false);
         let mut status = vec![DesignStatus::Ok; n];
         {
@@ -129,7 +123,8 @@ impl Function {
         Bound<'py, PyArray1<u8>>,
     )> {
         let f = &self.function;
-        let (x, n) = self.rows(&x)?;
+        let n = x.shape()[0];
+        let x = rows(&x, f.variables().len())?;
         let (stations, k) = (f.stations(), f.variables().len());
         let outputs = f.len() / stations;
         let values = PyArray3::<f64>::zeros(py, [n, outputs, stations], false);
@@ -154,13 +149,7 @@ impl Function {
                 })
                 .collect();
             self.carry_out(py, threads, chunks, |evaluation, chunk| {
-                let Chunk {
-                    x,
-                    values,
-                    jacobian,
-                    status,
-                } = chunk;
-                evaluation.value_and_jacobian(x, values, jacobian, status);
+                evaluation.value_and_jacobian(chunk.x, chunk.values, chunk.jacobian, chunk.status);
             })?;
         }
         Ok((values, jacobian, words(status).into_pyarray(py)))
@@ -187,20 +176,6 @@ impl Function {
 }
 
 impl Function {
-    /// The rows of an array of designs, and their number.
-    fn rows<'a>(&self, x: &'a PyReadonlyArray2<'_, f64>) -> PyResult<(&'a [f64], usize)> {
-        let k = self.function.variables().len();
-        let shape = x.shape();
-        if shape[1] != k {
-            return Err(failure(format!(
-                "x has shape {shape:?}; expected (n, {k}), a column for each of variables"
-            )));
-        }
-        let slice = x.as_slice();
-        let slice = slice.map_err(|_| failure("x is not contiguous in C order"))?;
-        Ok((slice, shape[0]))
-    }
-
     /// Evaluates chunks: on the calling thread where there is one of either, else on so many threads.
     fn carry_out(
         &self,
@@ -230,6 +205,32 @@ impl Function {
         }
         Ok(())
     }
+}
+
+/// The variables of these names, or those a study moves where none are given.
+pub(crate) fn named(
+    study: &hardpoint::Study,
+    names: Option<Vec<String>>,
+) -> Result<Vec<DesignVariable>, FunctionError> {
+    match names {
+        None => Ok(DesignVariable::of(study)),
+        Some(names) => {
+            let names = names.iter();
+            names.map(|n| DesignVariable::named(n, study)).collect()
+        }
+    }
+}
+
+/// The rows of an array of designs, one after the other, with a column for each of `k` variables.
+pub(crate) fn rows<'a>(x: &'a PyReadonlyArray2<'_, f64>, k: usize) -> PyResult<&'a [f64]> {
+    let shape = x.shape();
+    if shape[1] != k {
+        return Err(failure(format!(
+            "x has shape {shape:?}; expected (n, {k}), a column for each of variables"
+        )));
+    }
+    x.as_slice()
+        .map_err(|_| failure("x is not contiguous in C order"))
 }
 
 fn words(status: Vec<DesignStatus>) -> Vec<u8> {

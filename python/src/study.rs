@@ -8,22 +8,16 @@ use hardpoint::model::Axis;
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::solve::Solver;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
+use hardpoint::study::StudyErrors;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A study: frozen, pickled as its text.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Study {
     pub(crate) study: hardpoint::study::Study,
-}
-
-fn read(name: &str, text: &str, directory: &Path) -> PyResult<Study> {
-    let study = hardpoint::study::Study::from_text(name, text, directory);
-    study
-        .map(|study| Study { study })
-        .map_err(|e| study_error(&e))
 }
 
 #[pymethods]
@@ -33,16 +27,16 @@ impl Study {
     #[pyo3(signature = (path, overrides=Vec::new()))]
     fn load(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
         let study = hardpoint::study::Study::read(&path, &overrides);
-        study
-            .map(|study| Study { study })
-            .map_err(|e| study_error(&e))
+        Study::of(study)
     }
 
     /// From its text; `directory` is where the files it names are.
     #[staticmethod]
     #[pyo3(signature = (text, name="study.toml", directory=None))]
     fn loads(text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
-        read(name, text, &directory.unwrap_or_default())
+        let directory = directory.unwrap_or_default();
+        let study = hardpoint::study::Study::from_text(name, text, &directory);
+        Study::of(study)
     }
 
     /// The text, target curves from files written out.
@@ -113,20 +107,15 @@ impl Study {
         let moved: Vec<Vector3<f64>> = rows
             .map(|p| suspension.frame.vector(Vector3::new(p[0], p[1], p[2])))
             .collect();
-        read(
-            &self.file_name(),
-            &self.study.with_design(&moved),
-            Path::new(""),
-        )
+        let text = self.study.with_design(&moved);
+        Self::loads(&text, &self.file_name(), None)
     }
 
     /// The study with fields overridden, each as in `motion.rack=5.0`.
     fn with_overrides(&self, overrides: Vec<String>) -> PyResult<Self> {
         let file = self.file_name();
         let study = self.study.with_overrides(&file, &overrides);
-        study
-            .map(|study| Study { study })
-            .map_err(|e| study_error(&e))
+        Study::of(study)
     }
 
     fn __repr__(&self) -> String {
@@ -144,6 +133,11 @@ impl Study {
 }
 
 impl Study {
+    fn of(read: Result<hardpoint::study::Study, StudyErrors>) -> PyResult<Self> {
+        let study = read.map_err(|errors| study_error(&errors))?;
+        Ok(Study { study })
+    }
+
     fn file_name(&self) -> String {
         format!("{}.toml", self.study.name)
     }
@@ -222,22 +216,33 @@ pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
     if !plan.sensitivities.is_empty() {
         let points = &plan.sensitivities;
         let shape = [stations.len(), found.columns.len(), points.len(), 3];
-        let array = PyArray4::<f64>::zeros(py, shape, false);
-        {
-            let mut write = array.readwrite();
-            let mut view = write.as_array_mut();
-            view.fill(f64::NAN);
-            for s in &found.sensitivities {
-                if let Some(p) = points.iter().position(|p| *p == s.point) {
-                    view[[s.station, s.column, p, s.axis as usize]] = s.value;
-                }
-            }
-        }
+        let known = found.sensitivities.iter().filter_map(|s| {
+            let p = points.iter().position(|p| *p == s.point)?;
+            Some(([s.station, s.column, p, s.axis as usize], s.value))
+        });
         let names = points.iter().map(|p| own.suspension.mechanism.name(*p));
-        result.set_item("sensitivities", array)?;
+        result.set_item("sensitivities", mostly_nan(py, shape, known))?;
         result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
     }
     Ok(result)
+}
+
+/// An array with values at some places, NaN at all others.
+pub(crate) fn mostly_nan<const N: usize>(
+    py: Python<'_>,
+    shape: [usize; N],
+    known: impl Iterator<Item = ([usize; N], f64)>,
+) -> Bound<'_, PyArrayDyn<f64>> {
+    let array = PyArrayDyn::<f64>::zeros(py, &shape[..], false);
+    {
+        let mut write = array.readwrite();
+        let mut view = write.as_array_mut();
+        view.fill(f64::NAN);
+        for (at, value) in known {
+            view[&at[..]] = value;
+        }
+    }
+    array
 }
 
 /// How far travel, rack and arm go from the design position: (lower, upper) with their causes.

@@ -1,12 +1,12 @@
 //! Sweeps into arrays.
 
 use crate::errors::failure;
+use crate::function::{named, rows};
 use crate::study::Study;
 use crate::threads::on_threads;
-use hardpoint::DesignVariable;
 use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
 use hardpoint::sweep::{NotBegun, SweepPlan};
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
@@ -41,14 +41,7 @@ fn given(
     variables: Option<Vec<String>>,
 ) -> PyResult<Sweep> {
     let own = &study.study;
-    let variables: Result<Vec<_>, _> = match variables {
-        None => Ok(DesignVariable::of(own)),
-        Some(names) => names
-            .iter()
-            .map(|n| DesignVariable::named(n, own))
-            .collect(),
-    };
-    let variables = variables.map_err(|e| failure(e.to_string()))?;
+    let variables = named(own, variables).map_err(|e| failure(e.to_string()))?;
     let swept = variables.iter().map(|variable| {
         let turns = || {
             failure(format!(
@@ -58,14 +51,7 @@ fn given(
         };
         variable.swept_as().ok_or_else(turns)
     });
-    let (shape, k) = (x.shape(), variables.len());
-    if shape[1] != k {
-        return Err(failure(format!(
-            "x has shape {shape:?}; expected (n, {k}), a column for each of variables"
-        )));
-    }
-    let values = x.as_slice();
-    let values = values.map_err(|_| failure("x is not contiguous in C order"))?;
+    let values = rows(x, variables.len())?;
     let table = DesignTable::of(swept.collect::<PyResult<_>>()?, values.to_vec());
     Ok(Sweep {
         designs: Designs::Given(table.map_err(|reason| failure(format!("x: {reason}")))?),

@@ -7,7 +7,7 @@ use super::progress;
 use super::report::Wanted;
 use super::terminal;
 use crate::build::NoSetUp;
-use crate::curves::{Curves, curves};
+use crate::curves::curves;
 use crate::mechanism::DesignFault;
 use crate::plan::Plan;
 use crate::report::{Record, ToleranceSummary, curves_csv};
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let mut files = vec!["tolerance.csv", "contributors.csv", "summary.json"];
     if output.directory().is_some() {
         files.extend(match &study.axle {
-            None => fans(&output, &study, &problem, &builds).map_err(fault)??,
+            None => fans(&output, &study, path, &problem, &builds)?,
             Some(both) => super::axle::fans(&output, &study, both, &problem, &builds)?,
         });
     }
@@ -167,65 +167,47 @@ fn with_progress(
     found
 }
 
-/// Writes the curves of the drawing and of percentiles, with what a page needs; the files that makes.
+/// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
+/// files that makes.
 fn fans(
     output: &Output,
     study: &Study,
+    path: &Path,
     problem: &Problem,
     builds: &MonteCarlo,
-) -> Result<Result<Vec<&'static str>, Stop>, DesignFault> {
-    let length = study.suspension.length_unit;
-    let fan = Fan::of(study, problem, builds)?;
-    let mut designs = Vec::new();
-    for ((name, file, _), curves) in FANS.iter().zip(&fan.percentiles) {
-        designs.push((*name, *file, &study.suspension, curves));
-    }
-    // What matters most is the last.
-    designs.push(("drawn", "curves.csv", &study.suspension, &fan.drawn));
-    let record = Record::of("tolerance", study, &fan.plan, &designs)?;
-    let write = || {
-        let mut files = Vec::new();
-        for (_, file, _, curves) in &designs {
-            output.file(file, &curves_csv(curves, &fan.plan, length))?;
-            files.push(*file);
-        }
-        output.record("report.json", &record)?;
-        files.push("report.json");
-        Ok(files)
-    };
-    Ok(write())
-}
-
-/// Curves of the drawing and of percentiles, each percentile at every station by itself.
-struct Fan {
-    plan: Plan,
-    drawn: Curves,
-    percentiles: Vec<Curves>,
-}
-
-impl Fan {
-    fn of(study: &Study, problem: &Problem, builds: &MonteCarlo) -> Result<Self, DesignFault> {
-        let mut plain = study.clone();
-        plain.formulation = crate::study::Formulation::KnucklePose;
-        plain.outputs = Outputs::of(plain.outputs.characteristics);
-        let plan = Plan::of(&plain);
-        let drawn = curves(&study.suspension, &plan)?;
-        let stations: Vec<usize> = problem.stations.of_motion().collect();
-        let percentiles = FANS.map(|(_, _, percentile)| {
-            let mut curves = drawn.clone();
-            for (station, number) in curves.stations.iter_mut().zip(&stations) {
-                for (output, value) in station.values.iter_mut().enumerate() {
-                    let spread = &builds.spreads[problem.cell(output, *number)];
-                    let found = spread.percentiles[percentile] * drawn.columns[output].factor();
-                    *value = found.is_finite().then_some(found);
-                }
+) -> Result<Vec<&'static str>, Stop> {
+    let mut plain = study.clone();
+    plain.formulation = crate::study::Formulation::KnucklePose;
+    plain.outputs = Outputs::of(plain.outputs.characteristics);
+    let plan = Plan::of(&plain);
+    let fault = |fault| design_fault(study, path, &fault);
+    let wheel = &study.suspension;
+    let drawn = curves(wheel, &plan).map_err(fault)?;
+    let stations: Vec<usize> = problem.stations.of_motion().collect();
+    let fans = FANS.map(|(name, file, percentile)| {
+        let mut curves = drawn.clone();
+        for (station, number) in curves.stations.iter_mut().zip(&stations) {
+            for (output, value) in station.values.iter_mut().enumerate() {
+                let spread = &builds.spreads[problem.cell(output, *number)];
+                let found = spread.percentiles[percentile] * drawn.columns[output].factor();
+                *value = found.is_finite().then_some(found);
             }
-            curves
-        });
-        Ok(Fan {
-            plan,
-            percentiles: percentiles.to_vec(),
-            drawn,
-        })
+        }
+        (name, file, curves)
+    });
+    let percentiles = fans.iter();
+    let mut designs: Vec<_> = percentiles
+        .map(|(name, file, curves)| (*name, *file, wheel, curves))
+        .collect();
+    // What matters most is the last.
+    designs.push(("drawn", "curves.csv", wheel, &drawn));
+    let record = Record::of("tolerance", study, &plan, &designs).map_err(fault)?;
+    let mut files = Vec::new();
+    for (_, file, _, curves) in &designs {
+        output.file(file, &curves_csv(curves, &plan, wheel.length_unit))?;
+        files.push(*file);
     }
+    output.record("report.json", &record)?;
+    files.push("report.json");
+    Ok(files)
 }

@@ -229,25 +229,18 @@ fn sweep_parts(
     line.reset_eta();
     let interrupt = progress::interrupt_flag();
     let go_on = || !interrupt.load(Ordering::SeqCst);
-    let result = loop {
+    let result = 'rounds: loop {
         let before = left.len();
         let mut busy = Vec::new();
-        let mut failed = None;
         for part in left {
             match write_part(plan, text, directory, part, go_on, |designs| {
                 line.inc(designs)
             }) {
                 Ok(PartOutcome::Whole) => {}
                 Ok(PartOutcome::Busy) => busy.push(part),
-                Ok(PartOutcome::Interrupted) => failed = Some(Ok(false)),
-                Err(error) => failed = Some(Err(error)),
+                Ok(PartOutcome::Interrupted) => break 'rounds Ok(false),
+                Err(error) => break 'rounds Err(error),
             }
-            if failed.is_some() {
-                break;
-            }
-        }
-        if let Some(result) = failed {
-            break result;
         }
         if busy.is_empty() {
             break Ok(true);

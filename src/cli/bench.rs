@@ -45,22 +45,22 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let name = format!("bench_{}", study.name);
     let (out, format) = (arguments.out.as_deref(), arguments.format);
     let destination = Destination::of(out, &name, arguments.force, format)?;
-    let (command, files): (_, &[&str]) = match arguments.kind {
-        BenchKind::Throughput => (
-            "bench throughput",
-            &["throughput.csv", "throughput_machine.json"],
-        ),
-        BenchKind::Accuracy => (
-            "bench accuracy",
-            &["accuracy.csv", "accuracy.svg", "accuracy_machine.json"],
-        ),
-        BenchKind::Effects => ("bench effects", &["effects.csv", "effects_machine.json"]),
+    let kind = match arguments.kind {
+        BenchKind::Throughput => "throughput",
+        BenchKind::Accuracy => "accuracy",
+        BenchKind::Effects => "effects",
     };
+    let names = [".csv", ".svg", "_machine.json"].map(|end| format!("{kind}{end}"));
+    let [csv_name, svg_name, machine_name] = names.each_ref().map(String::as_str);
+    let mut files = vec![csv_name, machine_name];
+    if arguments.kind == BenchKind::Accuracy {
+        files.insert(1, svg_name);
+    }
     let claim = Claim {
-        command,
+        command: &format!("bench {kind}"),
         study: &study.name,
         digest: study_digest(&study),
-        files,
+        files: &files,
         inputs: &inputs(&study, path),
         ..Claim::default()
     };
@@ -72,42 +72,38 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let machine = Machine::here(&clock);
     output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
 
-    let (kind, table, picture) = match arguments.kind {
+    let (table, picture) = match arguments.kind {
         BenchKind::Throughput => {
             let threads = arguments.threads.unwrap_or(machine.cores);
             let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
-            ("throughput", throughput_table(&found), None)
+            (throughput_table(&found), None)
         }
         BenchKind::Accuracy => {
             let found = Accuracy::measure(&study, &clock).map_err(stop)?;
             let caption = format!("{}, {}", study.name, machine.line());
             let svg = accuracy_picture(&found, &caption);
-            ("accuracy", accuracy_table(&found), Some(svg))
+            (accuracy_table(&found), Some(svg))
         }
         BenchKind::Effects => {
             let found = Effects::measure(&study, &clock).map_err(stop)?;
-            ("effects", effects_table(&found), None)
+            (effects_table(&found), None)
         }
     };
-    let mut files = vec![format!("{kind}.csv")];
-    output.main_csv(&files[0], table.csv(None).as_bytes())?;
+    output.main_csv(csv_name, table.csv(None).as_bytes())?;
     if let Some(svg) = picture {
-        files.push(format!("{kind}.svg"));
-        output.file(&files[1], svg.as_bytes())?;
+        output.file(svg_name, svg.as_bytes())?;
     }
-    files.push(format!("{kind}_machine.json"));
     let circumstances = Circumstances {
         benchmark: kind,
         study: &study.name,
         topology: study.suspension.mechanism.topology.name,
         machine: &machine,
     };
-    output.json(&files[files.len() - 1], &circumstances)?;
+    output.json(machine_name, &circumstances)?;
     if output.directory().is_some() {
         output.table(kind, &table)?;
     }
     // On standard output the table is the main CSV already.
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
     output.print_files(&files)?;
     Ok(Exit::Done)
 }

@@ -3,6 +3,7 @@
 use super::TableFormat;
 use super::axle;
 use super::exit::{Exit, Stop};
+use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::curves::curves;
 use crate::model::{Axis, LengthUnit, Suspension};
@@ -191,9 +192,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     })?;
     let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
     let table = CurveTable::read(&csv).map_err(refused)?;
-    let kept = ["optimised.toml", "study.toml"].map(|name| path.join(name));
-    if let Some(file) = kept.iter().find(|file| file.is_file()) {
-        let study = Study::read(file, &[])?;
+    if let Some(study) = kept_study(path, &[])? {
         return Ok(compared(label, &study.suspension, table));
     }
     let first = table.header.first().map_or("", String::as_str);

@@ -1,6 +1,7 @@
 //! `hardpoint export`
 
 use super::exit::{Exit, Stop};
+use super::output::kept_study;
 use super::terminal::{note, width};
 use crate::curves::{Curves, curves};
 use crate::exchange::{
@@ -148,17 +149,13 @@ impl Source {
                     source.tables.push((name, bytes));
                 }
             }
-            let kept = ["optimised.toml", "study.toml"].map(|name| path.join(name));
-            let kept = kept.into_iter().find(|file| file.is_file());
-            if source.tables.is_empty() && kept.is_none() {
+            source.study = kept_study(path, &arguments.set)?;
+            if source.tables.is_empty() && source.study.is_none() {
                 return Err(Stop::in_file(
                     path,
                     "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
                 ));
             }
-            source.study = kept
-                .map(|file| Study::read(&file, &arguments.set))
-                .transpose()?;
         } else {
             source.study = Some(Study::read(path, &arguments.set)?);
         }

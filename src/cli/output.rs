@@ -372,6 +372,13 @@ impl Output {
     }
 }
 
+/// The study that a run's directory keeps, of a tuning the tuned one.
+pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Option<Study>, Stop> {
+    let kept = ["optimised.toml", STUDY_COPY].map(|name| directory.join(name));
+    let kept = kept.iter().find(|file| file.is_file());
+    Ok(kept.map(|file| Study::read(file, overrides)).transpose()?)
+}
+
 /// All the files a run reads.
 pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
     let mut inputs = study.inputs.clone();

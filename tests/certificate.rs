@@ -42,13 +42,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
                 };
                 assert!(certificate.error <= sharpness * size, "{certificate:?}");
                 assert!(certificate.error <= certificate.uniqueness);
-                let at = Configuration {
-                    mechanism: &case.mechanism,
-                    design: &case.design,
-                    pose: *pose,
-                    rack,
-                    steering: None,
-                };
+                let at = Configuration::new(&case.mechanism, &case.design, *pose, rack);
                 for p in ["p5", "p8", "p10", "p11"] {
                     let id = case.point(p);
                     let wanted = case.frame.vector(vector(&state["positions"][p]));

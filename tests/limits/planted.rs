@@ -173,13 +173,7 @@ impl Planted {
         };
         let is_here = |end: &&RangeEnd| match end {
             RangeEnd::Fold(limit) => {
-                let at = Configuration {
-                    mechanism: &self.mechanism,
-                    design: &design,
-                    pose: limit.pose,
-                    rack: 0.0,
-                    steering: None,
-                };
+                let at = Configuration::new(&self.mechanism, &design, limit.pose, 0.0);
                 let carried = |id: &usize| self.mechanism.points[*id].body == Body::Knuckle;
                 let points = (0..design.len()).filter(carried);
                 let off = points.map(|id| (at.point(PointId(id)) - self.folded[id]).norm());

@@ -14,9 +14,9 @@
 use crate::derive::MotionPoint;
 use crate::derive::sensitivity::HardpointGradient;
 use crate::mechanism::DesignFault;
+use crate::mechanism::Pose;
 use crate::mechanism::ROUNDING;
 use crate::mechanism::RowSet;
-use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{LimitCause, PartMeasure, Toggle};
 use crate::model::Drive;
 use crate::model::{PointId, RockerId, Rod};
@@ -196,13 +196,7 @@ impl Solver<'_> {
                 let Ok(pose) = pose else {
                     return ControlFlow::Break(());
                 };
-                let at = Configuration {
-                    mechanism: solver.mechanism(),
-                    design: solver.design(),
-                    pose: *pose,
-                    rack: 0.0,
-                    steering: None,
-                };
+                let at = solver.configuration(pose, 0.0);
                 first = at.toggle(rocker).map(|rod| (place, rod));
                 match first {
                     Some(_) => ControlFlow::Break(()),
@@ -244,20 +238,22 @@ impl Solver<'_> {
         let end = |target: f64| match curve.to(&start.0, value, target) {
             Ok(_) => RangeEnd::FullTurn,
             Err(PathEnd::Unresolved(value)) => RangeEnd::Unresolved(value),
-            Err(PathEnd::Fold(fold)) => RangeEnd::Fold(Limit {
-                value: fold.value(),
-                cause: curve.cause(&fold),
-                nearest: nearest_part(&curve.configuration(&fold)),
-                dependent: match curve.cause(&fold) {
-                    LimitCause::DependentLinks => {
-                        let at = curve.configuration(&fold);
-                        dependent_links(curve.closure, &at, curve.size)
-                    }
-                    _ => Vec::new(),
-                },
-                pose: fold.pose(),
-                gradient: curve.fold_gradient(&fold),
-            }),
+            Err(PathEnd::Fold(fold)) => {
+                let (at, cause) = (curve.configuration(&fold), curve.cause(&fold));
+                RangeEnd::Fold(Limit {
+                    value: fold.value(),
+                    cause,
+                    nearest: nearest_part(&at),
+                    dependent: match cause {
+                        LimitCause::DependentLinks => {
+                            dependent_links(curve.closure, &at, curve.size)
+                        }
+                        _ => Vec::new(),
+                    },
+                    pose: fold.pose(),
+                    gradient: curve.fold_gradient(&fold),
+                })
+            }
         };
         Ok(Range {
             lower: end(-farthest),
@@ -270,13 +266,7 @@ impl Curve<'_> {
     /// Derivative of the value at a fold by every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());
-        let at = Configuration {
-            mechanism: self.mechanism,
-            design: self.design,
-            pose: fold.pose(),
-            rack: motion.rack,
-            steering: None,
-        };
+        let at = self.configuration(fold);
         let mut gradient = vec![Vector3::new(0.0, 0.0, 0.0); self.design.len()];
         self.closure.differential(
             RowSet::ALL,

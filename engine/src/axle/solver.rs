@@ -409,13 +409,7 @@ impl<'a, const N: usize> Corner<'a, N> {
 
     /// The wheel in a pose, with the rack in the middle.
     fn standing(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
-        Configuration {
-            mechanism: self.mechanism,
-            design: self.solver.design(),
-            pose,
-            rack: 0.0,
-            steering: None,
-        }
+        Configuration::new(self.mechanism, self.solver.design(), pose, 0.0)
     }
 
     /// Solves the pose at a travel and hands it to `read`.

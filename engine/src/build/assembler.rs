@@ -345,13 +345,12 @@ impl Assembler {
         parts: &'a Parts<T>,
         pose: &Pose<T>,
     ) -> Configuration<'a, T> {
-        Configuration {
-            mechanism: &self.suspension.mechanism,
-            design: &parts.points,
-            pose: *pose,
-            rack: pose.origin.x.zero(),
-            steering: None,
-        }
+        Configuration::new(
+            &self.suspension.mechanism,
+            &parts.points,
+            *pose,
+            pose.origin.x.zero(),
+        )
     }
 
     /// The closure equations of parts.

@@ -181,13 +181,7 @@ impl<const N: usize> DesignSeries<N> {
             }
             _ => pose.map(Jet::constant),
         };
-        let mut configuration = Configuration {
-            mechanism,
-            design: &self.design,
-            pose: series,
-            rack: motion.rack,
-            steering: None,
-        };
+        let mut configuration = Configuration::new(mechanism, &self.design, series, motion.rack);
         if let (Some(_), Some(lu)) = (&self.steered, factors) {
             work.note(|w| w.right_hand_sides += N as u64);
             let twist = twist_by_rack(&configuration, &self.closure, motion.driver(), lu);
@@ -222,13 +216,7 @@ impl<const N: usize> DesignSeries<N> {
         pose: &Pose<Jet<f64, N>>,
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Vector6<Jet<f64, N>> {
-        let at = Configuration {
-            mechanism,
-            design: &self.design,
-            pose: *pose,
-            rack: motion.rack,
-            steering: None,
-        };
+        let at = Configuration::new(mechanism, &self.design, *pose, motion.rack);
         self.closure.residuals(&at, motion.driver())
     }
 
@@ -239,13 +227,7 @@ impl<const N: usize> DesignSeries<N> {
         pose: Pose<Jet<f64, N>>,
         rack: Jet<f64, N>,
     ) -> Configuration<'a, Jet<f64, N>> {
-        Configuration {
-            mechanism,
-            design: &self.design,
-            pose,
-            rack,
-            steering: None,
-        }
+        Configuration::new(mechanism, &self.design, pose, rack)
     }
 
     /// The configuration made ready for sensitivities.

@@ -25,13 +25,7 @@ pub(crate) fn pose_series<const N: usize>(
 ) -> Pose<Jet<f64, N>> {
     let mut series = pose.map(Jet::constant);
     for k in 1..N {
-        let at = Configuration {
-            mechanism,
-            design,
-            pose: series,
-            rack,
-            steering: None,
-        };
+        let at = Configuration::new(mechanism, design, series, rack);
         let residuals = closure.residuals(&at, driver);
         let correction = lu.solve(each(&residuals, |r| -r[k]));
         let term = |value: f64| {

@@ -242,16 +242,15 @@ impl<T: Real> Closure<T> {
     ) -> RowSet {
         let origin = design[mechanism.origin.0];
         let like = origin.x.one();
-        let at = Configuration {
+        let at = Configuration::new(
             mechanism,
             design,
-            pose: Pose {
+            Pose {
                 origin,
                 rotation: Matrix3::identity(like),
             },
-            rack: like.zero(),
-            steering: None,
-        };
+            like.zero(),
+        );
         let drivers = [
             Driver::Travel(like.zero()),
             Driver::ArmAngle {

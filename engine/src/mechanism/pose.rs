@@ -160,6 +160,18 @@ impl<T: Real> Sink<T> for Wrench<T> {
 }
 
 impl<'a, T: Real> Configuration<'a, T> {
+    /// A design in a pose, of whose steering nothing is known.
+    #[inline(always)]
+    pub fn new(mechanism: &'a Mechanism, design: &'a [Vector3<T>], pose: Pose<T>, rack: T) -> Self {
+        Configuration {
+            mechanism,
+            design,
+            pose,
+            rack,
+            steering: None,
+        }
+    }
+
     /// Design position of a point.
     #[inline(always)]
     pub fn designed(&self, id: PointId) -> Vector3<T> {

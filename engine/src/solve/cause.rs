@@ -76,13 +76,12 @@ impl Curve<'_> {
 
     /// The mechanism at a fold.
     pub(crate) fn configuration(&self, fold: &CurvePoint) -> Configuration<'_, f64> {
-        Configuration {
-            mechanism: self.mechanism,
-            design: self.design,
-            pose: fold.pose(),
-            rack: self.motion(fold.value()).rack,
-            steering: None,
-        }
+        Configuration::new(
+            self.mechanism,
+            self.design,
+            fold.pose(),
+            self.motion(fold.value()).rack,
+        )
     }
 }
 

@@ -210,13 +210,7 @@ impl Curve<'_> {
     /// [F_x  F_q] in sizes.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
-        let at = Configuration {
-            mechanism: self.mechanism,
-            design: self.design,
-            pose: *pose,
-            rack: motion.rack,
-            steering: None,
-        };
+        let at = Configuration::new(self.mechanism, self.design, *pose, motion.rack);
         let jacobian = self.closure.jacobian(&at, motion.driver());
         let by_value = self.design_series.residuals(
             self.mechanism,
@@ -295,13 +289,7 @@ impl Curve<'_> {
         let (mut missed, mut last) = (0.0, f64::INFINITY);
         for iteration in 0..12 {
             let motion = self.motion(value);
-            let at = Configuration {
-                mechanism: self.mechanism,
-                design: self.design,
-                pose,
-                rack: motion.rack,
-                steering: None,
-            };
+            let at = Configuration::new(self.mechanism, self.design, pose, motion.rack);
             let residuals = self.closure.residuals(&at, motion.driver());
             self.work.note(Work::note_newton);
             let factors = bordered(&self.matrix(&pose, value), &from.tangent)?;

@@ -122,13 +122,7 @@ impl<'m, T: Scalar> SixEquations<'m, T> {
     /// The design in a pose.
     #[inline]
     pub(crate) fn configuration(&self, pose: Pose<T>) -> Configuration<'_, T> {
-        Configuration {
-            mechanism: self.mechanism,
-            design: &self.design,
-            pose,
-            rack: self.rack,
-            steering: None,
-        }
+        Configuration::new(self.mechanism, &self.design, pose, self.rack)
     }
 }
 

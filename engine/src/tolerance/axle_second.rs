@@ -198,13 +198,7 @@ impl<'p> Places<'p> {
             let (design, closure) = (&designs[number], &closures[number]);
             let driver = Driver::Travel(travel);
             let pose = pose_series(mechanism, design, closure, factors, pose, driver, rack);
-            let at = Configuration {
-                mechanism,
-                design,
-                pose,
-                rack,
-                steering: None,
-            };
+            let at = Configuration::new(mechanism, design, pose, rack);
             Reading::standing(&Snapshot::of(&at, &self.parts))
         };
         let (sine, cosine) = place.roll.sin_cos();

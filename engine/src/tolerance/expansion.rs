@@ -303,13 +303,7 @@ impl<'p> Poses<'p> {
             let pose = crate::derive::pose_series(
                 mechanism, &design, &closure, factors, pose, driver, rack,
             );
-            let at = Configuration {
-                mechanism,
-                design: &design,
-                pose,
-                rack,
-                steering: None,
-            };
+            let at = Configuration::new(mechanism, &design, pose, rack);
             let reading = WheelReading::reading(&at, self.constants, self.slots);
             for (output, c) in problem.characteristics().iter().enumerate() {
                 if self.readable[output] {

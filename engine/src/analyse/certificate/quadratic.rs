@@ -106,13 +106,7 @@ impl Quadratic {
                 cosine: input(DRIVE[1]),
             },
         };
-        let at = Configuration {
-            mechanism,
-            design: &design_series,
-            pose,
-            rack: input(RACK),
-            steering: None,
-        };
+        let at = Configuration::new(mechanism, &design_series, pose, input(RACK));
         let closed = closure.residuals(&at, driver);
         let [a, b, c] = pose.rotation.columns;
         let norm = |v: Vector3<Twice>| (v.norm_squared() - v.x.one()).scaled(0.5);
@@ -368,13 +362,7 @@ mod tests {
                         cosine: along(1.0, 1.0),
                     },
                 };
-                let at = Configuration {
-                    mechanism,
-                    design: &design,
-                    pose,
-                    rack,
-                    steering: None,
-                };
+                let at = Configuration::new(mechanism, &design, pose, rack);
                 for (row, residual) in closure.residuals(&at, driver).into_iter().enumerate() {
                     let third = residual[3].abs();
                     assert!(third < 1e-12 * size, "{}: equation {row}", topology.name);

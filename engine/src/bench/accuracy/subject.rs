@@ -147,13 +147,7 @@ impl<'s> Subject<'s> {
         design: &'a [Vector3<T>],
         pose: Pose<T>,
     ) -> Configuration<'a, T> {
-        Configuration {
-            mechanism: &self.suspension.mechanism,
-            design,
-            pose,
-            rack: T::of(self.rack),
-            steering: None,
-        }
+        Configuration::new(&self.suspension.mechanism, design, pose, T::of(self.rack))
     }
 
     /// The design over another kind of number.

@@ -340,13 +340,7 @@ impl<'m> Solver<'m> {
         pose: &Pose<f64>,
         rack: f64,
     ) -> Configuration<'a, f64> {
-        Configuration {
-            mechanism: self.mechanism,
-            design: &self.design,
-            pose: *pose,
-            rack,
-            steering: None,
-        }
+        Configuration::new(self.mechanism, &self.design, *pose, rack)
     }
 
     pub(crate) fn factorise(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Lu6<f64>> {

@@ -118,14 +118,14 @@ impl Solver<'_> {
             if depth == MOST_HALVINGS {
                 return Err(failed);
             }
-            let ((pose, start), (_, end)) = (from.place, goal.place);
+            let ((_, start), (_, end)) = (from.place, goal.place);
             let between = MotionPoint {
                 drive: end.drive,
                 value: 0.5 * (start.value + end.value),
                 rack: 0.5 * (start.rack + end.rack),
             };
             let middle = self
-                .pose_towards(&pose, &start, &between)
+                .follow(&from.place, &between)
                 .map_err(|_| Unproven::Branch)?;
             let top = goals.last_mut().expect("looked at above");
             top.1 += 1;

@@ -1,6 +1,6 @@
 //! Following the closure equations with steps small enough that Newton's method cannot leave the branch.
 
-use super::{PathPoint, Solver};
+use super::{Solver, Station};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
 use crate::mechanism::Driver;
@@ -23,18 +23,18 @@ impl Solver<'_> {
     /// that takes many, by the arc length of the path, which passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
-        from: &PathPoint,
+        from: &Station,
         to: &MotionPoint<f64>,
     ) -> Result<Pose<f64>, Failure> {
         self.lift();
         let design_series = self.design_series.as_ref().expect("just made");
-        let start = from.point;
+        let (mut pose, start) = *from;
         let between = |t: f64| MotionPoint {
             drive: to.drive,
             value: start.value + (to.value - start.value) * t,
             rack: start.rack + (to.rack - start.rack) * t,
         };
-        let (mut reached, mut step, mut pose) = (0.0, 1.0_f64, from.pose);
+        let (mut reached, mut step) = (0.0, 1.0_f64);
         let mut lu = self.factorise(&pose, &start);
         while reached < 1.0 {
             let target = if reached + step >= 1.0 {

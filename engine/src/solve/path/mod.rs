@@ -52,15 +52,8 @@ pub struct Solver<'m> {
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
-/// A pose with the motion point it was found at.
+/// A place on the path: a pose with the motion point it was found at.
 pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
-
-/// A place on the path.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PathPoint {
-    point: MotionPoint<f64>,
-    pose: Pose<f64>,
-}
 
 impl<'m> Solver<'m> {
     /// A solver for this mechanism, at first for this design. Others should be near it: where they are not, they
@@ -193,7 +186,7 @@ impl<'m> Solver<'m> {
         self.note_tracked(&tracked);
         let mut placed = None;
         'sides: for side in station_order.sides() {
-            let mut last: Option<Result<PathPoint, Failure>> = None;
+            let mut last: Option<Result<Station, Failure>> = None;
             for &station in side {
                 let point = MotionPoint {
                     drive,
@@ -202,8 +195,8 @@ impl<'m> Solver<'m> {
                 };
                 let here = match tracked.poses[station] {
                     // Known exactly; the tracker's is it but for rounding, which counts beside a rocker's toggle.
-                    _ if point == design.point => Ok(design),
-                    Ok(pose) => Ok(PathPoint { point, pose }),
+                    _ if point == design.1 => Ok(design),
+                    Ok(pose) => Ok((pose, point)),
                     Err(_) => {
                         let from = last.unwrap_or_else(|| {
                             *placed.get_or_insert_with(|| self.displaced(&design, rack))
@@ -212,7 +205,7 @@ impl<'m> Solver<'m> {
                     }
                 };
                 last = Some(here);
-                let found = here.as_ref().map(|at| &at.pose).map_err(|f| *f);
+                let found = here.as_ref().map(|(pose, _)| pose).map_err(|f| *f);
                 if visit(self, station, found).is_break() {
                     break 'sides;
                 }
@@ -243,22 +236,9 @@ impl<'m> Solver<'m> {
         });
     }
 
-    /// The place at zero drive with the rack displaced.
-    fn rack_placed(
-        &mut self,
-        drive: Drive,
-        rack: f64,
-    ) -> Result<Result<PathPoint, Failure>, DesignFault> {
-        let start = self.start(drive)?;
-        Ok(self.displaced(&start, rack))
-    }
-
     /// The place at zero drive with the rack displaced, from the design position.
-    fn displaced(&mut self, design: &PathPoint, rack: f64) -> Result<PathPoint, Failure> {
-        let point = MotionPoint {
-            rack,
-            ..design.point
-        };
+    fn displaced(&mut self, design: &Station, rack: f64) -> Result<Station, Failure> {
+        let point = MotionPoint { rack, ..design.1 };
         self.advance(design, point)
     }
 
@@ -268,12 +248,12 @@ impl<'m> Solver<'m> {
         drive: Drive,
         rack: f64,
     ) -> Result<Result<Station, Failure>, DesignFault> {
-        let place = self.rack_placed(drive, rack)?;
-        Ok(place.map(|place| (place.pose, place.point)))
+        let start = self.start(drive)?;
+        Ok(self.displaced(&start, rack))
     }
 
     /// Pose and motion point of the design position.
-    pub(crate) fn design_place(&self, drive: Drive) -> (Pose<f64>, MotionPoint<f64>) {
+    pub(crate) fn design_place(&self, drive: Drive) -> Station {
         let pose = self.design_pose();
         let point = MotionPoint {
             drive,
@@ -281,20 +261,6 @@ impl<'m> Solver<'m> {
             rack: 0.0,
         };
         (pose, point)
-    }
-
-    /// The pose at `to`, followed from the one at `from`.
-    pub(crate) fn pose_towards(
-        &mut self,
-        pose: &Pose<f64>,
-        from: &MotionPoint<f64>,
-        to: &MotionPoint<f64>,
-    ) -> Result<Pose<f64>, Failure> {
-        let place = PathPoint {
-            point: *from,
-            pose: *pose,
-        };
-        self.follow(&place, to)
     }
 
     /// The path on which `moving` moves and the rest is held as at `held`.
@@ -325,14 +291,14 @@ impl<'m> Solver<'m> {
     }
 
     /// The design position, if the drive can move the mechanism from there.
-    fn start(&self, drive: Drive) -> Result<PathPoint, DesignFault> {
+    fn start(&self, drive: Drive) -> Result<Station, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
             .factorise(&pose, &point)
             .filter(|lu| lu.determinant().abs() > DEGENERATE)
             .ok_or(DesignFault::Singular)?;
         debug_assert!(lu.determinant().is_finite());
-        Ok(PathPoint { point, pose })
+        Ok((pose, point))
     }
 
     pub(crate) fn configuration<'a>(
@@ -360,11 +326,10 @@ impl<'m> Solver<'m> {
     }
 
     /// The place at `to`, followed from another.
-    fn advance(&mut self, from: &PathPoint, to: MotionPoint<f64>) -> Result<PathPoint, Failure> {
-        if to == from.point {
+    fn advance(&mut self, from: &Station, to: MotionPoint<f64>) -> Result<Station, Failure> {
+        if to == from.1 {
             return Ok(*from);
         }
-        let pose = self.follow(from, &to)?;
-        Ok(PathPoint { point: to, pose })
+        Ok((self.follow(from, &to)?, to))
     }
 }

@@ -124,43 +124,36 @@ impl Curve<'_> {
                     && dot(&here.tangent, &next.tangent) > STRAIGHT
                     && !self.may_turn_twice(&here, next, step)
             });
-            let Some((next, missed)) = next else {
-                step *= 0.5;
-                if step < SHORTEST_STEP {
-                    return Err(unresolved(&here));
-                }
-                continue;
-            };
             let past = |p: &CurvePoint| direction * (p.value() - target) >= 0.0;
-            if direction * next.moved[1] <= 0.0 {
-                match self.fold(&here, &next, step) {
-                    Some(fold) if past(&fold) => {
-                        if let Some(found) = self.before_fold(&fold, target) {
-                            return Ok(found);
+            match next {
+                Some((next, _)) if direction * next.moved[1] <= 0.0 => {
+                    match self.fold(&here, &next, step) {
+                        Some(fold) if past(&fold) => {
+                            if let Some(found) = self.before_fold(&fold, target) {
+                                return Ok(found);
+                            }
                         }
+                        Some(fold) => return Err(PathEnd::Fold(Box::new(fold))),
+                        None => {}
                     }
-                    Some(fold) => return Err(PathEnd::Fold(Box::new(fold))),
-                    None => {}
                 }
-                step *= 0.5;
-                if step < SHORTEST_STEP {
-                    return Err(unresolved(&here));
+                Some((next, _)) if past(&next) => {
+                    if let Some(found) = self.settle(&next, target, step) {
+                        return Ok(found);
+                    }
                 }
-                continue;
+                Some((next, missed)) => {
+                    here = next;
+                    if missed < 0.1 * GOOD_PREDICTION * step {
+                        step = (2.0 * step).min(LONGEST_STEP);
+                    }
+                    continue;
+                }
+                None => {}
             }
-            if past(&next) {
-                if let Some(found) = self.settle(&next, target, step) {
-                    return Ok(found);
-                }
-                step *= 0.5;
-                if step < SHORTEST_STEP {
-                    return Err(unresolved(&here));
-                }
-                continue;
-            }
-            here = next;
-            if missed < 0.1 * GOOD_PREDICTION * step {
-                step = (2.0 * step).min(LONGEST_STEP);
+            step *= 0.5;
+            if step < SHORTEST_STEP {
+                return Err(unresolved(&here));
             }
         }
         Err(unresolved(&here))

@@ -264,6 +264,7 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
             };
             let values: Vec<f64> = (-4..=4).map(|k| 0.25 * k as f64 * reach * unit).collect();
             let station_order = StationOrder::through(&values);
+            let series = DesignSeries::<1>::new(mechanism, &design);
             let visited =
                 solver.for_each_pose(drive, &station_order, 0.0, |solver, station, pose| {
                     if let Ok(pose) = pose {
@@ -272,7 +273,9 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
                             value: values[station],
                             rack: 0.0,
                         };
-                        let found = solver.estimated_conditioning(pose, &point).number;
+                        let conditioned =
+                            solver.conditioned_series(&series, pose, &point.along_drive());
+                        let found = conditioned.unwrap().1.number;
                         let true_one = solver.conditioning(pose, &point).number;
                         match found == true_one {
                             true => exact += 1,

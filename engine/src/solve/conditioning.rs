@@ -97,41 +97,9 @@ impl Solver<'_> {
         })
     }
 
-    /// As [`Solver::conditioning`], or where the closed form gave the pose and is far from any singularity
-    /// an estimate that costs next to nothing, and is right to within a factor of ten
-    /// ([`Conditioning::ESTIMATED`]).
-    pub fn estimated_conditioning(
-        &self,
-        pose: &Pose<f64>,
-        point: &MotionPoint<f64>,
-    ) -> Conditioning {
-        let motion = MotionPoint {
-            drive: point.drive,
-            value: Jet::<f64, 1>::constant(point.value),
-            rack: Jet::constant(point.rack),
-        };
-        let known = self.closed_form_series(pose, &motion);
-        self.condition_from(known.map(|(_, condition)| condition), pose, point)
-    }
-
-    fn condition_from(
-        &self,
-        estimate: Option<f64>,
-        pose: &Pose<f64>,
-        point: &MotionPoint<f64>,
-    ) -> Conditioning {
-        match estimate {
-            // Written so that NaN is computed anew.
-            Some(number) if number < Conditioning::ESTIMATED => Conditioning {
-                number,
-                distance: self.size() / number,
-            },
-            _ => self.conditioning(pose, point),
-        }
-    }
-
     /// As [`Solver::configuration_series`], with the condition: from the factors of the Jacobian where it had to
-    /// be factorised, else as [`Solver::estimated_conditioning`].
+    /// be factorised; where the closed form gave the pose and is far from any singularity
+    /// ([`Conditioning::ESTIMATED`]) an estimate that costs next to nothing, and is right to within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -139,14 +107,20 @@ impl Solver<'_> {
         motion: &MotionPoint<Jet<f64, N>>,
     ) -> Result<(Configuration<'a, Jet<f64, N>>, Conditioning), Failure> {
         let is_simple = !design_series.is_steered();
-        if let Some((series, estimate)) = is_simple
+        if let Some((series, number)) = is_simple
             .then(|| self.closed_form_series(pose, motion))
             .flatten()
         {
-            return Ok((
-                design_series.at(self.mechanism(), series, motion.rack),
-                self.condition_from(Some(estimate), pose, &motion.value_point()),
-            ));
+            let configuration = design_series.at(self.mechanism(), series, motion.rack);
+            // Written so that NaN is computed anew.
+            let condition = match number < Conditioning::ESTIMATED {
+                true => Conditioning {
+                    number,
+                    distance: self.size() / number,
+                },
+                false => self.conditioning(pose, &motion.value_point()),
+            };
+            return Ok((configuration, condition));
         }
         let (configuration, factors) =
             self.factorised_series(design_series, pose, motion, false)?;

@@ -244,7 +244,9 @@ impl<'a> Batch<'a> {
             drive,
             routes: racks
                 .iter()
-                .map(|rack| Route::through(station_order, *rack, longest, LONGEST_STEP * size))
+                .map(|rack| {
+                    Route::through(station_order, [*rack, 0.0], longest, LONGEST_STEP * size)
+                })
                 .collect(),
             distinct: mechanism.lengths().collect(),
             shortest: (SHORTEST_LENGTH * coordinate_scale).powi(2),

@@ -192,9 +192,8 @@ impl<'a> PairBatch<'a> {
             PairDrive::Heave => longest_travel,
             PairDrive::Roll { half_track, .. } => longest_travel / half_track,
         };
-        let route = |s: &PairStations| {
-            Route::with_lead(&s.order, [s.rack, s.heave], longest, longest_travel)
-        };
+        let route =
+            |s: &PairStations| Route::through(&s.order, [s.rack, s.heave], longest, longest_travel);
         Some(PairBatch {
             routes: stations.iter().map(route).collect(),
             wheels,

@@ -73,20 +73,9 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// The way through the stations with the rack displaced, in steps of the drive and of the rack no longer
-    /// than these.
+    /// The way through the stations in steps of the drive no longer than `longest`, rack and heave going to their
+    /// places first, in steps of either no longer than `longest_of_lead`.
     pub(crate) fn through(
-        station_order: &StationOrder,
-        rack: f64,
-        longest: f64,
-        longest_of_rack: f64,
-    ) -> Route {
-        Route::with_lead(station_order, [rack, 0.0], longest, longest_of_rack)
-    }
-
-    /// The same with rack and heave going to their places first, in steps of either no longer than
-    /// `longest_of_lead`.
-    pub(crate) fn with_lead(
         station_order: &StationOrder,
         [rack, heave]: [f64; 2],
         longest: f64,
@@ -278,7 +267,7 @@ mod tests {
     #[test]
     fn stencils_reproduce_polynomials() {
         let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
-        let route = Route::through(&station_order, 0.0, 0.3, 1.0);
+        let route = Route::through(&station_order, [0.0; 2], 0.3, 1.0);
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
@@ -299,7 +288,7 @@ mod tests {
     #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
         let station_order = StationOrder::through(&[-2.0, 0.0, 1.0, 0.1]);
-        let route = Route::through(&station_order, 0.25, 0.5, 0.1);
+        let route = Route::through(&station_order, [0.25, 0.0], 0.5, 0.1);
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
@@ -310,7 +299,8 @@ mod tests {
         assert!(route.places.iter().all(|p| p.step.abs() <= 0.5));
         assert!(route.is_complete);
         let incomplete = |values: &[f64], rack: f64| {
-            !Route::through(&StationOrder::through(values), rack, 0.5, 1.0).is_complete
+            let order = StationOrder::through(values);
+            !Route::through(&order, [rack, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
         // Out of all reach.

@@ -61,7 +61,7 @@ fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
 fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let equations = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel).ok()?;
     let (mut poses, mut condition) = ([None; 4], 0.0_f64);
-    equations.for_each_pose(&equations.design(), &TRAVELS, |station, pose| {
+    equations.for_each_pose(&equations.design(), &TRAVELS, &mut |station, pose| {
         poses[station] = pose.ok().map(|pose| {
             condition = condition.max(equations.condition(pose));
             let series = equations.knuckle_pose::<1>(pose, Rates::BY_DRIVE).unwrap();

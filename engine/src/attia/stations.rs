@@ -30,16 +30,6 @@ impl PointCoordinates {
         &self,
         start: &Pose,
         values: &[f64],
-        mut visit: impl FnMut(usize, Result<&Pose, Refusal>),
-    ) {
-        self.march(start, values, &mut visit);
-    }
-
-    /// The same, compiled once for all visitors.
-    fn march(
-        &self,
-        start: &Pose,
-        values: &[f64],
         visit: &mut dyn FnMut(usize, Result<&Pose, Refusal>),
     ) {
         let Station { value, rack } = start.station();

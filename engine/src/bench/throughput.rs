@@ -501,7 +501,7 @@ impl<'a> Sweep<'a> {
                     let Ok(start) = equations.placed(0.0) else {
                         continue;
                     };
-                    equations.for_each_pose(&start, sweep.stations.values(), |_, pose| {
+                    equations.for_each_pose(&start, sweep.stations.values(), &mut |_, pose| {
                         let _ = black_box(pose);
                     });
                 }

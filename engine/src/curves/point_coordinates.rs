@@ -73,7 +73,7 @@ impl<const N: usize> Run<'_, N> {
             let start_value = start.station().value;
             driven
                 .equations
-                .for_each_pose(&start, &values, |number, pose| {
+                .for_each_pose(&start, &values, &mut |number, pose| {
                     let read = |pose: &Pose| {
                         let configuration = self.configuration(&driven, pose)?;
                         Ok(Findings {

@@ -370,7 +370,7 @@ fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement
         Some(subject.camber_at(&pose.map(|c| c[0])))
     };
     let run = |visit: &mut dyn FnMut(usize, f64)| {
-        equations.for_each_pose(&start, &subject.travels, |station, pose| {
+        equations.for_each_pose(&start, &subject.travels, &mut |station, pose| {
             if let Some(camber) = pose.ok().and_then(read) {
                 visit(station, camber);
             }

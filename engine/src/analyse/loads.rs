@@ -15,7 +15,6 @@
 //! Everything is generic over the number: on series along a variable of the design a force comes with its derivative by
 //! that variable, the factors of the matrix being those of its constant part.
 
-use crate::derive::{DesignSeries, Linearised};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
@@ -318,26 +317,6 @@ impl Solver<'_> {
     ) -> Result<Balance<'_>, Failure> {
         let at = self.configuration(pose, rack);
         Balance::new(&self.closure, at, support, self.size(), &self.work).ok_or(Failure::Singular)
-    }
-}
-
-impl<const N: usize> Linearised<'_, N> {
-    /// The same along the series, of a mechanism of this size; `None` where the support cannot carry a load.
-    pub(crate) fn balance(&self, support: Support, size: f64) -> Option<Balance<'_, Jet<f64, N>>> {
-        Balance::new(self.closure(), self.at, support, size, self.work())
-    }
-}
-
-impl<const N: usize> DesignSeries<N> {
-    /// The same of a configuration of this series.
-    pub(crate) fn balance<'a>(
-        &'a self,
-        at: Configuration<'a, Jet<f64, N>>,
-        support: Support,
-        size: f64,
-        work: &'a WorkCounter,
-    ) -> Option<Balance<'a, Jet<f64, N>>> {
-        Balance::new(self.closure(), at, support, size, work)
     }
 }
 

@@ -4,6 +4,7 @@
 //! They are had forwards: the design moves along a variable as a series, the pose follows, and so does the balance.
 
 use super::moves::Way;
+use crate::analyse::Balance;
 use crate::characteristics::{CarriedForce, Constants, Measure, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::model::Suspension;
@@ -65,7 +66,7 @@ impl AlongVariables {
             let (factors, work) = (Some(linearised.factors()), linearised.work());
             let at = series.configuration(solver.mechanism(), &pose, &held, factors, work);
             let view = WheelReading::reading(&at, self.constants, self.reads);
-            let balance = series.balance(at, force.support, solver.size(), work);
+            let balance = Balance::new(series.closure(), at, force.support, solver.size(), work);
             let moved = balance.and_then(|balance| force.value(&view, &balance));
             moved.map_or(f64::NAN, |moved| moved[1])
         })
@@ -79,7 +80,8 @@ pub(super) fn value<const N: usize>(
     linearised: &Linearised<'_, N>,
     size: f64,
 ) -> Jet<f64, N> {
-    let balance = linearised.balance(force.support, size);
+    let (closure, work) = (linearised.closure(), linearised.work());
+    let balance = Balance::new(closure, linearised.at, force.support, size, work);
     let value = balance.and_then(|balance| force.value(view, &balance));
     value.unwrap_or(Jet::constant(f64::NAN))
 }

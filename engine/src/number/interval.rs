@@ -99,6 +99,17 @@ fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
+/// What lies between results at the corners, each of them rounded.
+#[inline]
+fn around(corners: [f64; 4]) -> Interval {
+    if corners.iter().any(|c| c.is_nan()) {
+        return Interval::WHOLE;
+    }
+    let low = corners.into_iter().fold(f64::INFINITY, f64::min);
+    let high = corners.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    Interval::bounds(low.next_down(), high.next_up())
+}
+
 /// The rounding error of a sum, exactly, where nothing overflows.
 #[inline]
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
@@ -173,12 +184,7 @@ impl Mul for Interval {
             self.high * other.low,
             self.high * other.high,
         ];
-        if products.iter().any(|p| p.is_nan()) {
-            return Interval::WHOLE;
-        }
-        let low = products.into_iter().fold(f64::INFINITY, f64::min);
-        let high = products.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Interval::bounds(low.next_down(), high.next_up())
+        around(products)
     }
 }
 
@@ -196,12 +202,7 @@ impl Div for Interval {
             self.high / other.low,
             self.high / other.high,
         ];
-        if quotients.iter().any(|p| p.is_nan()) {
-            return Interval::WHOLE;
-        }
-        let low = quotients.into_iter().fold(f64::INFINITY, f64::min);
-        let high = quotients.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Interval::bounds(low.next_down(), high.next_up())
+        around(quotients)
     }
 }
 

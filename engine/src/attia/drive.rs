@@ -32,12 +32,8 @@ pub(crate) struct Driver {
 
 impl Driver {
     pub(crate) fn residual(&self, moving: &Moving) -> f64 {
-        self.apply(moving) - self.level
-    }
-
-    fn apply(&self, moving: &Moving) -> f64 {
         let pairs = self.gradient.iter().zip(moving);
-        pairs.map(|(g, p)| g.dot(*p)).sum()
+        pairs.map(|(g, p)| g.dot(*p)).sum::<f64>() - self.level
     }
 }
 

@@ -45,10 +45,6 @@ struct Past {
 impl Toggles {
     /// Watches these rockers of a mechanism, and those that turn them.
     pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
-        Toggles::of_these(mechanism, rockers.into_iter().collect())
-    }
-
-    fn of_these(mechanism: &Mechanism, rockers: Vec<RockerId>) -> Self {
         let mut watched: Vec<RockerId> = Vec::new();
         for rocker in rockers {
             let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);

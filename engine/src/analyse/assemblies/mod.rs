@@ -111,16 +111,6 @@ const DOUBLE: f64 = 1e-5;
 /// Undecided places kept apart in the answer.
 const MOST_UNDECIDED: usize = 64;
 
-impl Undecided {
-    /// The pose next to which it is.
-    fn pose(&self) -> Option<Pose<f64>> {
-        match self {
-            Undecided::Pose(pose) => Some(*pose),
-            _ => None,
-        }
-    }
-}
-
 /// Ranges of the arm's angle that overlap become one.
 fn merge(undecided: &mut Vec<Undecided>) {
     let mut ranges: Vec<(f64, f64)> = Vec::new();
@@ -145,15 +135,10 @@ fn merge(undecided: &mut Vec<Undecided>) {
 impl Assembly {
     /// How far the knuckle is turned from the design position (radians, 0 to pi).
     pub fn turn(&self) -> f64 {
-        turn(&self.pose)
+        let [a, b, c] = self.pose.rotation.columns;
+        let twice_sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x).norm();
+        twice_sine.atan2(a.x + b.y + c.z - 1.0)
     }
-}
-
-/// How far a knuckle is turned.
-fn turn(pose: &Pose<f64>) -> f64 {
-    let [a, b, c] = pose.rotation.columns;
-    let twice_sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x).norm();
-    twice_sine.atan2(a.x + b.y + c.z - 1.0)
 }
 
 impl Solver<'_> {
@@ -246,7 +231,10 @@ impl<'a> Search<'a> {
             .all
             .undecided
             .iter()
-            .filter_map(Undecided::pose)
+            .filter_map(|undecided| match undecided {
+                Undecided::Pose(pose) => Some(*pose),
+                _ => None,
+            })
             .collect();
         let turns = (0..TRIES).map(|k| {
             // Evenly over the sphere by the golden angle, and over the turns about each direction.

@@ -29,16 +29,6 @@ pub(crate) enum UpperRoles {
     Arm(Arm),
 }
 
-impl UpperRoles {
-    /// The upper end.
-    fn end(&self) -> PointId {
-        match self {
-            UpperRoles::Strut { top, .. } => *top,
-            UpperRoles::Arm(arm) => arm.outer,
-        }
-    }
-}
-
 impl Roles {
     /// Reads the parts off the constraints; `None` for a mechanism without a closed form.
     pub(crate) fn of(mechanism: &Mechanism) -> Option<Self> {
@@ -76,7 +66,10 @@ impl Roles {
 
     /// The upper end of the steering axis.
     pub(crate) fn upper_end(&self) -> PointId {
-        self.upper.end()
+        match self.upper {
+            UpperRoles::Strut { top, .. } => top,
+            UpperRoles::Arm(arm) => arm.outer,
+        }
     }
 
     /// The tie rod's inner and outer end.
@@ -104,7 +97,7 @@ impl ClosedForm<f64> {
     /// Names what is degenerate in a design.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
-        let to_upper = design[roles.upper.end().0] - ball_joint;
+        let to_upper = design[roles.upper_end().0] - ball_joint;
         let to_rack = design[roles.tie_rod_inner.0] - ball_joint;
         let tie = design[roles.tie_rod_outer.0] - ball_joint;
         let (dd, gg) = (to_upper.norm_squared(), to_rack.norm_squared());
@@ -122,7 +115,7 @@ impl ClosedForm<f64> {
                 let lever = (circle.centre - ball_joint).dot(circle.turned) * scale;
                 if !exceeds(lever.abs(), DEGENERATE) {
                     return Err(DesignFault::UpperArmInLine {
-                        outer: roles.upper.end(),
+                        outer: roles.upper_end(),
                     });
                 }
             }

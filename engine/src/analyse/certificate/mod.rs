@@ -129,21 +129,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Proves that two poses lie on one branch, with one and only one solution beside every point of
-    /// the straight line between them.
+    /// Proves that two poses, each proved already to within its one of `errors`, lie on one branch, with one and
+    /// only one solution beside every point of the straight line between them.
     ///
     /// # Errors
     /// Why nothing could be proved; a shorter step may do.
-    pub fn step(
-        &self,
-        (from, start): (&Pose<f64>, &MotionPoint<f64>),
-        (to, end): (&Pose<f64>, &MotionPoint<f64>),
-    ) -> Result<(), Unproven> {
-        let ends = [self.pose(from, start)?, self.pose(to, end)?];
-        self.line((from, start), (to, end), ends.map(|proof| proof.error))
-    }
-
-    /// As [`Certifier::step`] with both ends proved already, to within `errors`.
     fn line(
         &self,
         (from, start): (&Pose<f64>, &MotionPoint<f64>),

@@ -143,14 +143,12 @@ impl Solver<'_> {
         Ok(Limits {
             travel,
             rockers,
-            rack: match has_rack {
-                true => Some(self.range(Drive::Travel, Moving::Rack, 0.0)?),
-                false => None,
-            },
-            arm_angle: match mechanism.arms.is_empty() {
-                true => None,
-                false => Some(self.drive_range(Drive::ArmAngle, 0.0)?),
-            },
+            rack: has_rack
+                .then(|| self.range(Drive::Travel, Moving::Rack, 0.0))
+                .transpose()?,
+            arm_angle: (!mechanism.arms.is_empty())
+                .then(|| self.drive_range(Drive::ArmAngle, 0.0))
+                .transpose()?,
         })
     }
 

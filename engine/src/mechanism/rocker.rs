@@ -272,21 +272,14 @@ impl<B: SimdReal> Configuration<'_, B> {
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
         let now = self.moving_point(rocker.outer, motion).now;
-        self.rod_with_end_at(rocker, now)
+        RodReach::of(self.ends_with(rocker, now))
     }
 
     /// Where the rod of a rocker is in the design position.
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
-        self.rod_with_end_at(rocker, self.designed(rocker.outer))
-    }
-
-    #[inline(always)]
-    fn rod_with_end_at(&self, rocker: Rocker, now: Vector3<B>) -> RodReach<B> {
-        let [first, second, inner, outer] =
-            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
-        RodReach::of([first, second, inner, outer, now])
+        RodReach::of(self.ends_with(rocker, self.designed(rocker.outer)))
     }
 
     /// Angle of a rocker and its derivative.
@@ -306,32 +299,32 @@ impl<B: SimdReal> Configuration<'_, B> {
     }
 }
 
-/// Whether six digits of a derivative would be left of this w^2/(r.r l.l), which is known to a few units of
+/// Whether six digits of a derivative would be left of a rod's w^2/(r.r l.l), which is known to a few units of
 /// the last place. Written so that NaN has not.
 #[inline]
-pub(super) fn is_enough(leverage_squared: f64) -> bool {
-    leverage_squared > DEGENERATE
-}
-
-/// w^2/(r.r l.l) of a rod.
-#[inline]
-pub(super) fn leverage_squared<T: Real>(ends: Ends<T>) -> T {
-    Turn::of(ends).leverage_squared
+pub(super) fn is_effective(ends: Ends<f64>) -> bool {
+    Turn::of(ends).leverage_squared > DEGENERATE
 }
 
 /// Whether a rocker is away from its toggle in the design position, so that its rod can turn it.
 pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     let outer = design[rocker.outer.0];
     let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
-    is_enough(Turn::of([first, second, inner, outer, outer]).leverage_squared)
+    is_effective([first, second, inner, outer, outer])
 }
 
 impl<T: Real> Configuration<'_, T> {
     #[inline(always)]
     pub(super) fn ends(&self, rocker: Rocker) -> Ends<T> {
+        self.ends_with(rocker, self.point(rocker.outer))
+    }
+
+    /// The ends of a rod whose outer end is at `now`.
+    #[inline(always)]
+    fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         let [first, second, inner, outer] =
             [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
-        [first, second, inner, outer, self.point(rocker.outer)]
+        [first, second, inner, outer, now]
     }
 
     /// Present position of a point of a rocker. In a function of its own: it is rare, and large.
@@ -431,10 +424,9 @@ impl Configuration<'_, f64> {
         let before = self
             .mechanism
             .rockers_moving(self.mechanism.rocker(id).outer);
-        let stuck = std::iter::once(id).chain(before).filter(|id| {
-            let ends = self.ends(self.mechanism.rocker(*id));
-            !is_enough(Turn::of(ends).leverage_squared)
-        });
+        let stuck = std::iter::once(id)
+            .chain(before)
+            .filter(|id| !is_effective(self.ends(self.mechanism.rocker(*id))));
         stuck.last().map(|id| self.mechanism.rocker(id).rod)
     }
 }

@@ -1,7 +1,7 @@
 //! Rods that come to a toggle on the way.
 
 use super::pose::Configuration;
-use super::rocker::{is_enough, leverage_squared};
+use super::rocker::is_effective;
 use super::rod_reach::RodReach;
 use crate::mechanism::DesignFault;
 use crate::model::{Drive, Mechanism, RockerId, Rod};
@@ -213,7 +213,7 @@ impl Toggles {
             let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
             let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
             let ends = at.ends(mechanism.rocker(*rocker)).map(|end| end.map(&now));
-            if is_carried || !is_enough(leverage_squared(ends)) {
+            if is_carried || !is_effective(ends) {
                 stuck |= 1 << rocker.0;
             }
             rods.push(RodReach::of(ends));

@@ -142,7 +142,10 @@ impl Route {
         }
         let first = places.len() - 1;
         places[first].station = design_station;
-        let mut visited = Visited::default();
+        let mut visited = Visited {
+            values: vec![0.0],
+            sides: Default::default(),
+        };
         for (value, station, leg, step) in stations {
             let prediction = visited.stencil(value, first, |weight| weight[0]);
             let slope = visited.stencil(value, first, |weight| weight[1]);
@@ -199,15 +202,6 @@ struct Visited {
     values: Vec<f64>,
     /// The numbers of those above zero and of those below.
     sides: [Vec<usize>; 2],
-}
-
-impl Default for Visited {
-    fn default() -> Self {
-        Visited {
-            values: vec![0.0],
-            sides: Default::default(),
-        }
-    }
 }
 
 impl Visited {

@@ -215,9 +215,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         }
         Jet(quotient)
     }
-}
 
-impl<T: Real, const N: usize> Jet<T, N> {
     #[inline(always)]
     fn root(self) -> Self {
         let mut root = self.0;
@@ -232,9 +230,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         }
         Jet(root)
     }
-}
 
-impl<T: Real, const N: usize> Jet<T, N> {
     #[inline(always)]
     fn arc_sine(self) -> Self {
         let rate = self.differentiated() / (self.one() - self.squared()).sqrt();

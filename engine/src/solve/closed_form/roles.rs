@@ -56,9 +56,7 @@ impl Roles {
             wheel_centre: mechanism.wheel_centre,
         })
     }
-}
 
-impl Roles {
     /// The lower end of the steering axis.
     pub(crate) fn ball_joint(&self) -> PointId {
         self.lower_arm.outer

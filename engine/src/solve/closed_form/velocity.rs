@@ -92,9 +92,7 @@ impl<T: Real> ClosedForm<T> {
             arm_angle: twofold * tie_rod_lever * one.plus_product(tangent, tangent),
         }
     }
-}
 
-impl<T: Real> ClosedForm<T> {
     /// Angular velocity of the knuckle by the displacement of the rack with the arm at rest, and how fast the wheel
     /// centre rises. It turns by k about d: l.(k d x t) = l.y.
     #[inline(always)]

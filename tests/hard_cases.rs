@@ -5,15 +5,18 @@ mod support;
 
 use hardpoint::analyse::RangeEnd;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::curves::curves;
 use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::mechanism::Failure;
 use hardpoint::mechanism::LimitCause;
 use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
-use hardpoint::solve::{Solver, StationOrder};
+use hardpoint::plan::Plan;
+use hardpoint::solve::{Rejection, Solver, StationOrder};
 use hardpoint::study::Study;
 use serde_json::Value;
 use std::ops::ControlFlow;
+use std::path::Path;
 use support::random::Random;
 use support::{AXES, Case, march_to, motion, number, sensitivity_errors, vector};
 
@@ -246,7 +249,7 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
         ("macpherson_solve.toml", 0.1),
         ("double_wishbone_solve.toml", 0.1),
     ] {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
         let suspension = Study::read(&path.join(name), &[]).unwrap().suspension;
         let mechanism = &suspension.mechanism;
         let size = suspension.size();
@@ -406,4 +409,25 @@ fn a_nanometre_beyond_a_fold_is_refused() {
             }
         }
     }
+}
+
+/// Stations that the tracker does not vouch for are counted by the guard that left them to the continuation, which solves
+/// those within reach.
+#[test]
+fn what_is_left_to_the_continuation_has_a_reason() {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let solved = |name: &str, travel: &str| {
+        let edits = [format!("motion.travel={travel}")];
+        let study = Study::read(&studies.join(name), &edits).unwrap();
+        curves(&study.suspension, &Plan::of(&study)).unwrap()
+    };
+    let wide = "{ from = -300.0, to = 300.0, steps = 41 }";
+    let ordinary = solved("macpherson_solve.toml", "[-80.0, 0.0, 80.0]");
+    assert_eq!(ordinary.left_to_continuation, []);
+    let steep = solved("macpherson_solve.toml", wide);
+    assert_eq!(steep.left_to_continuation, [(Rejection::FoldNear, 3)]);
+    assert_eq!(steep.failed(), 0);
+    let beyond = solved("double_wishbone_solve.toml", wide);
+    let left = beyond.left_to_continuation.iter().map(|(_, count)| count);
+    assert_eq!((left.sum::<usize>(), beyond.failed()), (9, 9));
 }

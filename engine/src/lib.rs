@@ -75,6 +75,7 @@ pub use optimise::{
     Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
     Termination, Tuning,
 };
+pub use solve::Rejection;
 pub use sweep::{Failing, Rows};
 
 pub use nalgebra;

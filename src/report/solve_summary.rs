@@ -32,6 +32,16 @@ pub struct SolveSummary {
     /// What was done for it.
     #[serde(default)]
     work: Work,
+    /// Why the tracker left stations to the continuation.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    left_to_continuation: Vec<Left>,
+}
+
+/// Stations that the tracker left to the continuation for one reason.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Left {
+    reason: String,
+    stations: usize,
 }
 
 /// A station without a pose.
@@ -93,6 +103,12 @@ impl SolveSummary {
             condition: ConditionSummary::of(curves, drive),
             certificate: CertificateSummary::of(study, curves),
             work: curves.work,
+            left_to_continuation: (curves.left_to_continuation.iter())
+                .map(|(reason, stations)| Left {
+                    reason: reason.describe().to_owned(),
+                    stations: *stations,
+                })
+                .collect(),
         }
     }
 

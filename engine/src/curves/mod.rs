@@ -21,6 +21,7 @@ pub use run::curves;
 use crate::attia::Refusal;
 use crate::mechanism::{Failure, Work};
 use crate::model::{Axis, PointId, Rod};
+use crate::solve::Rejection;
 
 /// What came of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,6 +123,8 @@ pub struct Curves {
     pub sensitivities: Vec<Sensitivity>,
     /// What was done.
     pub work: Work,
+    /// Why the tracker left stations to the continuation, and how many each time, reason by reason.
+    pub left_to_continuation: Vec<(Rejection, usize)>,
 }
 
 impl Curves {

@@ -10,8 +10,9 @@ use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Toggles, Work,
 use crate::model::{Axis, RockerId, Rod, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
-use crate::solve::{LEAST_DIGITS, Solver, rate_digits};
+use crate::solve::{LEAST_DIGITS, Rejection, Solver, rate_digits};
 use crate::study::{Drive, Formulation};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// The curves of a suspension under a plan.
@@ -37,6 +38,8 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
+    /// Stations by the guard that left them to the continuation.
+    left_to_continuation: BTreeMap<Rejection, usize>,
     /// Of the solver.
     pub(super) work: Work,
     /// Of reading.
@@ -96,6 +99,7 @@ impl<'a, const N: usize> Run<'a, N> {
             rockers,
             toggles,
             sensitivities: Vec::new(),
+            left_to_continuation: BTreeMap::new(),
             work: Work::default(),
             tally: WorkCounter::default(),
         }
@@ -113,6 +117,7 @@ impl<'a, const N: usize> Run<'a, N> {
             stations: self.stations,
             sensitivities: self.sensitivities,
             work: self.work + self.tally.work(),
+            left_to_continuation: self.left_to_continuation.into_iter().collect(),
         })
     }
 
@@ -152,6 +157,11 @@ impl<'a, const N: usize> Run<'a, N> {
                             take(solver, place, proved.map(|(pose, _)| pose), proof)
                         },
                     )?;
+                }
+            }
+            for place in 0..drive_law.stations.len() {
+                if let Some(reason) = solver.rejection(place) {
+                    *self.left_to_continuation.entry(reason).or_default() += 1;
                 }
             }
         }

@@ -4,13 +4,13 @@
 //! of a row is the sum of both wheels' gradients along the variable's way. Where the right wheel has
 //! hardpoints of its own they are moved as the mirror images of the left ones are.
 
-use super::layout::place_in;
 use super::moves::{Way, moved_design, ways};
 use super::{Evaluation, Infeasible};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
 use crate::study::{Optimise, Sample, Variable};
+use crate::sweep::place_of;
 use nalgebra::DVector;
 
 /// What a target wants of a quantity in one position.
@@ -55,7 +55,7 @@ impl AxleLayout {
                 let wish = AxleWish {
                     row: *rows,
                     target: number,
-                    quantity: place_in(&mut layout.quantities, sample.quantity),
+                    quantity: place_of(&mut layout.quantities, sample.quantity),
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };

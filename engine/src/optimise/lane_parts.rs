@@ -3,11 +3,10 @@
 //! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
 //! these a formula's derivatives lead to the variables by the chain rule, station by station.
 
-use super::layout::place_in;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
 use crate::model::{Axis, Mechanism, PointId};
 use crate::number::Vector3;
-use crate::sweep::Slopes;
+use crate::sweep::{Slopes, place_of};
 
 /// A measure, made of what lanes tell.
 #[derive(Clone)]
@@ -42,7 +41,7 @@ impl LanePart {
     ) -> Option<Self> {
         match measure {
             Measure::Quantity(quantity) => {
-                return Some(LanePart::Quantity(place_in(quantities, *quantity)));
+                return Some(LanePart::Quantity(place_of(quantities, *quantity)));
             }
             Measure::Carried(_) => return None,
             _ => {}
@@ -107,7 +106,7 @@ impl Source {
     /// Of what a formula reads; `None` of the turn of the wheel carrier, which is no coordinate.
     fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let mut point =
-            |id| Axis::ALL.map(|axis| place_in(quantities, Quantity::Coordinate(id, axis)));
+            |id| Axis::ALL.map(|axis| place_of(quantities, Quantity::Coordinate(id, axis)));
         Some(match input {
             Input::Now(id) => Source::Point(point(id)),
             Input::StudNow(Stud::Between(from, to)) => Source::Between([from, to].map(point)),
@@ -115,7 +114,7 @@ impl Source {
             Input::SpinAxis => {
                 let angles = [Characteristic::Camber, Characteristic::Toe];
                 let angles = angles.map(Quantity::Characteristic);
-                Source::SpinAxis(angles.map(|angle| place_in(quantities, angle)))
+                Source::SpinAxis(angles.map(|angle| place_of(quantities, angle)))
             }
             Input::Designed(id) => Source::Designed(None, id),
             Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),

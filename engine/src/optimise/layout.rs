@@ -7,6 +7,7 @@ use crate::characteristics::{Measure, Slots};
 use crate::model::{Axis, Drive, Frame, Mechanism};
 use crate::solve::StationOrder;
 use crate::study::{Motion, Optimise, Sample, Site, Target};
+use crate::sweep::place_of;
 use nalgebra::DVector;
 
 /// What a target wants at one station.
@@ -133,17 +134,8 @@ struct Draft {
 
 impl Draft {
     fn station(&mut self, drive: f64) -> usize {
-        place_in(&mut self.values, drive)
+        place_of(&mut self.values, drive)
     }
-}
-
-/// The place of an entry in a list, to which it is added if need be.
-pub(super) fn place_in<T: PartialEq>(list: &mut Vec<T>, entry: T) -> usize {
-    let known = list.iter().position(|known| *known == entry);
-    known.unwrap_or_else(|| {
-        list.push(entry);
-        list.len() - 1
-    })
 }
 
 /// The number of the draft of a motion with the rack in one place whose stations begin with these.

@@ -44,4 +44,5 @@ pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
 pub use stations::Stations;
+pub(crate) use stations::place_of;
 pub use tally::{FailureCount, OutputRange, SweepStatistics};

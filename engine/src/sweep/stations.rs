@@ -119,7 +119,7 @@ impl Stations {
 }
 
 /// The number of a place in a list, to which it is added where it is not there.
-pub(super) fn place_of<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
+pub(crate) fn place_of<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {
         places.push(place);

@@ -290,6 +290,10 @@ impl<'a> PairBatch<'a> {
                 PairDrive::Roll { radius, .. } => Some(radius),
             },
             visitor,
+            ground: Ground {
+                sine: like.zero(),
+                cosine: like.one(),
+            },
             is_near: like.everywhere(),
             rises: like.everywhere(),
         }
@@ -306,6 +310,8 @@ struct Pair<'w, B: SimdReal, W, V, const N: usize> {
     /// Where both wheels stand on one ground: their loaded radius.
     radius: Option<f64>,
     visitor: &'w mut V,
+    /// The ground at this place, in the left wheel's frame.
+    ground: Ground<B>,
     /// Where the prediction of this place was near,
     is_near: B::Mask,
     /// and where both contact points rise as their wheels do.
@@ -319,16 +325,6 @@ impl<B: SimdReal, W, V, const N: usize> Pair<'_, B, W, V, N> {
         let (mean, _) = self.batch.at(place);
         let (mean, rack) = (half.lit(mean), half.lit(place.rack));
         [[rack, mean + half], [-rack, mean - half]]
-    }
-
-    /// The ground at a place.
-    #[inline(always)]
-    fn ground(&self, place: &RouteStep, like: B) -> Ground<B> {
-        let (_, roll) = self.batch.at(place);
-        Ground {
-            sine: like.lit(roll.sin()),
-            cosine: like.lit(roll.cos()),
-        }
     }
 }
 
@@ -364,6 +360,11 @@ where
 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
+        let (_, roll) = self.batch.at(place);
+        self.ground = Ground {
+            sine: history[0].lit(roll.sin()),
+            cosine: history[0].lit(roll.cos()),
+        };
         // The first steps go by the slopes of the base design.
         let (along_left, along_right) = match self.batch.drive {
             PairDrive::Heave => (place.along_slope, place.along_slope),
@@ -397,7 +398,7 @@ where
         round: usize,
     ) -> B::Mask {
         let ([mut left_unknowns, mut right_unknowns], mut half) = parted::<B, N, ALL>(unknowns);
-        let ground = self.ground(place, half);
+        let ground = self.ground;
         let mirrored = ground.mirrored();
         let [on_left, on_right] = self.motions(place, half);
         let [left, right] = &mut self.wheels;
@@ -487,7 +488,7 @@ where
         let (_, roll) = self.batch.at(place);
         let stand = Stand {
             travels: [left_travel, right_travel],
-            ground: self.ground(place, half),
+            ground: self.ground,
             roll: half.lit(roll),
         };
         let [left, right] = &self.wheels;

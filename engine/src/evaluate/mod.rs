@@ -11,7 +11,7 @@ use crate::mechanism::DesignFault;
 use crate::model::{PointId, Suspension};
 use crate::number::{Vector3, Width};
 use crate::sweep::{Gradients, Jacobians, Stations};
-use one_by_one::{OneByOne, SolvesOneByOne};
+use one_by_one::{DifferentiatesOneByOne, OneByOne};
 
 /// Values and gradients of some designs, in the kernel's frame, in radians and length units.
 #[derive(Clone, Debug, Default)]
@@ -102,7 +102,7 @@ pub struct GradientEvaluator<'a> {
     /// Those by which gradients are wanted.
     wanted: Vec<PointId>,
     lanes: Option<InLanes<'a>>,
-    one_by_one: Box<dyn SolvesOneByOne + 'a>,
+    one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
 }
 
 /// Designs side by side, or the stations of one.

@@ -11,7 +11,7 @@ use crate::sweep::Stations;
 use std::ops::ControlFlow;
 
 /// Solves one design after another.
-pub(super) trait SolvesOneByOne: Send {
+pub(super) trait DifferentiatesOneByOne: Send {
     /// Evaluates the design of this number, at every station that has a pose.
     fn evaluate(
         &mut self,
@@ -59,7 +59,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
     }
 }
 
-impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
+impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
     fn evaluate(
         &mut self,
         design: &[Vector3<f64>],

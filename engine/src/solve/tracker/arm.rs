@@ -2,7 +2,7 @@
 
 use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
-use super::track::{Equations, predicted, weighted};
+use super::track::{PlaceEquations, predicted, weighted};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
     Visit, within_half,
@@ -305,7 +305,7 @@ pub(super) struct ArmCorner<'w, 'd, B, V> {
     missed: [B; 2],
 }
 
-impl<B: SimdReal, V: Visit<B>> Equations<B, 1> for ArmCorner<'_, '_, B, V> {
+impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> {
     const MOST_ROUNDS: usize = MOST_ROUNDS;
     type Guard = BranchGuard<B>;
 

@@ -32,7 +32,7 @@
 
 use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::RouteStep;
-use super::track::{Equations, kept, predicted};
+use super::track::{PlaceEquations, kept, predicted};
 use super::{
     Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
     Visit, within_half,
@@ -833,7 +833,7 @@ fn at_place<B: Real>(place: &RouteStep, like: B) -> [B; 2] {
     [like.lit(place.rack), like.lit(place.value)]
 }
 
-impl<B: SimdReal, V: Visit<B>> Equations<B, UNKNOWNS> for LinkageCorner<'_, '_, B, V> {
+impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_, '_, B, V> {
     const MOST_ROUNDS: usize = MOST_ROUNDS;
     type Guard = BranchGuard<B>;
 

@@ -16,8 +16,9 @@
 //! Beyond what is asked of each wheel, a lane is rejected where a contact point rises less than half as fast as
 //! its wheel.
 
+use super::linkage::UNKNOWNS;
 use super::route::{Leg, Route, RouteStep};
-use super::track::{Equations, Tracked, kept, predicted, track};
+use super::track::{PlaceEquations, Tracked, kept, predicted, track};
 use super::{
     Acceptance, Batch, Form, KnucklePoint, KnuckleVector, LONGEST_STEP, LaneDesign, LanePose,
     Method, Rejection,
@@ -252,8 +253,8 @@ impl<'a> PairBatch<'a> {
             ) => {
                 let left = one.wheel(left, on_left, first.tolerance);
                 let right = two.wheel(right, on_right, second.tolerance);
-                let mut pair = self.pair::<B, _, _, 6>([left, right], like, visit);
-                track::<B, 13, _>(&mut pair, places, accepted, history)
+                let mut pair = self.pair::<B, _, _, UNKNOWNS>([left, right], like, visit);
+                track::<B, { 2 * UNKNOWNS + 1 }, _>(&mut pair, places, accepted, history)
             }
             _ => unreachable!("designs of another batch"),
         }
@@ -275,13 +276,13 @@ impl<'a> PairBatch<'a> {
         wheels: [W; 2],
         like: B,
         visitor: &'w mut V,
-    ) -> Pair<'w, B, W, V, N>
+    ) -> BothWheels<'w, B, W, V, N>
     where
         B: SimdReal,
         W: Wheel<B, N>,
     {
         let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);
-        Pair {
+        BothWheels {
             batch: self,
             wheels,
             level: like.lit(OF_HEIGHTS * coarser),
@@ -302,7 +303,7 @@ impl<'a> PairBatch<'a> {
 
 /// Both wheels of an axle, each of `N` unknowns: those of the left wheel, those of the right one and half the difference of
 /// their travels are the unknowns.
-struct Pair<'w, B: SimdReal, W, V, const N: usize> {
+struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     batch: &'w PairBatch<'w>,
     wheels: [W; 2],
     /// How far apart the heights of both contact points may be.
@@ -318,7 +319,7 @@ struct Pair<'w, B: SimdReal, W, V, const N: usize> {
     rises: B::Mask,
 }
 
-impl<B: SimdReal, W, V, const N: usize> Pair<'_, B, W, V, N> {
+impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     /// Rack and travel of left and right wheel at a place.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
@@ -348,7 +349,8 @@ fn joined<B: Copy, const N: usize, const ALL: usize>(wheels: &[[B; N]; 2], half:
     unknowns
 }
 
-impl<B, W, V, const N: usize, const ALL: usize> Equations<B, ALL> for Pair<'_, B, W, V, N>
+impl<B, W, V, const N: usize, const ALL: usize> PlaceEquations<B, ALL>
+    for BothWheels<'_, B, W, V, N>
 where
     B: SimdReal,
     W: Wheel<B, N>,

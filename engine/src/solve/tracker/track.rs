@@ -23,7 +23,7 @@ impl<B: SimdReal> Tracked<B> {
 }
 
 /// The equations for the `N` unknowns of a place, and where the poses that solve them go.
-pub(super) trait Equations<B: SimdReal, const N: usize> {
+pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Corrections a lane may take to settle.
     const MOST_ROUNDS: usize;
     /// What is watched along the path.
@@ -60,7 +60,7 @@ pub(super) trait Equations<B: SimdReal, const N: usize> {
 
 /// Visits every place, `history` having room for the unknowns of all.
 #[inline(always)]
-pub(super) fn track<B: SimdReal, const N: usize, E: Equations<B, N>>(
+pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,
     places: &[RouteStep],
     start: Acceptance<B>,

@@ -180,12 +180,11 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
         let places = fitting
             .pushrod
             .ok_or_else(|| format!("{} has no pushrod: its strut is the spring", topology.name))?;
-        let points = PUSHROD.iter().zip(places);
-        text = with_points(&text, points, fitting.carrier, "rocker_angle");
+        text = with_points(&text, PUSHROD, &places, fitting.carrier, "rocker_angle");
     }
     if parts.contains(&Part::AntiRollBar) {
-        let points = ANTI_ROLL_BAR.iter().zip(fitting.anti_roll_bar);
-        text = with_points(&text, points, fitting.carrier, "anti_roll_bar_angle");
+        let (places, carrier) = (&fitting.anti_roll_bar, fitting.carrier);
+        text = with_points(&text, ANTI_ROLL_BAR, places, carrier, "anti_roll_bar_angle");
     }
     let steers = fitting.steers;
     if parts.contains(&Part::Sweep) {
@@ -287,19 +286,20 @@ fn with_axle(text: &str) -> String {
 /// The text with the points of a part behind its hardpoints, in place of those of the same name, and one more output.
 fn with_points(
     text: &str,
-    points: impl Iterator<Item = (&'static (&'static str, &'static str), [f64; 3])> + Clone,
+    points: Points,
+    places: &[[f64; 3]],
     carrier: &str,
     output: &str,
 ) -> String {
     let is_replaced = |line: &str| {
         let key = line.split('=').next().unwrap_or("").trim();
-        points.clone().any(|((name, _), _)| *name == key)
+        points.iter().any(|(name, _)| *name == key)
     };
     let mut written = String::new();
     let mut within = false;
     for line in text.lines() {
         if within && (line.trim().is_empty() || line.starts_with("# Pushrod")) {
-            for ((name, what), [x, y, z]) in points.clone() {
+            for ((name, what), [x, y, z]) in points.iter().zip(places) {
                 let what = what.replace("{carrier}", carrier);
                 let _ = writeln!(
                     written,

@@ -139,12 +139,8 @@ impl Record {
     ) -> Self {
         let length = study.suspension.length_unit;
         let unit = length.symbol();
-        let (travel, arm) = (format!("travel_{unit}"), "arm_angle_deg".to_owned());
-        let (drive, mut abscissae) = match plan.drive {
-            Drive::Travel => (travel, Vec::new()),
-            Drive::ArmAngle => (arm, vec![travel]),
-            Drive::PaperTheta => ("theta_deg".to_owned(), vec![travel]),
-        };
+        let mut abscissae = Vec::new();
+        abscissae.extend((plan.drive.is_angle()).then(|| Drive::Travel.column(length)));
         abscissae.extend(plan.time.is_some().then(|| "time_s".to_owned()));
         let outputs = designs.last().map_or_else(Vec::new, |last| {
             last.curves.columns.iter().map(OutputRecord::of).collect()
@@ -164,7 +160,7 @@ impl Record {
             study: study.name.clone(),
             topology: study.suspension.mechanism.topology.name.to_owned(),
             length_unit: unit.to_owned(),
-            drive,
+            drive: plan.drive.column(length),
             abscissae,
             rack: plan.rack_moves.then(|| format!("rack_{unit}")),
             further: Vec::new(),

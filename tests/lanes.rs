@@ -614,10 +614,15 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
         left_of_all += left;
         for design in 0..48 {
             assert_eq!(found.fault(design), wanted.fault(design));
-            let all = 0..stations.count();
-            let solved = [&found, &wanted].map(|e| all.clone().all(|s| e.is_solved(design, s)));
-            assert_eq!(solved[0], solved[1]);
-            if !solved[0] {
+            let of = |e: &Evaluated, station| e.is_solved(design, station);
+            for station in 0..stations.count() {
+                assert_eq!(
+                    of(&found, station),
+                    of(&wanted, station),
+                    "{design} {station}"
+                );
+            }
+            if !(0..stations.count()).all(|station| of(&found, station)) {
                 continue;
             }
             for (k, quantity) in quantities.iter().enumerate() {

@@ -185,8 +185,8 @@ impl<'a> GradientEvaluator<'a> {
         self.lanes.as_ref().map_or(1, |l| l.gradients.at_once())
     }
 
-    /// Evaluates designs given as the points of one after the other, at every station that has a pose; returns how many were left to be solved one
-    /// by one.
+    /// Evaluates designs given as the points of one after the other, at every station that has a pose; returns how many
+    /// were left to be solved one by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], into: &mut Evaluated) -> usize {
         let points = self.points;
         let count = designs.len() / points;

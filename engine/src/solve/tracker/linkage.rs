@@ -769,8 +769,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
-    /// Looks at what a step has come to: where the residuals are rounding, and the unknowns with what is left of them taken away
-    /// by the Jacobian at hand, for the sake of rates.
+    /// Looks at what a step has come to: where the residuals are rounding, and the unknowns with what is left of them
+    /// taken away by the Jacobian at hand, for the sake of rates.
     #[inline(always)]
     fn look(
         &mut self,

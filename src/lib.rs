@@ -85,6 +85,7 @@
 //! | module | what |
 //! |---|---|
 //! | `drawing` | what a page shows beside the curves, solved before it is made |
+//! | `solved` | a study's curves, of one wheel or of both, and what is made of them |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: who may replace what, locks |
 //! | `exchange` | points and curves from and to spreadsheets and Adams/Car |
@@ -105,6 +106,8 @@ pub mod exchange;
 pub mod report;
 #[doc(hidden)]
 pub mod results;
+#[doc(hidden)]
+pub mod solved;
 #[doc(hidden)]
 pub mod studio;
 

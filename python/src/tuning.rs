@@ -3,8 +3,7 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
-use hardpoint::nalgebra::DVector;
-use hardpoint::optimise::{Control, TargetLayout, evaluated, moved_design, tune};
+use hardpoint::optimise::{Control, TargetLayout, evaluated, tune};
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -52,19 +51,8 @@ pub(crate) fn optimise<'py>(
             let targets: Vec<(f64, f64, f64)> =
                 targets.map(|t| (t.rms, t.worst, t.worst_at)).collect();
             result.set_item("targets", targets)?;
-            // Variables move the right wheel of an axle as the left one.
-            let right = own
-                .axle
-                .as_ref()
-                .and_then(|study| study.axle.right.as_ref());
-            let right = right.map(|right| {
-                let x = DVector::from_column_slice(&best.offsets);
-                let (frame, variables) = (&own.suspension.frame, &optimise.variables);
-                let mut moved = right.design.clone();
-                moved_design(&right.design, frame, variables, &x, &mut moved);
-                moved
-            });
-            result.set_item("text", own.with_designs(&best.design, right.as_deref()))?;
+            let text = own.with_points_of(&own.moved(&best.offsets));
+            result.set_item("text", text)?;
         }
     }
     Ok(result)

@@ -8,46 +8,35 @@ use super::printer::Printer;
 use super::terminal::is_quiet;
 use super::{StudyArguments, TableFormat};
 use crate::attia::PaperTheta;
-use crate::curves::curves;
+use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, FailureRange, SolveSummary, Table, doubts, remarks, variable_doubts};
+use crate::report::{Cell, SolveSummary, Summary, Table, variable_doubts};
 use crate::solve::StationOrder;
+use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
 use crate::sweep::{NotInLanes, SweepPlan};
+use crate::tolerance::Problem;
+use std::path::Path;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
-    if let Some(axle) = &study.axle {
-        return super::axle::check(arguments, &study, axle);
-    }
-    let plan = Plan::of(&study);
-
-    let fault = |fault: DesignFault| design_fault(&study, path, &fault);
-    let design_plan = Plan {
-        station_order: StationOrder::through(&[design_value(&study).map_err(fault)?]),
-        racks: vec![0.0],
-        time: None,
-        ..plan.clone()
-    };
-    let design = curves(&study.suspension, &design_plan).map_err(fault)?;
-    let values = SolveSummary::design_table(&design);
-
+    let fault = |why| Stop::in_file(path, why);
     let alone = motion_alone(&study);
-    let moved = curves(&alone.suspension, &Plan::of(&alone)).map_err(fault)?;
+    let solved = Solved::of(&alone).map_err(fault)?;
     let of_motions = NamedCurves::all(&alone).map_err(fault)?;
-    let mut said = doubts(&study.suspension).map_err(fault)?;
+    let mut said = solved.doubts().map_err(fault)?;
     said.extend(variable_doubts(&study));
-    said.extend(remarks(&alone, &moved));
+    said.extend(solved.remarks());
 
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
     for line in said {
         out.remark(&format!("{line}\n\n"))?;
     }
-    for failure in FailureRange::all(&moved, plan.drive, study.suspension.length_unit) {
+    for failure in solved.failures() {
         out.failure(&format!("not solved: {failure}\n\n"))?;
     }
     let length = study.suspension.length_unit;
@@ -55,27 +44,52 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         out.failure(&format!("{failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {
-        out.say(&format!("{}\n\n", motion(&study, &plan)))?;
-        for line in rods(&study.suspension) {
-            out.say(&format!("{line}\n\n"))?;
+        match study.axle {
+            None => say_wheel(&mut out, &study, path)?,
+            Some(_) => say_axle(&mut out, &study, &solved.summary().map_err(fault)?)?,
         }
-        out.table("effects", plan_table(&study, &plan))?;
-        out.say(
-            "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures them.\n",
-        )?;
-        let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
-            true => format!(", derivatives by {}", drive_name(&plan)),
-            false => String::new(),
-        };
-        out.say(&format!("\nDesign position{derivatives}:\n\n"))?;
-        out.table("design", values)?;
         out.finish()?;
     }
-    let of_motions = of_motions.iter().map(|motion| &motion.curves);
-    let is_complete = of_motions
-        .chain([&moved])
-        .all(|curves| curves.are_complete());
+    let mut motions = of_motions.iter().map(|motion| &motion.curves);
+    let is_complete = solved.is_complete() && motions.all(Curves::are_complete);
     Ok(Exit::of(is_complete))
+}
+
+/// What is asked of one wheel and what that costs, and its values in the design position.
+fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> {
+    let plan = Plan::of(study);
+    let fault = |fault: DesignFault| design_fault(study, path, &fault);
+    let design_plan = Plan {
+        station_order: StationOrder::through(&[design_value(study).map_err(fault)?]),
+        racks: vec![0.0],
+        time: None,
+        ..plan.clone()
+    };
+    let design = curves(&study.suspension, &design_plan).map_err(fault)?;
+    out.say(&format!("{}\n\n", motion(study, &plan)))?;
+    for line in rods(&study.suspension) {
+        out.say(&format!("{line}\n\n"))?;
+    }
+    out.table("effects", plan_table(study, &plan))?;
+    out.say(
+        "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures them.\n",
+    )?;
+    let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
+        true => format!(", derivatives by {}", drive_name(&plan)),
+        false => String::new(),
+    };
+    out.say(&format!("\nDesign position{derivatives}:\n\n"))?;
+    out.table("design", SolveSummary::design_table(&design))
+}
+
+/// What is asked of both wheels, and the ranges of what they do.
+fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
+    out.say(&format!("{}\n\n", summary.headline()))?;
+    for line in asked(study) {
+        out.say(&format!("{line}\n\n"))?;
+    }
+    let ranges = summary.tables().map(|[ranges, ..]| ranges);
+    ranges.map_or(Ok(()), |ranges| out.table("outputs", ranges))
 }
 
 /// The study's drive in the design position, whatever the motion is.
@@ -112,42 +126,55 @@ fn motion(study: &Study, plan: &Plan) -> String {
     );
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
-    if let Some(sweep) = &study.sweep {
-        text += &format!(" {}", swept(study, sweep));
-    }
-    if let Some(optimise) = &study.optimise {
-        text += &format!(
-            " Tuning (optimise only): {} variables, {} targets, {} starts.",
-            optimise.variables.len(),
-            optimise.targets.len(),
-            optimise.starts
-        );
-    }
-    if let Some(setup) = &study.setup {
-        text += &format!(
-            " Set-up (setup only): {} adjustments, {} wanted values.",
-            setup.adjust.len(),
-            setup.want.len()
-        );
-    }
-    if let Some(tolerance) = &study.tolerance {
-        text += &format!(" {}", scattered(tolerance));
+    for line in asked(study) {
+        text += &format!(" {line}");
     }
     text
 }
 
-/// What scatters, in a sentence.
-pub(super) fn scattered(tolerance: &Tolerance) -> String {
-    format!(
+/// What other commands than `solve` are asked, in sentences.
+fn asked(study: &Study) -> Vec<String> {
+    let mut said = Vec::new();
+    if let Some(sweep) = &study.sweep {
+        said.push(swept(study, sweep));
+    }
+    if let Some(optimise) = &study.optimise {
+        said.push(format!(
+            "Tuning (optimise only): {} variables, {} targets, {} starts.",
+            optimise.variables.len(),
+            optimise.targets.len(),
+            optimise.starts
+        ));
+    }
+    if let Some(setup) = &study.setup {
+        said.push(format!(
+            "Set-up (setup only): {} adjustments, {} wanted values.",
+            setup.adjust.len(),
+            setup.want.len()
+        ));
+    }
+    said.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
+    said
+}
+
+/// What scatters, and why builds do not go through the SIMD lanes, if they do not.
+fn scattered(study: &Study, tolerance: &Tolerance) -> String {
+    let mut text = format!(
         "Tolerances (tolerance only): {} builds, {} scattering numbers, {} bands.",
         tolerance.builds,
         tolerance.sources(),
         tolerance.bands.len()
-    )
+    );
+    let problem = Problem::of(study, tolerance).ok();
+    if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
+        let why = why.describe();
+        text += &format!(" Its builds are solved one by one, not in SIMD lanes, {why}.");
+    }
+    text
 }
 
 /// What a sweep is of, and why its designs do not go through the SIMD lanes, if they do not.
-pub(super) fn swept(study: &Study, sweep: &Sweep) -> String {
+fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
             "Sweep (sweep only): {}, {} designs of {} variables.",

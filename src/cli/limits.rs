@@ -6,14 +6,15 @@ use super::output::design_fault;
 use super::printer::Printer;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::{AxleEnd, axle_curves};
+use crate::axle::AxleEnd;
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{AxleSummary, Cell, FailureRange, Table, as_written, brief};
+use crate::report::{Cell, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
+use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study};
 use std::ops::ControlFlow;
 
@@ -34,7 +35,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     let by_rack = ranges_by_rack(&study, &mut solver).map_err(fault)?;
     let alone = motion_alone(&study);
     let moved = curves(suspension, &Plan::of(&alone)).map_err(fault)?;
-    let of_motions = NamedCurves::all(&alone).map_err(fault)?;
+    let of_motions = NamedCurves::all(&alone).map_err(|why| Stop::in_file(path, why))?;
 
     let mut out = Printer::new(arguments.format);
     out.table("limits", table(&study, &limits, &by_rack))?;
@@ -58,12 +59,12 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
 
 /// The limits of an axle: which wheel ends what.
 fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Result<Exit, Stop> {
-    let path = &arguments.study;
-    let AxleStudy { axle, plan } = both;
-    let stop = |f| super::axle::fault(path, axle, f);
-    let limits = axle.limits().map_err(stop)?;
-    let moving = plan.values_alone();
-    let curves = axle_curves(axle, &moving).map_err(stop)?;
+    let (path, axle) = (&arguments.study, &both.axle);
+    let fault = |why| Stop::in_file(path, why);
+    let limits = axle.limits();
+    let limits = limits.map_err(|f| fault(axle.describe_fault(f)))?;
+    let alone = motion_alone(study);
+    let failures = Solved::of(&alone).map_err(fault)?.failures();
     let unit = study.suspension.length_unit.symbol();
     let columns = ["quantity", "at", "from", "because", "to", "because there"];
     let mut table = Table::new(columns);
@@ -98,12 +99,11 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
         out.say("\nHow far the axle rolls is not known: no wheel was followed to the end of its travel.\n")?;
     }
-    let summary = AxleSummary::of(&study.name, axle, &moving, &curves, &curves);
-    for failure in summary.failures() {
-        out.failure(&format!("\n{failure}\n"))?;
+    for failure in &failures {
+        out.failure(&format!("\nnot solved: {failure}\n"))?;
     }
     out.finish()?;
-    Ok(Exit::of(curves.stations.iter().all(|s| s.placed.is_ok())))
+    Ok(Exit::of(failures.is_empty()))
 }
 
 /// Why a range ends where nothing was found that ends it.
@@ -132,6 +132,9 @@ pub(super) fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
     alone.outputs.sensitivities.clear();
     alone.outputs.certify = false;
+    if let Some(both) = &mut alone.axle {
+        both.plan = both.plan.values_alone();
+    }
     alone
 }
 

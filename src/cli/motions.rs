@@ -2,7 +2,6 @@
 
 use super::output::motion_file;
 use crate::curves::{Curves, curves};
-use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
 use crate::plan::Plan;
 use crate::report::FailureRange;
@@ -17,17 +16,20 @@ pub(super) struct NamedCurves {
 }
 
 impl NamedCurves {
-    /// Those of every named motion.
-    pub(super) fn all(study: &Study) -> Result<Vec<Self>, DesignFault> {
-        let named = study.motions.iter().map(|(name, motion)| {
+    /// Those of every named motion; of an axle none, whose named motions are for constraints.
+    pub(super) fn all(study: &Study) -> Result<Vec<Self>, String> {
+        let motions = study.motions.iter().filter(|_| study.axle.is_none());
+        let named = motions.map(|(name, motion)| {
             let plan = Plan::of(&Study {
                 motion: motion.clone(),
                 ..study.clone()
             });
+            let wheel = &study.suspension;
+            let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
             Ok(NamedCurves {
                 file: motion_file(name),
                 name: name.clone(),
-                curves: curves(&study.suspension, &plan)?,
+                curves,
                 plan,
             })
         });

@@ -6,14 +6,11 @@ use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
 use super::report::Wanted;
-use crate::curves::curves;
-use crate::model::Suspension;
 use crate::optimise::{Control, Tuning, tune};
-use crate::plan::Plan;
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, curves_csv, doubts, history_csv,
-    remarks, sensitivities_csv, variable_doubts,
+    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv, variable_doubts,
 };
+use crate::solved::Solved;
 use crate::study::{Optimise, Study, StudyErrors};
 use crate::tolerance::{Problem, monte_carlo};
 use std::ops::ControlFlow;
@@ -24,11 +21,7 @@ use std::sync::atomic::Ordering;
 const MOST_DIRECTIONS: usize = 2;
 
 /// Says what came of a tuning: misfit, targets, variables, constraints.
-pub(super) fn say_outcome(
-    output: &Output,
-    study: &Study,
-    summary: &TuningSummary,
-) -> Result<(), Stop> {
+fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
@@ -49,7 +42,7 @@ pub(super) fn say_outcome(
 
 /// Says what the tuned design lacks, what the targets leave open, and how the starts ended. `refused` are the errors
 /// of the tuned study, if it is not one that can be read.
-pub(super) fn say_openings(
+fn say_openings(
     output: &Output,
     study: &Study,
     summary: &TuningSummary,
@@ -93,62 +86,55 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         let what = "what may move and what is wanted";
         return Err(Stop::no_section(path, "optimise", what));
     };
-    if let Some(axle) = &study.axle {
-        return super::axle::optimise(arguments, &study, axle, optimise, *prices);
-    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
-    let plan = Plan::with_targets(&study);
-    let fault = |fault| design_fault(&study, path, &fault);
-    let before = curves(&study.suspension, &plan).map_err(fault)?;
+    let fault = |why| Stop::in_file(path, why);
+    let before = Solved::with_targets(&study).map_err(fault)?;
     let output = Output::open(arguments, &study, "optimise")?;
     let wanted = Wanted::open(arguments)?;
-    let tuning = pool
-        .install(|| tune_with_progress(&study, optimise))
-        .map_err(fault)?;
-    let tuned = tuning.best.as_ref().map(|best| Suspension {
-        design: best.design.clone(),
-        ..study.suspension.clone()
-    });
-    let after = tuned.as_ref().map(|tuned| curves(tuned, &plan));
+    let of_wheel = |why| design_fault(&study, path, &why);
+    let tuning = pool.install(|| tune_with_progress(&study, optimise));
+    let tuning = tuning.map_err(of_wheel)?;
+    let best = tuning.best.as_ref();
+    let tuned = best.map(|best| study.moved(&best.offsets));
+    let after = tuned.as_ref().map(Solved::with_targets);
     let after = after.transpose().map_err(fault)?;
-    let choices = pool
-        .install(|| Choices::of(&study, optimise, &tuning, *prices || arguments.report))
-        .map_err(fault)?;
-    let kept = tuning.best.as_ref().map(|best| &best.offsets[..]);
-    let mut summary = TuningSummary::of(&study, optimise, &tuning, after.as_ref());
+    let prices = *prices || arguments.report;
+    let choices = pool.install(|| Choices::of(&study, optimise, &tuning, prices));
+    let choices = choices.map_err(of_wheel)?;
+    let kept = best.map(|best| &best.offsets[..]);
+    let mut summary = TuningSummary::of(
+        &study,
+        optimise,
+        &tuning,
+        after.as_ref().and_then(Solved::wheel),
+    );
     summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
     summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));
 
-    let length = study.suspension.length_unit;
-    let mut complete = true;
     let mut refused = None;
     let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
-    output.file("curves_before.csv", &curves_csv(&before, &plan, length))?;
+    output.file("curves_before.csv", &before.csv())?;
     output.file("history.csv", &history_csv(&tuning.starts))?;
     output.json("summary.json", &summary)?;
-    let mut designs = vec![("before", "curves_before.csv", &study.suspension, &before)];
-    if let (Some(best), Some(tuned), Some(after)) = (&tuning.best, &tuned, &after) {
-        complete &= after.are_complete();
-        designs.push(("after", "curves.csv", tuned, after));
-        output.main_csv("curves.csv", &curves_csv(after, &plan, length))?;
-        let tuned = study.with_design(&best.design);
+    let mut designs = vec![("before", "curves_before.csv", &before)];
+    if let (Some(tuned), Some(after)) = (&tuned, &after) {
+        designs.push(("after", "curves.csv", after));
+        output.main_csv("curves.csv", &after.csv())?;
+        let tuned = study.with_points_of(tuned);
         output.file("optimised.toml", tuned.as_bytes())?;
         let directory = path.parent().unwrap_or(Path::new(""));
         refused = Study::from_text("optimised.toml", &tuned, directory).err();
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
     } else {
-        complete = false;
         output.without("curves.csv")?;
         output.without("optimised.toml")?;
     }
-    let wheel = &study.suspension.mechanism;
-    let sensitive = after.as_ref().filter(|_| !plan.sensitivities.is_empty());
-    let csv = sensitive.map(|after| sensitivities_csv(after, &plan, wheel, length));
+    let csv = after.as_ref().and_then(Solved::sensitivities_csv);
     files.extend(output.file_if_any("sensitivities.csv", csv)?);
     files.extend(choices.write(&output, &study, optimise)?);
     if output.directory().is_some() {
-        let record = Record::of("optimise", &study, &plan, &designs).map_err(fault)?;
+        let record = Solved::record("optimise", &designs).map_err(fault)?;
         let front = choices.front.as_ref();
         let front = front.map(|front| FrontRecord::of(&study, optimise, front));
         let record = Record { front, ..record };
@@ -158,47 +144,40 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     files.extend(wanted.show(output.directory())?);
 
     say_outcome(&output, &study, &summary)?;
-    complete &= choices.say(&output, optimise, &summary)?;
+    let has_front = choices.say(&output, optimise, &summary)?;
     if let Some(yields) = &summary.yields {
         output.say(&format!("\n{}\n\n", yields.headline()))?;
         output.table("yields", &yields.table())?;
     }
-    complete &= !summary.falls_short();
-    let doubts = tuned.as_ref().map(doubts).transpose().map_err(fault)?;
-    let doubts = doubts.into_iter().flatten().chain(variable_doubts(&study));
-    let said = doubts.chain(after.iter().flat_map(|after| remarks(&study, after)));
-    output.say_doubts(
-        said,
-        after.as_ref().is_none_or(|after| after.are_complete()),
-    )?;
-    complete &= refused.is_none();
+    let is_complete = after.as_ref().is_some_and(Solved::is_complete);
+    let doubts = after.as_ref().map(Solved::doubts);
+    let doubts = doubts.transpose().map_err(fault)?.into_iter().flatten();
+    let doubts = doubts.chain(variable_doubts(&study));
+    let remarks = after.as_ref().map(Solved::remarks).into_iter().flatten();
+    output.say_doubts(doubts.chain(remarks), after.is_none() || is_complete)?;
+    for failure in after.iter().flat_map(Solved::failures) {
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    }
+    let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
     say_openings(&output, &study, &summary, refused)?;
     output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
-    Ok(Exit::of(complete && !interrupted))
+    Ok(Exit::of(is_whole && !interrupted))
 }
 
 /// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.
-fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Suspension>) -> Option<YieldRecord> {
+fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<YieldRecord> {
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
-    let of = |suspension: &Suspension| {
-        let study = Study {
-            suspension: suspension.clone(),
-            ..study.clone()
-        };
-        let problem = Problem::of(&study, tolerance).ok()?;
+    let of = |study: &Study| {
+        let problem = Problem::of(study, tolerance).ok()?;
         let drawn = problem.drawn().ok()?;
         monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).ok()
     };
-    Some(YieldRecord::of(
-        tolerance,
-        of(&study.suspension),
-        of(tuned?),
-    ))
+    Some(YieldRecord::of(tolerance, of(study), of(tuned?)))
 }
 
-pub(super) fn tune_with_progress(
+fn tune_with_progress(
     study: &Study,
     optimise: &Optimise,
 ) -> Result<Tuning, crate::mechanism::DesignFault> {

@@ -389,8 +389,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
             "there is no design {number}; the sweep has {designs}, numbered from 0"
         )));
     }
-    let right = plan.right_design(number);
-    let text = study.with_designs(&plan.design(number), right.as_deref());
+    let text = study.with_points_of(&study.at_design(plan.design(number)));
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)
 }

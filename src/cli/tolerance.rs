@@ -7,10 +7,9 @@ use super::progress;
 use super::report::Wanted;
 use super::terminal;
 use crate::build::NoSetUp;
-use crate::curves::curves;
 use crate::mechanism::DesignFault;
-use crate::plan::Plan;
-use crate::report::{Record, ToleranceSummary, curves_csv};
+use crate::report::ToleranceSummary;
+use crate::solved::Solved;
 use crate::study::{Outputs, Study, Tolerance};
 use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
 use std::io::Write;
@@ -19,7 +18,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
-pub(super) const FANS: [(&str, &str, usize); 4] = [
+const FANS: [(&str, &str, usize); 4] = [
     ("1 %", "curves_p1.csv", 1),
     ("5 %", "curves_p5.csv", 2),
     ("95 %", "curves_p95.csv", 4),
@@ -62,10 +61,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     let mut files = vec!["tolerance.csv", "contributors.csv", "summary.json"];
     if output.directory().is_some() {
-        files.extend(match &study.axle {
-            None => fans(&output, &study, path, &problem, &builds)?,
-            Some(both) => super::axle::fans(&output, &study, both, &problem, &builds)?,
-        });
+        files.extend(fans(&output, path, &problem, &builds)?);
     }
     files.extend(wanted.show(output.directory())?);
 
@@ -171,42 +167,34 @@ fn with_progress(
 /// files that makes.
 fn fans(
     output: &Output,
-    study: &Study,
     path: &Path,
     problem: &Problem,
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
-    let mut plain = study.clone();
+    let mut plain = problem.study.clone();
     plain.formulation = crate::study::Formulation::KnucklePose;
     plain.outputs = Outputs::of(plain.outputs.characteristics);
-    let plan = Plan::of(&plain);
-    let fault = |fault| design_fault(study, path, &fault);
-    let wheel = &study.suspension;
-    let drawn = curves(wheel, &plan).map_err(fault)?;
+    if let Some(both) = &mut plain.axle {
+        both.plan = both.plan.quantities_alone();
+    }
+    let fault = |why| Stop::in_file(path, why);
+    let drawn = Solved::of(&plain).map_err(fault)?;
     let stations: Vec<usize> = problem.stations.of_motion().collect();
     let fans = FANS.map(|(name, file, percentile)| {
-        let mut curves = drawn.clone();
-        for (station, number) in curves.stations.iter_mut().zip(&stations) {
-            for (output, value) in station.values.iter_mut().enumerate() {
-                let spread = &builds.spreads[problem.cell(output, *number)];
-                let found = spread.percentiles[percentile] * drawn.columns[output].factor();
-                *value = found.is_finite().then_some(found);
-            }
-        }
-        (name, file, curves)
+        let found = drawn.with_values(|output, station| {
+            builds.spreads[problem.cell(output, stations[station])].percentiles[percentile]
+        });
+        (name, file, found)
     });
-    let percentiles = fans.iter();
-    let mut designs: Vec<_> = percentiles
-        .map(|(name, file, curves)| (*name, *file, wheel, curves))
-        .collect();
+    let fans = fans.iter().map(|(name, file, found)| (*name, *file, found));
     // What matters most is the last.
-    designs.push(("drawn", "curves.csv", wheel, &drawn));
-    let record = Record::of("tolerance", study, &plan, &designs).map_err(fault)?;
+    let designs: Vec<_> = fans.chain([("drawn", "curves.csv", &drawn)]).collect();
     let mut files = Vec::new();
-    for (_, file, _, curves) in &designs {
-        output.file(file, &curves_csv(curves, &plan, wheel.length_unit))?;
+    for (_, file, curves) in &designs {
+        output.file(file, &curves.csv())?;
         files.push(*file);
     }
+    let record = Solved::record("tolerance", &designs).map_err(fault)?;
     output.record("report.json", &record)?;
     files.push("report.json");
     Ok(files)

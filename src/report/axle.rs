@@ -1,8 +1,10 @@
 //! Curves of an axle as files, tables and words.
 
 use super::accuracy::{CertificateSummary, stations_in_words};
-use super::figure::figures;
+use super::completeness::Completeness;
+use super::failures::FailureRange;
 use super::files::csv_of;
+use super::ranges::Range;
 use super::{Cell, Table, shortest};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
@@ -245,18 +247,6 @@ pub struct AxleSummary {
     completeness: Completeness,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     certificate: Option<CertificateSummary<String>>,
-    /// For the words of the certificate.
-    #[serde(skip)]
-    length_unit: String,
-    /// Where nothing carries the loads, and where rockers come to a toggle, a sentence each.
-    #[serde(skip)]
-    lacking: Vec<String>,
-}
-
-/// As of a corner: empty cells by reason.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Completeness {
-    empty: Vec<EmptyCells>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -264,24 +254,6 @@ struct FailedStation {
     station: usize,
     at: String,
     status: String,
-    reason: String,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Range {
-    output: String,
-    unit: String,
-    at_design: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-}
-
-/// Cells that are empty at stations that were solved.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct EmptyCells {
-    columns: [String; 1],
-    stations: usize,
-    throughout: bool,
     reason: String,
 }
 
@@ -294,48 +266,19 @@ impl AxleSummary {
         curves: &AxleCurves,
         design: &AxleCurves,
     ) -> Self {
-        let place = Place { plan, axle };
-        let stations = curves.stations.iter().enumerate();
-        let failed = stations.filter_map(|(number, station)| {
-            let failure = station.placed.as_ref().err()?;
-            Some(FailedStation {
-                station: number,
-                at: place.words(number, station),
-                status: station.status.to_owned(),
-                reason: failure.describe(axle.left.length_unit),
-            })
+        let failed = axle_failures(axle, plan, curves).into_iter();
+        let failed = failed.map(|f| FailedStation {
+            station: f.first,
+            at: f.place,
+            status: f.status,
+            reason: f.reason,
         });
         let failed: Vec<_> = failed.collect();
-        let solved = curves.stations.len() - failed.len();
         let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
-            let values = || curves.stations.iter().filter_map(move |s| s.value(k));
-            Range {
-                output: column.name.clone(),
-                unit: column.unit.clone(),
-                at_design: design.stations.first().and_then(|s| s.value(k)),
-                min: values().min_by(f64::total_cmp),
-                max: values().max_by(f64::total_cmp),
-            }
+            let values = curves.stations.iter().filter_map(move |s| s.value(k));
+            let at_design = design.stations.first().and_then(|s| s.value(k));
+            Range::of([&column.name, &column.unit], at_design, values)
         });
-        let mut empty: Vec<EmptyCells> = Vec::new();
-        for (column, void, stations) in curves.empty_cells() {
-            let name = &curves.columns[column].name;
-            match empty.iter_mut().find(|cells| cells.columns[0] == *name) {
-                Some(cells) => {
-                    cells.stations += stations;
-                    cells.reason = format!("{}; or {}", cells.reason, void.reason());
-                }
-                None => empty.push(EmptyCells {
-                    columns: [name.clone()],
-                    stations,
-                    throughout: false,
-                    reason: void.reason().to_owned(),
-                }),
-            }
-        }
-        for cells in &mut empty {
-            cells.throughout = cells.stations == solved;
-        }
         AxleSummary {
             command: "solve".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -343,71 +286,75 @@ impl AxleSummary {
             topology: axle.left.mechanism.topology.name.to_owned(),
             axle: right_wheel(axle),
             stations: curves.stations.len(),
-            solved,
+            solved: curves.stations.len() - failed.len(),
             outputs: outputs.collect(),
-            completeness: Completeness { empty },
+            completeness: Completeness::of_axle(curves),
             failed,
-            certificate: certificate(&place, curves),
-            length_unit: axle.left.length_unit.symbol().to_owned(),
-            lacking: unsupported(&place, curves)
-                .into_iter()
-                .chain(toggled(&place, curves))
-                .collect(),
+            certificate: certificate(&Place { plan, axle }, curves),
         }
     }
 
     /// One line on the whole.
     pub fn headline(&self) -> String {
+        let stations = self.completeness.headline().unwrap_or_default();
         format!(
-            "{}: {} axle, {}; {} of {} stations solved",
-            self.study, self.topology, self.axle, self.solved, self.stations
+            "{}: {} axle, {}; {stations}",
+            self.study, self.topology, self.axle
         )
     }
 
     /// The range of every column.
     pub fn table(&self) -> Table {
-        let mut table = Table::new(["output", "at design", "min", "max"]);
-        for range in &self.outputs {
-            let shown = figures([range.at_design, range.min, range.max], &range.unit);
-            let values = [range.at_design, range.min, range.max];
-            let cells = values
-                .into_iter()
-                .zip(shown)
-                .map(|(value, text)| match value {
-                    Some(value) => Cell::shown(value, text),
-                    None => Cell::from(""),
-                });
-            let first = Cell::from(range.output.clone());
-            table.push_row(std::iter::once(first).chain(cells));
+        Range::table(&self.outputs)
+    }
+
+    /// For programs: how many stations there are of each status.
+    pub fn stations_table(&self) -> Table {
+        self.completeness.table()
+    }
+
+    /// For programs: the stations without a position.
+    pub fn failures_table(&self) -> Table {
+        let mut table = Table::new(["station", "at", "status", "reason"]);
+        for failed in &self.failed {
+            let words =
+                [&failed.at, &failed.status, &failed.reason].map(|text| text.as_str().into());
+            table.push_row([Cell::from(failed.station)].into_iter().chain(words));
         }
         table
     }
+}
 
-    /// What has to be said of stations without a position and of empty cells, a line each.
-    pub fn remarks(&self) -> Vec<String> {
-        let certificate = self.certificate.iter();
-        let certificate = certificate.map(|c| c.remark(self.stations, &self.length_unit));
-        let mut said: Vec<_> = certificate.chain(self.lacking.clone()).collect();
-        for cells in &self.completeness.empty {
-            let EmptyCells {
-                columns: [column],
-                stations,
-                throughout,
-                reason,
-            } = cells;
-            said.push(match throughout {
-                true => format!("warning: {column} has no value at any station: {reason}"),
-                false => format!("{column} has no value at {stations} of the stations: {reason}"),
-            });
-        }
-        said
-    }
+/// What has to be said of an axle's curves, a line each: of their accuracy, and of what has no value.
+pub fn axle_remarks(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<String> {
+    let place = Place { plan, axle };
+    let unit = axle.left.length_unit.symbol();
+    let proved = certificate(&place, curves).map(|c| c.remark(curves.stations.len(), unit));
+    let lacking = unsupported(&place, curves).into_iter();
+    let lacking = lacking.chain(toggled(&place, curves));
+    let empty = Completeness::of_axle(curves);
+    proved
+        .into_iter()
+        .chain(lacking)
+        .chain(empty.remarks())
+        .collect()
+}
 
-    /// Stations without a position, a line each.
-    pub fn failures(&self) -> impl Iterator<Item = String> {
-        let failed = self.failed.iter();
-        failed.map(|f| format!("not solved: {}: {}", f.at, f.reason))
-    }
+/// Stations of an axle without a position, each by itself.
+pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<FailureRange> {
+    let place = Place { plan, axle };
+    let stations = curves.stations.iter().enumerate();
+    let failed = stations.filter_map(|(number, station)| {
+        let failure = station.placed.as_ref().err()?;
+        Some(FailureRange {
+            first: number,
+            last: number,
+            status: station.status.to_owned(),
+            reason: failure.describe(axle.left.length_unit),
+            place: place.words(number, station),
+        })
+    });
+    failed.collect()
 }
 
 /// Where nothing carries the loads.

@@ -1,7 +1,6 @@
 //! `report.json` of an axle: what its page needs beyond the other files of a run.
 
-use super::axle::{Place, certificate};
-use super::failures::FailureRange;
+use super::axle::{Place, axle_failures, certificate};
 use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
@@ -12,7 +11,7 @@ use crate::curves::Frame;
 use crate::curves::thinned::evenly;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleStudy, Study, Target};
+use crate::study::{Study, Target};
 
 /// The most stations of the drawing, along what it is over and beside it.
 const MOST_FRAMES: [usize; 2] = [41, 9];
@@ -25,10 +24,10 @@ impl Record {
     pub fn of_axle(
         command: &str,
         study: &Study,
-        AxleStudy { axle, .. }: &AxleStudy,
         plan: &AxlePlan,
         designs: &[SolvedAxle<'_>],
     ) -> Result<Self, (Side, DesignFault)> {
+        let (_, _, axle, _) = designs.last().expect("a run is of a design at least");
         let length = axle.left.length_unit;
         let moving = plan.course.moving();
         let column = |coordinate: &Coordinate| coordinate.column(length);
@@ -42,7 +41,7 @@ impl Record {
                     .map(|c| c.remark(curves.stations.len(), length.symbol()))
                     .into_iter()
                     .collect(),
-                failures: failures(axle, plan, curves),
+                failures: axle_failures(axle, plan, curves),
                 frames: frames(axle, &plan.course, &moving)?,
             })
         };
@@ -162,20 +161,4 @@ fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
         points,
         over: Some(site.over.column(axle.left.length_unit)),
     })
-}
-
-fn failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<FailureRange> {
-    let place = Place { plan, axle };
-    let stations = curves.stations.iter().enumerate();
-    let failed = stations.filter_map(|(number, station)| {
-        let failure = station.placed.as_ref().err()?;
-        Some(FailureRange {
-            first: number,
-            last: number,
-            status: station.status.to_owned(),
-            reason: failure.to_string(),
-            place: place.words(number, station),
-        })
-    });
-    failed.collect()
 }

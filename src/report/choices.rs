@@ -166,7 +166,7 @@ impl FrontRecord {
     pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
         let unit = study.suspension.length_unit.symbol();
         let text = |choice: &Choice| -> Vec<String> {
-            let text = study.with_design(&choice.design);
+            let text = study.with_points_of(&study.moved(&choice.offsets));
             text.lines().map(str::to_owned).collect()
         };
         let first = front.choices.first().map(text).unwrap_or_default();

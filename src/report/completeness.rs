@@ -5,8 +5,9 @@
 //! is one that was asked for and not found.
 
 use super::table::{Cell, Table};
+use crate::axle::AxleCurves;
 use crate::characteristics::Characteristic;
-use crate::curves::{Curves, Status};
+use crate::curves::{Curves, Station, Status};
 use serde::{Deserialize, Serialize};
 
 /// Stations by status, and empty cells by reason.
@@ -49,22 +50,8 @@ impl Completeness {
 
     /// Of some curves.
     pub fn of(curves: &Curves) -> Self {
-        let mut statuses: Vec<StatusCount> = Vec::new();
-        for station in &curves.stations {
-            let status = station.status.word();
-            match statuses.iter_mut().find(|count| count.status == status) {
-                Some(count) => count.stations += 1,
-                None => statuses.push(StatusCount {
-                    status: status.to_owned(),
-                    stations: 1,
-                }),
-            }
-        }
-        let solved = || {
-            let is_solved = |status| matches!(status, Status::Ok | Status::IllConditioned);
-            let stations = curves.stations.iter();
-            stations.filter(move |s| is_solved(s.status))
-        };
+        let is_solved = |s: &&Station| matches!(s.status, Status::Ok | Status::IllConditioned);
+        let solved = || curves.stations.iter().filter(is_solved);
         let mut empty: Vec<EmptyCells> = Vec::new();
         for (k, column) in curves.columns.iter().enumerate() {
             let stations = solved().filter(|s| s.values[k].is_none()).count();
@@ -83,6 +70,45 @@ impl Completeness {
                     stations,
                     throughout: stations == solved().count(),
                     reason: reason.to_owned(),
+                }),
+            }
+        }
+        let words = curves.stations.iter().map(|s| s.status.word());
+        Completeness::with(words, empty)
+    }
+
+    /// Of the curves of an axle: column by column.
+    pub fn of_axle(curves: &AxleCurves) -> Self {
+        let solved = curves.stations.iter().filter(|s| s.placed.is_ok()).count();
+        let mut empty: Vec<EmptyCells> = Vec::new();
+        for (column, void, stations) in curves.empty_cells() {
+            let columns = vec![curves.columns[column].name.clone()];
+            match empty.last_mut().filter(|cells| cells.columns == columns) {
+                Some(cells) => {
+                    cells.stations += stations;
+                    cells.throughout = cells.stations == solved;
+                    cells.reason = format!("{}; or {}", cells.reason, void.reason());
+                }
+                None => empty.push(EmptyCells {
+                    columns,
+                    stations,
+                    throughout: stations == solved,
+                    reason: void.reason().to_owned(),
+                }),
+            }
+        }
+        Completeness::with(curves.stations.iter().map(|s| s.status), empty)
+    }
+
+    /// With stations of these statuses.
+    fn with(words: impl Iterator<Item = &'static str>, empty: Vec<EmptyCells>) -> Self {
+        let mut statuses: Vec<StatusCount> = Vec::new();
+        for status in words {
+            match statuses.iter_mut().find(|count| count.status == status) {
+                Some(count) => count.stations += 1,
+                None => statuses.push(StatusCount {
+                    status: status.to_owned(),
+                    stations: 1,
                 }),
             }
         }

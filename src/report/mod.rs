@@ -20,6 +20,7 @@ mod page;
 mod picture;
 mod places;
 mod plausibility;
+mod ranges;
 mod record;
 mod run;
 mod scene;
@@ -35,7 +36,10 @@ mod yields;
 
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
-pub use axle::{AxleSummary, axle_curves_csv, axle_doubts, axle_motion, axle_sensitivities_csv};
+pub use axle::{
+    AxleSummary, axle_curves_csv, axle_doubts, axle_failures, axle_motion, axle_remarks,
+    axle_sensitivities_csv,
+};
 pub use axle_record::SolvedAxle;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
@@ -49,7 +53,7 @@ pub use finished::FinishedRun;
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
-pub use plausibility::{doubts, study_doubts, variable_doubts, wheel_doubts};
+pub use plausibility::{both_doubts, doubts, study_doubts, variable_doubts};
 pub(crate) use record::readable_unit;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, RunError, Summary};

@@ -2,7 +2,7 @@
 //! it is a mistake, so it is only said.
 
 use super::axle_doubts;
-use crate::axle::{Axle, axle_curves};
+use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
@@ -37,9 +37,13 @@ pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     Ok(doubts.found)
 }
 
-/// What is doubtful of both wheels of an axle in the design position, a line each; of a right wheel with hardpoints of
-/// its own only what is not so of the left one too.
-pub fn wheel_doubts(axle: &Axle) -> Result<Vec<String>, (Side, DesignFault)> {
+/// What is doubtful of an axle, a line each: of its curves, and of both wheels in the design position; of a right wheel
+/// with hardpoints of its own only what is not so of the left one too.
+pub fn both_doubts(
+    axle: &Axle,
+    plan: &AxlePlan,
+    curves: &AxleCurves,
+) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = doubts(&axle.left).map_err(|fault| (Side::Left, fault))?;
     if let Some(own) = &axle.right {
         let of_right = doubts(own).map_err(|fault| (Side::Right, fault))?;
@@ -48,6 +52,7 @@ pub fn wheel_doubts(axle: &Axle) -> Result<Vec<String>, (Side, DesignFault)> {
         found.extend(new.iter().map(named).collect::<Vec<_>>());
         found.extend(across(&axle.left, own));
     }
+    found.extend(axle_doubts(axle, curves, axle.turns_against(plan)));
     Ok(found)
 }
 
@@ -80,10 +85,7 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
         None => doubts(&study.suspension).map_err(|fault| (Side::Left, fault))?,
         Some(AxleStudy { axle, plan }) => {
             let plan = plan.values_alone();
-            let curves = axle_curves(axle, &plan)?;
-            let mut found = wheel_doubts(axle)?;
-            found.extend(axle_doubts(axle, &curves, axle.turns_against(&plan)));
-            found
+            both_doubts(axle, &plan, &axle_curves(axle, &plan)?)?
         }
     };
     found.extend(variable_doubts(study));

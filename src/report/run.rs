@@ -2,7 +2,8 @@
 
 use super::curve_table::CurveTable;
 use super::record::{FORM, Record};
-use super::{AxleSummary, SolveSummary, ToleranceSummary, TuningSummary};
+use super::{AxleSummary, SolveSummary, Table, ToleranceSummary, TuningSummary};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -31,8 +32,9 @@ pub struct Run {
     pub files: Vec<String>,
 }
 
-/// What a run came to.
-#[derive(Clone, Debug)]
+/// What a run came to: `summary.json`.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
 pub enum Summary {
     /// A solve.
     Solve(Box<SolveSummary>),
@@ -42,6 +44,29 @@ pub enum Summary {
     Optimise(Box<TuningSummary>),
     /// Builds.
     Tolerance(ToleranceSummary),
+}
+
+impl Summary {
+    /// The outcome in a line.
+    pub fn headline(&self) -> String {
+        match self {
+            Summary::Solve(solve) => solve.headline(),
+            Summary::Axle(axle) => axle.headline(),
+            Summary::Optimise(tuning) => tuning.headline(),
+            Summary::Tolerance(tolerance) => tolerance.headline(),
+        }
+    }
+
+    /// Of a solve: ranges of columns, numbers of stations by status, and the stations that failed.
+    pub fn tables(&self) -> Option<[Table; 3]> {
+        let solve = |s: &SolveSummary| [s.table(), s.stations_table(), s.failures_table()];
+        let axle = |s: &AxleSummary| [s.table(), s.stations_table(), s.failures_table()];
+        match self {
+            Summary::Solve(summary) => Some(solve(summary)),
+            Summary::Axle(summary) => Some(axle(summary)),
+            Summary::Optimise(_) | Summary::Tolerance(_) => None,
+        }
+    }
 }
 
 impl Run {

@@ -2,7 +2,8 @@
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
-use super::figure::{figure, figures};
+use super::figure::figure;
+use super::ranges::Range;
 use super::station_label::StationLabel;
 use super::table::{Cell, Column, Table};
 use crate::curves::{Curves, Station, Status};
@@ -53,19 +54,6 @@ struct FailedStation {
     reason: String,
 }
 
-/// The range of a column over the motion.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Range {
-    output: String,
-    /// Empty for a plain number.
-    #[serde(default)]
-    unit: String,
-    /// Where the drive and the rack are zero, if that is a station.
-    at_design: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-}
-
 impl SolveSummary {
     /// The summary of some curves.
     pub fn of(study: &Study, curves: &Curves) -> Self {
@@ -82,14 +70,9 @@ impl SolveSummary {
             |s: &&Station| s.angle.or(s.travel) == Some(0.0) && s.rack == 0.0 && s.time.is_none();
         let design = curves.stations.iter().find(is_design);
         let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
-            let values = || curves.stations.iter().filter_map(|s| s.values[k]);
-            Range {
-                output: column.name.clone(),
-                unit: column.unit.clone(),
-                at_design: design.and_then(|s| s.values[k]),
-                min: values().min_by(f64::total_cmp),
-                max: values().max_by(f64::total_cmp),
-            }
+            let values = curves.stations.iter().filter_map(|s| s.values[k]);
+            let at_design = design.and_then(|s| s.values[k]);
+            Range::of([&column.name, &column.unit], at_design, values)
         });
         SolveSummary {
             command: "solve".to_owned(),
@@ -114,19 +97,7 @@ impl SolveSummary {
 
     /// The range of every output.
     pub fn table(&self) -> Table {
-        let unit = Column::for_programs("unit");
-        let columns = ["output", "at design", "min", "max"].map(Column::from);
-        let mut table = Table::with_columns(columns.into_iter().chain([unit]));
-        for range in &self.outputs {
-            let values = [range.at_design, range.min, range.max];
-            let shown = figures(values, &range.unit);
-            let mut row = vec![Cell::from(range.output.as_str())];
-            let cells = values.into_iter().zip(shown);
-            row.extend(cells.map(|(value, shown)| value.map(|v| Cell::shown(v, shown)).into()));
-            row.push(range.unit.as_str().into());
-            table.push_row(row);
-        }
-        table
+        Range::table(&self.outputs)
     }
 
     /// The values at the first station, for curves of the design position alone.
@@ -160,11 +131,12 @@ impl SolveSummary {
         self.completeness.table()
     }
 
-    /// How many stations were solved, and what became of the others, in words.
+    /// The outcome in a line.
     pub fn headline(&self) -> String {
-        self.completeness.headline().unwrap_or_else(|| {
+        let stations = self.completeness.headline().unwrap_or_else(|| {
             let solved = self.stations - self.failed.len();
             format!("{solved} of {} stations solved", self.stations)
-        })
+        });
+        format!("{}: {}, {stations}", self.study, self.topology)
     }
 }

@@ -1,28 +1,20 @@
 //! What the library makes of a design: the answer to a dragged point.
 
-use super::message::{ColumnValues, SolveRequest, Solved};
+use super::message::{ColumnValues, Designed, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
 use crate::characteristics::Characteristic;
 use crate::curves::{Curves, Frame, curves, frames};
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{FailureRange, OutputRecord, curves_csv, doubts, remarks};
+use crate::report::{FailureRange, OutputRecord, doubts, remarks};
 use crate::solve::StationOrder;
+use crate::solved::Solved;
 use crate::study::{Drive, Study};
 use std::time::Instant;
 
-/// The suspension of an opened study with another design.
-pub(super) fn moved(opened: &Opened, of: &super::message::Designed) -> Result<Suspension, String> {
-    Ok(Suspension {
-        design: opened.design(&of.design)?,
-        ..opened.study.suspension.clone()
-    })
-}
-
 /// The study with these characteristics asked for, and nothing that takes long: proofs are for `solve`.
-pub(super) fn asking_for(opened: &Opened, names: &[String]) -> Result<Study, String> {
-    let mut study = opened.study.clone();
+pub(super) fn asking_for(mut study: Study, names: &[String]) -> Result<Study, String> {
     study.outputs.certify = false;
     study.outputs.characteristics.clear();
     for name in names {
@@ -43,17 +35,17 @@ pub(super) fn asking_for(opened: &Opened, names: &[String]) -> Result<Study, Str
 const MOST_STATIONS: usize = 2000;
 
 /// Answers a dragged point. An error says what is wrong with the design or the request.
-pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, String> {
+pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
-    if let Some(both) = &opened.study.axle {
-        return super::axle::solved(opened, both, request);
+    let moved = opened.moved(&request.of.design)?;
+    if let Some(both) = &moved.axle {
+        return super::axle::solved(opened, &moved, both, request);
     }
     let &[drive, rack] = request.at.as_slice() else {
         return Err("expected a value for each of two sliders".to_owned());
     };
-    let suspension = moved(opened, &request.of)?;
-    let mechanism = &suspension.mechanism;
-    let study = asking_for(opened, &request.characteristics)?;
+    let study = asking_for(moved, &request.characteristics)?;
+    let (suspension, mechanism) = (&study.suspension, &study.suspension.mechanism);
     let mut plan = Plan::of(&study);
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
@@ -64,8 +56,8 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
         plan = plan.thinned(MOST_STATIONS, 9);
     }
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
-    let found = curves(&suspension, &plan).map_err(fault)?;
-    let misfit = misfit::misfit(opened, &suspension).map_err(fault)?;
+    let found = curves(suspension, &plan).map_err(fault)?;
+    let misfit = misfit::misfit(opened, &study).map_err(fault)?;
     let place = Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
         racks: vec![rack],
@@ -78,7 +70,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
         let mut frames = frames(suspension, &place).ok()?;
         frames.pop()
     };
-    let mut said = doubts(&suspension).map_err(fault)?;
+    let mut said = doubts(suspension).map_err(fault)?;
     said.extend(remarks(&study, &found));
     if plan.stations() < all {
         let drawn = plan.stations();
@@ -91,7 +83,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
     let shown = (0..plan.racks.len())
         .min_by(|a, b| far(a).total_cmp(&far(b)))
         .unwrap_or(0);
-    Ok(Solved {
+    Ok(SolvedAnswer {
         columns: columns(&found),
         drive: found
             .stations
@@ -103,7 +95,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
         rack: plan.racks[shown],
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, plan.drive, study.suspension.length_unit),
-        frame: frame(&suspension),
+        frame: frame(suspension),
         right: None,
         opened: match suspension.design == opened.study.suspension.design {
             true => None,
@@ -116,14 +108,8 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<Solved, 
 }
 
 /// `curves.csv` of a design, as `hardpoint solve` writes it.
-pub(super) fn csv(opened: &Opened, of: &super::message::Designed) -> Result<Vec<u8>, String> {
-    let suspension = moved(opened, of)?;
-    if let Some(both) = &opened.study.axle {
-        return super::axle::csv(both, suspension);
-    }
-    let plan = Plan::of(&opened.study);
-    let found = curves(&suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
-    Ok(curves_csv(&found, &plan, suspension.length_unit))
+pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
+    Ok(Solved::of(&opened.moved(&of.design)?)?.csv())
 }
 
 fn columns(found: &Curves) -> Vec<ColumnValues> {

@@ -5,7 +5,7 @@
 
 use super::message::{
     CharacteristicOverview, ColumnValues, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest,
-    Solved,
+    SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
@@ -17,20 +17,10 @@ use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
-use crate::report::{FailureRange, axle_curves_csv, axle_doubts, doubts, readable_unit};
+use crate::report::{FailureRange, axle_doubts, doubts, readable_unit};
 use crate::solve::StationOrder;
 use crate::study::{About, AxleStudy, Study, missing};
 use std::time::Instant;
-
-/// The axle with another left wheel.
-pub(super) fn moved(axle: &Axle, left: &Suspension) -> Axle {
-    let mut moved = axle.clone();
-    moved.left = left.clone();
-    if let (Some(right), Some(design)) = (&mut moved.right, axle.right_design(&left.design)) {
-        right.design = design.collect();
-    }
-    moved
-}
 
 /// The numbers a course has, each with a value where it is held at nothing.
 fn coordinates(course: &Course) -> Vec<Coordinate> {
@@ -177,14 +167,14 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
 /// Answers a dragged point of an axle.
 pub(super) fn solved(
     opened: &Opened,
-    both: &AxleStudy,
+    study: &Study,
+    AxleStudy { axle, plan }: &AxleStudy,
     request: &SolveRequest,
-) -> Result<Solved, String> {
+) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
-    let left = super::answer::moved(opened, &request.of)?;
-    let axle = moved(&both.axle, &left);
+    let left = &axle.left;
     let sign = left.frame.sign(Axis::Y);
-    let mut plan = asking_for(&both.plan, &axle, &request.characteristics)?;
+    let mut plan = asking_for(plan, axle, &request.characteristics)?;
     if let Some(rack) = request.curves_rack {
         plan.course.racks = vec![rack * sign];
         plan.course.steering_wheel = None;
@@ -196,21 +186,21 @@ pub(super) fn solved(
             all.len()
         ));
     }
-    let found = axle_curves(&axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
+    let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let over = main(&plan.course);
     let places: Vec<Vec<f64>> = found
         .stations
         .iter()
-        .map(|s| all.iter().map(|c| place(&s.placement, *c, &left)).collect())
+        .map(|s| all.iter().map(|c| place(&s.placement, *c, left)).collect())
         .collect();
     let main = all.iter().position(|c| *c == over).unwrap_or(0);
     let (groups, shown) = grouped(&places, main, &request.at);
     let rack = groups.iter().position(|group| *group == shown);
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
-    let mut said = doubts(&left).map_err(fault)?;
-    said.extend(axle_doubts(&axle, &found, false));
-    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, &opened.study);
-    Ok(Solved {
+    let mut said = doubts(left).map_err(fault)?;
+    said.extend(axle_doubts(axle, &found, false));
+    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
+    Ok(SolvedAnswer {
         columns: columns(&found),
         drive: places.iter().map(|place| Some(place[main])).collect(),
         groups,
@@ -218,13 +208,16 @@ pub(super) fn solved(
         rack: rack.map_or(0.0, |station| places[station][all.len() - 1]),
         status: found.stations.iter().map(|s| s.status).collect(),
         failures: failures(&found, &places, &all),
-        frame: frame(&axle, Side::Left),
-        right: frame(&axle, Side::Right),
+        frame: frame(axle, Side::Left),
+        right: frame(axle, Side::Right),
         opened: match left.design == opened.study.suspension.design {
             true => None,
-            false => frame(&both.axle, Side::Left),
+            false => frame(
+                &opened.study.axle.as_ref().expect("it is of an axle").axle,
+                Side::Left,
+            ),
         },
-        misfit: super::misfit::misfit(opened, &left).map_err(fault)?,
+        misfit: super::misfit::misfit(opened, study).map_err(fault)?,
         remarks: said,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
@@ -232,14 +225,7 @@ pub(super) fn solved(
 
 /// A number of a placement, as it is printed.
 fn place(placement: &Placement, coordinate: Coordinate, left: &Suspension) -> f64 {
-    let value = match (coordinate, *placement) {
-        (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
-        (Coordinate::Roll, Placement::Roll { roll, .. } | Placement::AtLoad { roll, .. }) => roll,
-        (_, Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. }) => heave,
-        (Coordinate::TravelRight, Placement::Travels { travels, .. }) => travels[1],
-        (_, Placement::Travels { travels, .. }) => travels[0],
-    };
-    printed(coordinate, value, left)
+    printed(coordinate, placement.along(coordinate), left)
 }
 
 /// Stations that differ in the main number alone as groups, and the group nearest to a place.
@@ -359,25 +345,16 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
     Some(frame)
 }
 
-/// `curves.csv` of an axle with another left wheel.
-pub(super) fn csv(both: &AxleStudy, left: Suspension) -> Result<Vec<u8>, String> {
-    let axle = moved(&both.axle, &left);
-    let found = axle_curves(&axle, &both.plan).map_err(|fault| axle.describe_fault(fault))?;
-    Ok(axle_curves_csv(&axle, &both.plan, &found))
-}
-
 /// What a coordinate of both wheels does to each column.
 pub(super) fn influence(
-    both: &AxleStudy,
-    left: Suspension,
+    AxleStudy { axle, plan }: &AxleStudy,
     names: &[String],
     point: PointId,
     axis: Axis,
 ) -> Result<InfluenceAnswer, String> {
-    let axle = moved(&both.axle, &left);
-    let mut plan = asking_for(&both.plan, &axle, names)?;
+    let mut plan = asking_for(plan, axle, names)?;
     plan.sensitivities = vec![point];
-    let found = axle_curves(&axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
+    let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let stations = found.stations.len();
     let columns = found.columns.iter().map(|column| InfluenceColumn {
         column: column.name.clone(),

@@ -1,6 +1,5 @@
 //! What is free: moves that the targets do not see, and how far the mechanism goes.
 
-use super::answer::moved;
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
 use super::study_file::Opened;
 use crate::analyse::{Range, RangeEnd};
@@ -20,7 +19,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
             directions: Vec::new(),
         });
     };
-    let suspension = moved(opened, of)?;
+    let suspension = opened.moved(&of.design)?.suspension;
     // Directions of turns are no straight lines.
     let straight = optimise.variables.iter().filter(|v| v.turn.is_none());
     let variables: Vec<_> = straight.cloned().collect();
@@ -60,7 +59,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 
 /// How far wheel and rack go from the design position, and what stops them.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
-    let suspension = moved(opened, of)?;
+    let suspension = opened.moved(&of.design)?.suspension;
     let mechanism = &suspension.mechanism;
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let mut solver = Solver::new(mechanism, &suspension.design).map_err(fault)?;

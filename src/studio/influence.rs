@@ -1,6 +1,6 @@
 //! What one coordinate does to each curve.
 
-use super::answer::{asking_for, moved};
+use super::answer::asking_for;
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
 use super::study_file::Opened;
 use crate::curves::curves;
@@ -12,24 +12,26 @@ pub(super) fn influence(
     opened: &Opened,
     request: &InfluenceRequest,
 ) -> Result<InfluenceAnswer, String> {
-    let suspension = moved(opened, &request.of)?;
+    let study = opened.moved(&request.of.design)?;
     let Some(axis) = Axis::ALL.get(request.axis) else {
         return Err("expected an axis 0, 1 or 2".to_owned());
     };
-    if request.point >= suspension.design.len() {
+    if request.point >= study.suspension.design.len() {
         return Err("there is no such point".to_owned());
     }
     let point = PointId(request.point);
-    if let Some(both) = &opened.study.axle {
-        let names = &request.characteristics;
-        return super::axle::influence(both, suspension, names, point, *axis);
+    let names = &request.characteristics;
+    if let Some(both) = &study.axle {
+        return super::axle::influence(both, names, point, *axis);
     }
+    let study = asking_for(study, names)?;
     let plan = Plan {
         sensitivities: vec![point],
         loads: Vec::new(),
-        ..Plan::of(&asking_for(opened, &request.characteristics)?)
+        ..Plan::of(&study)
     };
-    let found = curves(&suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
+    let suspension = &study.suspension;
+    let found = curves(suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     let stations = found.stations.len();
     let mut columns: Vec<InfluenceColumn> = found
         .columns

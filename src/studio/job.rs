@@ -3,12 +3,9 @@
 use super::message::{JobState, Proposal, TuneRequest};
 use super::overview::coordinates;
 use super::study_file::Opened;
-use crate::curves::curves;
-use crate::model::Suspension;
 use crate::optimise::{Control, Iteration, tune};
-use crate::plan::Plan;
 use crate::report::TuningSummary;
-use crate::study::{Optimise, Study, Variable};
+use crate::study::{Study, Variable};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -30,8 +27,8 @@ impl Job {
         opened: Arc<Opened>,
         request: &TuneRequest,
     ) -> Result<Arc<Job>, String> {
-        let suspension = super::answer::moved(&opened, &request.of)?;
-        let Some(optimise) = &opened.study.optimise else {
+        let mut study = opened.moved(&request.of.design)?;
+        let Some(optimise) = &mut study.optimise else {
             return Err(
                 "the study has no [optimise] section: what may move, what is wanted".into(),
             );
@@ -45,18 +42,10 @@ impl Job {
             };
             !points.chain(turned).any(locked)
         };
-        let variables: Vec<Variable> = optimise.variables.iter().filter(free).cloned().collect();
-        if variables.is_empty() {
+        optimise.variables.retain(|variable| free(&variable));
+        if optimise.variables.is_empty() {
             return Err("every variable of the study moves a point that is locked".to_owned());
         }
-        let optimise = Optimise {
-            variables,
-            axle: optimise
-                .axle
-                .as_ref()
-                .map(|axle| super::axle::moved(axle, &suspension)),
-            ..optimise.clone()
-        };
         let job = Arc::new(Job {
             number,
             interrupt: AtomicBool::new(false),
@@ -66,9 +55,8 @@ impl Job {
             ended: Mutex::new(None),
         });
         let own = job.clone();
-        let study = opened.study.clone();
         let run = move || {
-            let ended = own.run(&study, &suspension, &optimise);
+            let ended = own.run(&study);
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
         };
         let spawned = std::thread::Builder::new().spawn(run);
@@ -76,12 +64,11 @@ impl Job {
         Ok(job)
     }
 
-    fn run(
-        &self,
-        study: &Study,
-        suspension: &Suspension,
-        optimise: &Optimise,
-    ) -> Result<Proposal, String> {
+    fn run(&self, study: &Study) -> Result<Proposal, String> {
+        let Study {
+            suspension, motion, ..
+        } = study;
+        let optimise = study.optimise.as_ref().expect("it was asked for");
         let watch = |_: usize, iteration: &Iteration| {
             self.iterations.fetch_add(1, Ordering::Relaxed);
             if iteration.iteration == 0 {
@@ -95,27 +82,13 @@ impl Job {
             watch: Some(&watch),
         };
         let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
-        let tuning = tune(suspension, &study.motion, optimise, control).map_err(fault)?;
-        let moved = Study {
-            suspension: suspension.clone(),
-            optimise: Some(optimise.clone()),
-            ..study.clone()
-        };
+        let tuning = tune(suspension, motion, optimise, control).map_err(fault)?;
         let Some(best) = &tuning.best else {
             let first = tuning.starts.starts.first();
             let why = first.and_then(|start| start.outcome.as_ref().err());
             return Err(why.map_or("no start came to an end".to_owned(), |w| w.to_string()));
         };
-        let tuned = Suspension {
-            design: best.design.clone(),
-            ..suspension.clone()
-        };
-        // An axle has curves of its own.
-        let after = match study.axle {
-            Some(_) => None,
-            None => Some(curves(&tuned, &Plan::with_targets(&moved)).map_err(fault)?),
-        };
-        let summary = TuningSummary::of(&moved, optimise, &tuning, after.as_ref());
+        let summary = TuningSummary::of(study, optimise, &tuning, None);
         Ok(Proposal {
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),

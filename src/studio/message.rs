@@ -149,7 +149,7 @@ pub(super) struct VariableOverview {
 
 /// What the library makes of a design.
 #[derive(Serialize)]
-pub(super) struct Solved {
+pub(super) struct SolvedAnswer {
     pub columns: Vec<ColumnValues>,
     /// What curves are drawn over, station by station.
     pub drive: Vec<Option<f64>>,

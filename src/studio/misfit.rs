@@ -15,37 +15,23 @@
 //! Where a misfit vanishes it has no gradient; zero is said, which is where its square is at its minimum.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
-use super::study_file::Opened;
+use super::study_file::{Opened, layout_of};
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
 use crate::optimise::{Assessment, TargetLayout, assessed};
-use crate::study::{Drive, Optimise};
+use crate::study::{Drive, Optimise, Study};
 use nalgebra::{DMatrix, DVector};
 
 /// The misfit of a design, if its study has targets.
-pub(super) fn misfit(
-    opened: &Opened,
-    suspension: &Suspension,
-) -> Result<Option<Misfit>, DesignFault> {
-    let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
+pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
+    let (Some(optimise), Some(layout)) = (&study.optimise, &opened.layout) else {
         return Ok(None);
     };
-    let found = match optimise.axle.as_ref().filter(|axle| axle.right.is_some()) {
-        None => assessed(suspension, &opened.every, layout)?,
-        // The layout holds the right wheel.
-        Some(axle) => {
-            let moved = Optimise {
-                axle: Some(super::axle::moved(axle, suspension)),
-                ..optimise.clone()
-            };
-            let Suspension {
-                mechanism, frame, ..
-            } = suspension;
-            let layout = TargetLayout::of(&moved, &opened.study.motion, frame, mechanism);
-            assessed(suspension, &opened.every, &layout)?
-        }
-    };
-    let drive = opened.study.motion.drive;
+    let suspension = &study.suspension;
+    // The layout holds the right wheel.
+    let has_own = optimise.axle.as_ref().is_some_and(|a| a.right.is_some());
+    let own = has_own.then(|| layout_of(study, optimise));
+    let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
+    let drive = study.motion.drive;
     Ok(Some(match found {
         Ok(found) => of_assessment(optimise, layout, drive, &found),
         Err(infeasible) => Misfit {

@@ -8,10 +8,8 @@ use super::message::{
 };
 use super::study_file::{NotSaved, Opened, StudyFile};
 use super::{answer, directions, influence, overview, page};
-use crate::curves::curves;
-use crate::plan::Plan;
-use crate::report::{CurveTable, Record, Run, SolveSummary, Summary};
-use crate::study::Study;
+use crate::report::{CurveTable, Run};
+use crate::solved::Solved;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
@@ -250,23 +248,12 @@ impl Workshop {
 }
 
 fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
-    if opened.study.axle.is_some() {
-        return Err("the report page of an axle is made by `hardpoint solve --report`".to_owned());
-    }
-    let suspension = answer::moved(opened, of)?;
-    let study = Study {
-        suspension: suspension.clone(),
-        ..opened.study.clone()
-    };
-    let plan = Plan::of(&study);
-    let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
-    let found = curves(&suspension, &plan).map_err(fault)?;
-    let design = ("design", "curves.csv", &suspension, &found);
-    let csv = crate::report::curves_csv(&found, &plan, suspension.length_unit);
+    let study = opened.moved(&of.design)?;
+    let solved = Solved::of(&study)?;
     let run = Run {
-        record: Record::of("solve", &study, &plan, &[design]).map_err(fault)?,
-        curves: vec![CurveTable::read(&csv)?],
-        summary: Summary::Solve(Box::new(SolveSummary::of(&study, &found))),
+        record: Solved::record("solve", &[("design", "curves.csv", &solved)])?,
+        curves: vec![CurveTable::read(&solved.csv())?],
+        summary: solved.summary()?,
         history: None,
         files: Vec::new(),
     };

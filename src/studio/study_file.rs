@@ -5,7 +5,7 @@ use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::results::temporary_of;
-use crate::study::{Study, StudyErrors, Variable};
+use crate::study::{Optimise, Study, StudyErrors, Variable};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -35,15 +35,10 @@ impl Opened {
     fn of(path: &Path, text: String) -> Result<Self, StudyErrors> {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::from_text(&path.display().to_string(), &text, directory)?;
-        let layout = study.optimise.as_ref().map(|optimise| {
-            let suspension = &study.suspension;
-            TargetLayout::of(
-                optimise,
-                &study.motion,
-                &suspension.frame,
-                &suspension.mechanism,
-            )
-        });
+        let layout = study
+            .optimise
+            .as_ref()
+            .map(|optimise| layout_of(&study, optimise));
         Ok(Opened {
             digest: digest(&text),
             every: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
@@ -51,6 +46,11 @@ impl Opened {
             text,
             study,
         })
+    }
+
+    /// The study with a design that came from the page.
+    pub(super) fn moved(&self, coordinates: &Coordinates) -> Result<Study, String> {
+        Ok(self.study.at_design(self.design(coordinates)?))
     }
 
     /// A design that came from the page, in the kernel's frame.
@@ -198,16 +198,17 @@ impl StudyFile {
     }
 }
 
+/// What a study is wanted to be, evaluated.
+pub(super) fn layout_of(study: &Study, optimise: &Optimise) -> TargetLayout {
+    let Suspension {
+        mechanism, frame, ..
+    } = &study.suspension;
+    TargetLayout::of(optimise, &study.motion, frame, mechanism)
+}
+
 /// A text of a study with another design; of an axle with both wheels.
 fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
-    let right = study.axle.as_ref().and_then(|both| {
-        let left = Suspension {
-            design: design.to_vec(),
-            ..study.suspension.clone()
-        };
-        Some(super::axle::moved(&both.axle, &left).right?.design)
-    });
-    study.text_with_designs(text, design, right.as_deref())
+    study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
 /// The design of a text with the coordinates of another that differ from what was opened.

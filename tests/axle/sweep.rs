@@ -58,8 +58,7 @@ fn rows_are_what_the_designs_own_curves_have() {
         let mut worker = plan.worker().unwrap();
         let rows = worker.rows(0).clone();
         for design in 0..3 {
-            let right = plan.right_design(design);
-            let text = study.with_designs(&plan.design(design), right.as_deref());
+            let text = study.with_points_of(&study.at_design(plan.design(design)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
             let axle = alone.axle.unwrap();
             let curves = axle_curves(&axle.axle, &axle.plan).unwrap();
@@ -238,8 +237,7 @@ fn gains_are_what_the_designs_own_curves_have() {
         assert_eq!(outputs.iter().filter(is_gain).count(), 6 * 2);
         let rows = plan.worker().unwrap().rows(0).clone();
         for design in 0..rows.designs() {
-            let right = plan.right_design(design as u64);
-            let text = study.with_designs(&plan.design(design as u64), right.as_deref());
+            let text = study.with_points_of(&study.at_design(plan.design(design as u64)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
             let both = alone.axle.unwrap();
             let curves = axle_curves(&both.axle, &both.plan.at_design()).unwrap();

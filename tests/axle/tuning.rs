@@ -2,7 +2,6 @@
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
-use hardpoint::model::Side;
 use hardpoint::optimise::{
     Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design,
 };
@@ -139,23 +138,17 @@ fn mirror_images_may_be_written_out() {
 
 /// Tunes a study, and reads the tuned study's own axle at a position.
 fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f64, Vec<f64>) {
-    let optimise = study.optimise.as_ref().unwrap();
     let tuning = study.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
-    let right = study.axle.as_ref().unwrap().axle.right.as_ref();
-    let right = right.map(|own| {
-        let mut moved = own.design.clone();
-        let x = DVector::from_column_slice(&best.offsets);
-        let frame = &study.suspension.frame;
-        moved_design(&own.design, frame, &optimise.variables, &x, &mut moved);
-        moved
-    });
-    let text = study.with_designs(&best.design, right.as_deref());
+    let moved = study.moved(&best.offsets);
+    let text = study.with_points_of(&moved);
     let again = Study::from_text("again.toml", &text, Path::new(".")).unwrap();
     let axle = again.axle.unwrap().axle;
-    if let Some(right) = &right {
-        assert_eq!(&axle.suspension(Side::Right).design, right);
-    }
+    let right = moved.axle.unwrap().axle.right;
+    assert_eq!(
+        right.map(|r| r.design),
+        axle.right.as_ref().map(|r| r.design.clone())
+    );
     let quantity = Quantity::Axle(quantity);
     let mut solver = AxleSolver::<3>::new(&axle, &[quantity], false).unwrap();
     let values = placements.iter().map(|placement| {

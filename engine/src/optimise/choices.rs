@@ -8,7 +8,6 @@ use super::tune::{Asked, Tuner};
 use super::{Control, Tuning};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::number::Vector3;
 use crate::study::{Motion, Optimise};
 use nalgebra::DVector;
 
@@ -23,8 +22,6 @@ const STEPS: usize = 10;
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Its hardpoints, in the kernel's frame.
-    pub design: Vec<Vector3<f64>>,
     /// How much there is of each aim: of a front the misfit of each wish; of a price list the misfit of all targets,
     /// and the move: the root of the sum of its squares in ranges, each times the cost of its variable.
     pub amounts: Vec<f64>,
@@ -78,7 +75,6 @@ impl<const N: usize> Tuner<'_, N> {
     fn choice(&self, found: Found) -> Choice {
         Choice {
             offsets: found.x.iter().map(|x| x + 0.0).collect(),
-            design: self.moved_design(&found.x),
             amounts: found.amounts,
             weights: found.weights,
         }

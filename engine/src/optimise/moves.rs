@@ -5,9 +5,9 @@
 //! of the Rodrigues vector w tan(a/2)/a, a power series in w.w that is summed to double precision up to the
 //! largest turn a study may ask for.
 
-use crate::model::{Axis, Frame};
+use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
-use crate::study::Variable;
+use crate::study::{Study, Variable};
 use nalgebra::DVector;
 
 /// tan(x)/x - 1 by powers of x^2, from the first on (M. Abramowitz, I. A. Stegun, Handbook of mathematical
@@ -92,6 +92,27 @@ pub fn moved_design(
         for m in &variable.moves {
             m.apply(frame, *offset, false, moved);
         }
+    }
+}
+
+impl Study {
+    /// The study with the variables of its tuning moved by `offsets`; a right wheel with hardpoints of its own moves alike.
+    pub fn moved(&self, offsets: &[f64]) -> Study {
+        let mut moved = self.clone();
+        let Some(optimise) = &self.optimise else {
+            return moved;
+        };
+        let (frame, x) = (&self.suspension.frame, DVector::from_column_slice(offsets));
+        let by_variables = |wheel: &mut Suspension| {
+            let design = wheel.design.clone();
+            moved_design(&design, frame, &optimise.variables, &x, &mut wheel.design);
+        };
+        by_variables(&mut moved.suspension);
+        if let Some(both) = &mut moved.axle {
+            both.axle.left.design.clone_from(&moved.suspension.design);
+            both.axle.right.as_mut().map(by_variables);
+        }
+        moved
     }
 }
 

@@ -12,7 +12,7 @@ impl Study {
     /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are
     /// rewritten, and reading the text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
-        self.with_designs(design, None)
+        self.rewritten(&self.text, design, None)
     }
 
     /// The text of a built suspension ([`mod@crate::build`]) as a study of its own. Where angles give the spin axis, the
@@ -68,15 +68,35 @@ impl Study {
         document.to_string()
     }
 
-    /// The same of an axle; `right` is the design of a right wheel that has hardpoints of its own, of which
-    /// those that the study gives are rewritten.
-    pub fn with_designs(&self, left: &[Vector3<f64>], right: Option<&[Vector3<f64>]>) -> String {
-        self.text_with_designs(&self.text, left, right)
+    /// The study of another design; a right wheel with hardpoints of its own goes the way of the left one.
+    pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
+        let mut moved = self.clone();
+        let of_study = moved.axle.as_mut().map(|both| &mut both.axle);
+        let of_targets = moved.optimise.as_mut().and_then(|o| o.axle.as_mut());
+        for axle in of_study.into_iter().chain(of_targets) {
+            let own = axle.right_design(&design).map(Iterator::collect);
+            if let (Some(right), Some(own)) = (&mut axle.right, own) {
+                right.design = own;
+            }
+            axle.left.design.clone_from(&design);
+        }
+        moved.suspension.design = design;
+        moved
+    }
+
+    /// The text with the points of this study moved; of a right wheel those that it gives.
+    pub fn with_points_of(&self, moved: &Study) -> String {
+        self.text_with_points_of(&self.text, moved)
     }
 
     /// The same of another text of this study: of the file as it is, where [`Study::text`] has curves from
     /// files written out.
-    pub fn text_with_designs(
+    pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
+        let right = moved.axle.as_ref().and_then(|a| a.axle.right.as_ref());
+        self.rewritten(text, &moved.suspension.design, right.map(|r| &r.design[..]))
+    }
+
+    fn rewritten(
         &self,
         text: &str,
         left: &[Vector3<f64>],

@@ -269,14 +269,6 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
-    /// The points of the right wheel of a design, in the kernel's frame of its side, where it has hardpoints of its
-    /// own.
-    pub fn right_design(&self, number: u64) -> Option<Vec<Vector3<f64>>> {
-        let axle = &self.axle.as_ref()?.axle;
-        let left = self.design(number);
-        Some(axle.right_design(&left)?.collect())
-    }
-
     /// The columns of results, in the order [`Worker`] fills them in.
     fn output_columns(&self) -> Vec<OutputColumn> {
         let mut columns = Vec::new();

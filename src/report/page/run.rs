@@ -43,22 +43,17 @@ struct Data<'a> {
 /// The page of a run.
 pub fn page(run: &Run) -> String {
     let (curves, curves_note) = drawn(run);
+    let tuning = match &run.summary {
+        Summary::Optimise(tuning) => Some(&**tuning),
+        _ => None,
+    };
     let data = Data {
         record: &run.record,
         curves,
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
-        kept_start: match &run.summary {
-            Summary::Optimise(tuning) => tuning.kept_start(),
-            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => None,
-        },
-        missed: match &run.summary {
-            Summary::Optimise(tuning) => missed(tuning),
-            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => Vec::new(),
-        },
-        prices: match &run.summary {
-            Summary::Optimise(tuning) => &tuning.prices,
-            Summary::Solve(_) | Summary::Axle(_) | Summary::Tolerance(_) => &[],
-        },
+        kept_start: tuning.and_then(TuningSummary::kept_start),
+        missed: tuning.map_or_else(Vec::new, missed),
+        prices: tuning.map_or(&[], |tuning| &tuning.prices),
     };
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
@@ -68,9 +63,11 @@ pub fn page(run: &Run) -> String {
             };
             (front.to_owned() + &tuning_sections(tuning), String::new())
         }
-        Summary::Solve(solve) => (String::new(), solve.table().html()),
-        Summary::Axle(axle) => (String::new(), axle.table().html()),
         Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
+        solve => {
+            let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
+            (String::new(), ranges.unwrap_or_default())
+        }
     };
     let main = format!(
         include_str!("run.html"),

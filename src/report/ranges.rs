@@ -1,0 +1,52 @@
+//! How far columns go over a motion.
+
+use super::figure::figures;
+use super::table::{Cell, Column, Table};
+use serde::{Deserialize, Serialize};
+
+/// The range of a column over the motion.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Range {
+    output: String,
+    /// Empty for a plain number.
+    #[serde(default)]
+    unit: String,
+    /// In the design position, if that is known.
+    at_design: Option<f64>,
+    min: Option<f64>,
+    max: Option<f64>,
+}
+
+impl Range {
+    /// Of the column of this name and unit.
+    pub(super) fn of(
+        [output, unit]: [&str; 2],
+        at_design: Option<f64>,
+        values: impl Iterator<Item = f64> + Clone,
+    ) -> Self {
+        Range {
+            output: output.to_owned(),
+            unit: unit.to_owned(),
+            at_design,
+            min: values.clone().min_by(f64::total_cmp),
+            max: values.max_by(f64::total_cmp),
+        }
+    }
+
+    /// For reading.
+    pub(super) fn table(ranges: &[Range]) -> Table {
+        let unit = Column::for_programs("unit");
+        let columns = ["output", "at design", "min", "max"].map(Column::from);
+        let mut table = Table::with_columns(columns.into_iter().chain([unit]));
+        for range in ranges {
+            let values = [range.at_design, range.min, range.max];
+            let shown = figures(values, &range.unit);
+            let mut row = vec![Cell::from(range.output.as_str())];
+            let cells = values.into_iter().zip(shown);
+            row.extend(cells.map(|(value, shown)| value.map(|v| Cell::shown(v, shown)).into()));
+            row.push(range.unit.as_str().into());
+            table.push_row(row);
+        }
+        table
+    }
+}

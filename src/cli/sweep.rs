@@ -7,7 +7,7 @@ use super::progress;
 use super::report::show_sweep;
 use super::terminal;
 use crate::report::{
-    DrawnDesigns, NotThisSweep, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
+    DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
     rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
@@ -405,7 +405,7 @@ pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
     }
 }
 
-pub(super) fn not_this(error: NotThisSweep) -> Stop {
+pub(super) fn not_this(error: NotARun) -> Stop {
     Stop::wrong_input(error)
 }
 

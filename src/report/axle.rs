@@ -5,7 +5,7 @@ use super::completeness::Completeness;
 use super::failures::FailureRange;
 use super::files::csv_of;
 use super::ranges::Range;
-use super::{Cell, Table, shortest};
+use super::{Cell, Table, optional, shortest};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
 };
@@ -155,10 +155,6 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-fn cell(value: Option<f64>) -> String {
-    value.map_or_else(String::new, shortest)
-}
-
 /// Where the stations of an axle's motion are: the columns that curves begin with, as `heave_mm`, each with a value
 /// for every station where there is one.
 pub fn axle_motion(
@@ -189,11 +185,11 @@ pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec
             let mut record: Vec<_> = place
                 .values(number, station)
                 .into_iter()
-                .map(cell)
+                .map(optional)
                 .collect();
             let values = (0..curves.columns.len()).map(|k| station.value(k));
-            record.extend(values.map(cell));
-            record.extend(place.proof_values(station).into_iter().map(cell));
+            record.extend(values.map(optional));
+            record.extend(place.proof_values(station).into_iter().map(optional));
             record.push(station.status.to_owned());
             writer.write_record(&record)?;
         }
@@ -213,7 +209,7 @@ pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves)
             let station = &curves.stations[s.station];
             let column = &curves.columns[s.column];
             let values = place.values(s.station, station);
-            let mut record: Vec<_> = values.into_iter().map(cell).collect();
+            let mut record: Vec<_> = values.into_iter().map(optional).collect();
             let unit = match column.unit.is_empty() {
                 true => format!("per_{length}"),
                 false => format!("{}_per_{length}", column.unit),
@@ -223,7 +219,7 @@ pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves)
                 s.side.map_or("both", |side| side.name()).to_owned(),
                 axle.left.mechanism.name(s.point).to_owned(),
                 s.axis.name().to_owned(),
-                cell(s.value.is_finite().then_some(s.value)),
+                optional(s.value),
                 unit,
             ]);
             writer.write_record(&record)?;

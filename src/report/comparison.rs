@@ -1,8 +1,10 @@
 //! Curves and points of several designs side by side, in the unit and the axes of the first.
 
 use super::curve_table::CurveTable;
+use super::files::csv_of_rows;
+use super::optional;
 use super::record::readable_unit;
-use super::table::{Cell, Column, Table};
+use super::table::{Cell, Table};
 use crate::model::LengthUnit;
 use serde::Serialize;
 
@@ -80,17 +82,12 @@ impl Comparison {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
         // Their stations have more numbers than a travel and a place of the rack.
+        let named = || tables.iter().zip(designs);
         let is_of_axle = |table: &CurveTable| {
-            table
-                .header
-                .iter()
-                .any(|name| name.starts_with("travel_left_"))
+            let mut names = table.header.iter();
+            names.any(|name| name.starts_with("travel_left_"))
         };
-        if let Some((_, axle)) = tables
-            .iter()
-            .zip(designs)
-            .find(|(table, _)| is_of_axle(table))
-        {
+        if let Some((_, axle)) = named().find(|(table, _)| is_of_axle(table)) {
             return Err(format!(
                 "{}: curves of an axle are not yet compared: only those over one travel and one place of the rack",
                 axle.label
@@ -99,12 +96,8 @@ impl Comparison {
         let drive = tables[0].header.first().cloned().unwrap_or_default();
         let unit = first.unit.symbol();
         let rack = format!("rack_{unit}");
-        if let Some(other) = tables
-            .iter()
-            .zip(designs)
-            .find(|(t, _)| t.column(&drive).is_none())
-        {
-            return Err(format!("{} has no column {drive}", other.1.label));
+        if let Some((_, other)) = named().find(|(t, _)| t.column(&drive).is_none()) {
+            return Err(format!("{} has no column {drive}", other.label));
         }
         let places: Vec<Vec<[f64; 2]>> = tables.iter().map(|t| places(t, &drive, &rack)).collect();
         let size = places[0]
@@ -145,10 +138,7 @@ impl Comparison {
                 continue;
             }
             names.push(name);
-            let having = tables
-                .iter()
-                .zip(designs)
-                .filter(|(table, _)| table.column(name).is_some());
+            let having = named().filter(|(table, _)| table.column(name).is_some());
             let having: Vec<String> = having.map(|(_, design)| design.label.clone()).collect();
             if having.len() < designs.len() {
                 partial.push((name.clone(), having));
@@ -233,12 +223,9 @@ impl Comparison {
             .zip(&output.values[design])
             .enumerate();
         let differences = pairs.filter_map(|(row, (a, b))| Some(((*b)? - (*a)?, row)));
-        differences.reduce(|most, next| {
-            if next.0.abs() > most.0.abs() {
-                next
-            } else {
-                most
-            }
+        differences.reduce(|most, next| match next.0.abs() > most.0.abs() {
+            true => next,
+            false => most,
         })
     }
 
@@ -246,13 +233,9 @@ impl Comparison {
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
-        let header = ["hardpoint".to_owned(), "of".to_owned()]
-            .into_iter()
-            .chain(axes);
-        let columns = header
-            .map(Column::from)
-            .chain([Column::from(format!("moved {unit}"))]);
-        let mut table = Table::with_columns(columns);
+        let names = ["hardpoint", "of"].map(str::to_owned).into_iter();
+        let header = names.chain(axes).chain([format!("moved {unit}")]);
+        let mut table = Table::with_columns(header);
         for moved in &self.moved {
             let [x, y, z] = moved.by;
             let distance = x.hypot(y).hypot(z);
@@ -266,7 +249,6 @@ impl Comparison {
     /// `comparison.csv`: a row for each station; of each output a column for each design, and one for each
     /// difference from the first.
     pub fn csv(&self) -> Vec<u8> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
         let unit = self.unit.symbol();
         let mut header = vec![self.drive.clone()];
         header.extend(self.rack.then(|| format!("rack_{unit}")));
@@ -278,25 +260,20 @@ impl Comparison {
                 header.push(format!("{} [{label} - {}]", output.column, self.labels[0]));
             }
         }
-        writer
-            .write_record(&header)
-            .expect("memory takes everything");
-        let written = |value: Option<f64>| value.map_or_else(String::new, super::shortest);
-        for (row, [drive, rack]) in self.stations.iter().enumerate() {
+        let stations = self.stations.iter().enumerate();
+        let rows = stations.map(|(row, [drive, rack])| {
             let mut record = vec![super::shortest(*drive)];
             record.extend(self.rack.then(|| super::shortest(*rack)));
             for output in &self.outputs {
                 let value = |design: usize| output.values[design][row];
                 let designs = 0..self.labels.len();
-                record.extend(designs.clone().map(|design| written(value(design))));
+                record.extend(designs.clone().map(|design| optional(value(design))));
                 let difference = |design: usize| Some(value(design)? - value(0)?);
-                record.extend(designs.skip(1).map(|design| written(difference(design))));
+                record.extend(designs.skip(1).map(|design| optional(difference(design))));
             }
-            writer
-                .write_record(&record)
-                .expect("memory takes everything");
-        }
-        writer.into_inner().expect("memory takes everything")
+            record
+        });
+        csv_of_rows([header].into_iter().chain(rows))
     }
 }
 

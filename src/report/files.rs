@@ -1,6 +1,6 @@
 //! The CSV files of a run.
 
-use super::shortest;
+use super::{optional, shortest};
 use crate::curves::{Curves, Station};
 use crate::model::{LengthUnit, Mechanism};
 use crate::optimise::Multistart;
@@ -15,8 +15,9 @@ pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Resul
     writer.into_inner().expect("memory takes everything")
 }
 
-fn optional(value: Option<f64>) -> String {
-    value.map_or_else(String::new, shortest)
+/// The same of rows that are there already.
+pub(super) fn csv_of_rows(mut rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
+    csv_of(|writer| rows.try_for_each(|row| writer.write_record(row)))
 }
 
 /// The columns that say where on the motion a row is: names and values.
@@ -108,11 +109,7 @@ pub fn sensitivities_csv(
                 mechanism.name(s.point).to_owned(),
                 s.axis.name().to_owned(),
                 column.order.to_string(),
-                if s.value.is_finite() {
-                    shortest(s.value)
-                } else {
-                    String::new()
-                },
+                optional(s.value),
                 column.unit_per(length),
             ]);
             writer.write_record(&record)?;

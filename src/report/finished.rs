@@ -1,8 +1,10 @@
 //! Whatever was run in a directory, read back.
 
-use super::run::{Run, RunError};
-use super::sweep::{NotThisSweep, SweepRun};
-use std::path::Path;
+use super::run::Run;
+use super::sweep::SweepRun;
+use serde::de::DeserializeOwned;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 /// A run that has ended.
 #[derive(Clone, Debug)]
@@ -13,21 +15,52 @@ pub enum FinishedRun {
     Sweep(Box<SweepRun>),
 }
 
-/// Why a directory cannot be reported on.
+/// Why a directory is not that of a run, or not of the one that was asked for.
 #[derive(Debug, thiserror::Error)]
-pub enum NotFinished {
-    /// It is not that of a solve or an optimisation.
-    #[error(transparent)]
-    Curves(#[from] RunError),
-    /// It is not that of a sweep.
-    #[error(transparent)]
-    Sweep(#[from] NotThisSweep),
+#[error("{path}: {reason}")]
+pub struct NotARun {
+    /// The directory or the file in it.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+impl NotARun {
+    pub(super) fn at(path: impl Into<PathBuf>, reason: impl Display) -> Self {
+        NotARun {
+            path: path.into(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// The record of a run of a `kind`, if it is of the one form that is read.
+pub(super) fn in_form<T: DeserializeOwned>(
+    text: &[u8],
+    form: u32,
+    [writer, kind]: [&str; 2],
+) -> Result<T, String> {
+    /// The part that every form has.
+    #[derive(serde::Deserialize)]
+    struct Form {
+        form: u32,
+        version: String,
+    }
+    let wrong = |e: serde_json::Error| format!("not as `{writer}` writes it: {e}");
+    let found: Form = serde_json::from_slice(text).map_err(wrong)?;
+    match found.form == form {
+        true => serde_json::from_slice(text).map_err(wrong),
+        false => Err(format!(
+            "written in form {} by hardpoint {}, this version reads form {form}; run the {kind} again",
+            found.form, found.version
+        )),
+    }
 }
 
 impl FinishedRun {
     /// Reads the directory of a solve, an optimisation or a sweep: of the one that ran last, where
     /// several wrote to the same place.
-    pub fn read(directory: &Path) -> Result<Self, NotFinished> {
+    pub fn read(directory: &Path) -> Result<Self, NotARun> {
         match is_sweep(directory) {
             true => Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?))),
             false => Ok(FinishedRun::Curves(Box::new(Run::read(directory)?))),

@@ -49,21 +49,21 @@ pub use curve_table::CurveTable;
 pub use failures::FailureRange;
 pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
-pub use finished::FinishedRun;
+pub use finished::{FinishedRun, NotARun};
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{both_doubts, doubts, study_doubts, variable_doubts};
-pub(crate) use record::readable_unit;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
-pub use run::{Run, RunError, Summary};
+pub(crate) use record::{readable_unit, wanted_between};
+pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
-    Choice, Done, DrawnDesigns, Finished, MergeError, NotThisSweep, PartOutcome, PartRecord, Parts,
-    ShownDesigns, SweepDirectory, SweepRun, SweepSummary, SweepText, TableFile, pareto_csv,
-    rows_header, write_part,
+    Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,
+    SweepDirectory, SweepRun, SweepSummary, SweepText, TableFile, pareto_csv, rows_header,
+    write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{is_printable, printable, wrapped};
@@ -77,4 +77,10 @@ pub use yields::YieldRecord;
 /// negative zero.
 pub fn shortest(value: f64) -> String {
     format!("{:?}", value + 0.0)
+}
+
+/// The same of a value that may not be there or be none: an empty cell.
+fn optional(value: impl Into<Option<f64>>) -> String {
+    let value = value.into().filter(|v| v.is_finite());
+    value.map_or_else(String::new, shortest)
 }

@@ -1,21 +1,12 @@
 //! A finished run, read back from its directory.
 
 use super::curve_table::CurveTable;
+use super::finished::{NotARun, in_form};
 use super::record::{FORM, Record};
 use super::{AxleSummary, SolveSummary, Table, ToleranceSummary, TuningSummary};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::path::{Path, PathBuf};
-
-/// Why a directory is not a run that can be reported on.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: {problem}")]
-pub struct RunError {
-    /// The directory or the file in it.
-    pub path: PathBuf,
-    /// What is wrong with it.
-    pub problem: String,
-}
+use std::path::Path;
 
 /// A finished run.
 #[derive(Clone, Debug)]
@@ -71,7 +62,7 @@ impl Summary {
 
 impl Run {
     /// Reads a run's directory.
-    pub fn read(directory: &Path) -> Result<Run, RunError> {
+    pub fn read(directory: &Path) -> Result<Run, NotARun> {
         let folder = Folder(directory);
         if !directory.is_dir() {
             return Err(folder.error(None, "there is no such directory"));
@@ -83,15 +74,9 @@ impl Run {
                  `hardpoint optimise` write, nor a sweep.json of `hardpoint sweep`",
             ));
         }
-        let form: Form = folder.json("report.json")?;
-        if form.form != FORM {
-            let message = format!(
-                "written in form {} by hardpoint {}, this version reads form {FORM}; run the study again",
-                form.form, form.version
-            );
-            return Err(folder.error(Some("report.json"), &message));
-        }
-        let record: Record = folder.json("report.json")?;
+        let text = folder.bytes("report.json")?;
+        let record = in_form::<Record>(&text, FORM, ["hardpoint", "study"]);
+        let record = record.map_err(|why| folder.error(Some("report.json"), &why))?;
         let mut curves = Vec::new();
         let mut files = Vec::new();
         for design in &record.designs {
@@ -151,24 +136,15 @@ impl Run {
     }
 }
 
-/// The part of `report.json` that every form has.
-#[derive(serde::Deserialize)]
-struct Form {
-    form: u32,
-    version: String,
-}
-
 struct Folder<'a>(&'a Path);
 
 impl Folder<'_> {
-    fn error(&self, name: Option<&str>, problem: &str) -> RunError {
-        RunError {
-            path: name.map_or_else(|| self.0.to_owned(), |name| self.0.join(name)),
-            problem: problem.to_owned(),
-        }
+    fn error(&self, name: Option<&str>, reason: &str) -> NotARun {
+        let path = name.map_or_else(|| self.0.to_owned(), |name| self.0.join(name));
+        NotARun::at(path, reason)
     }
 
-    fn bytes(&self, name: &str) -> Result<Vec<u8>, RunError> {
+    fn bytes(&self, name: &str) -> Result<Vec<u8>, NotARun> {
         // The names come from a file: they must not lead out of the directory.
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(self.error(
@@ -179,12 +155,12 @@ impl Folder<'_> {
         std::fs::read(self.0.join(name)).map_err(|e| self.error(Some(name), &e.to_string()))
     }
 
-    fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T, RunError> {
+    fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T, NotARun> {
         let problem = |e: serde_json::Error| format!("not as `hardpoint` writes it: {e}");
         serde_json::from_slice(&self.bytes(name)?).map_err(|e| self.error(Some(name), &problem(e)))
     }
 
-    fn table(&self, name: &str) -> Result<CurveTable, RunError> {
+    fn table(&self, name: &str) -> Result<CurveTable, NotARun> {
         CurveTable::read(&self.bytes(name)?).map_err(|e| self.error(Some(name), &e))
     }
 }

@@ -1,8 +1,9 @@
 //! What scatter comes to, in tables and files.
 
 use super::axle::Place;
+use super::files::csv_of_rows;
 use super::table::{Cell, Column, Table};
-use super::{brief, shortest};
+use super::{brief, optional, shortest};
 use crate::build::Reject;
 use crate::model::{Axis, Side};
 use crate::study::{AxleStudy, Band};
@@ -310,10 +311,7 @@ impl ToleranceSummary {
                 let places = value.travel.into_iter();
                 let places = places.chain(value.rack.filter(|_| rack_moves));
                 let places = places.chain(value.place.iter().copied()).map(Cell::from);
-                let figure = |v: Option<f64>| match v {
-                    Some(v) => Cell::figure(v, &value.unit),
-                    None => Cell::from(""),
-                };
+                let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
                 let cells = head.chain(places).chain(numbers.map(figure));
                 table.push_row(cells.chain([holds, because.into()]));
             }
@@ -335,8 +333,8 @@ impl ToleranceSummary {
         let mut push = |band: &str, kept: f64, linear: f64| {
             table.push_row([
                 Cell::from(band),
-                Cell::shown(kept, percent(kept)),
-                Cell::shown(linear, percent(linear)),
+                Cell::by(kept, percent),
+                Cell::by(linear, percent),
             ]);
         };
         for band in &self.bands {
@@ -360,7 +358,7 @@ impl ToleranceSummary {
         for r in &self.ranking {
             let yields = [r.share, r.yield_halved, r.yield_doubled];
             let head = [Cell::from(r.contributor.as_str())];
-            let numbers = yields.map(|v| Cell::shown(v, percent(v)));
+            let numbers = yields.map(|v| Cell::by(v, percent));
             table.push_row(
                 head.into_iter()
                     .chain(numbers)
@@ -376,10 +374,8 @@ impl ToleranceSummary {
         let outputs = rest.iter().map(|v| v.output.clone());
         let mut table = Table::with_columns(["contributor".to_owned()].into_iter().chain(outputs));
         for (number, name) in contributors.iter().enumerate() {
-            let shares = rest.iter().map(|v| match v.share_of_builds(number) {
-                None => Cell::from(""),
-                Some(share) => Cell::shown(share, percent(share)),
-            });
+            let shares = rest.iter();
+            let shares = shares.map(|v| Cell::by(v.share_of_builds(number), percent));
             table.push_row([Cell::from(name.as_str())].into_iter().chain(shares));
         }
         let left = rest.iter().map(|v| match (v.remainder, v.remainder_error) {
@@ -416,21 +412,20 @@ impl ToleranceSummary {
         );
         header.extend(PERCENTILES.map(|p| format!("p{p}")));
         header.push("max".to_owned());
-        let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
         let rows = self.values.iter().map(|v| {
             let mut row = vec![v.output.clone()];
             row.extend(v.place());
             row.push(v.builds.to_string());
-            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(cell));
-            row.extend([v.sigma_linear, v.second_order].map(cell));
+            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
+            row.extend([v.sigma_linear, v.second_order].map(optional));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
-            row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(cell));
-            row.push(cell(v.range[0]));
-            row.extend(v.percentiles.map(cell));
-            row.push(cell(v.range[1]));
+            row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(optional));
+            row.push(optional(v.range[0]));
+            row.extend(v.percentiles.map(optional));
+            row.push(optional(v.range[1]));
             row
         });
-        csv_of(std::iter::once(header).chain(rows))
+        csv_of_rows(std::iter::once(header).chain(rows))
     }
 
     /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in that of the
@@ -440,11 +435,10 @@ impl ToleranceSummary {
         header.extend(self.place_columns(length));
         header.extend(["contributor", "share", "share_of_builds"].map(str::to_owned));
         let rows = self.values.iter().flat_map(|v| {
-            let cell = |v: Option<f64>| v.map_or_else(String::new, shortest);
             let row = move |name: &str, share, of_builds| {
                 let mut row = vec![v.output.clone()];
                 row.extend(v.place());
-                row.extend([name.to_owned(), cell(share), cell(of_builds)]);
+                row.extend([name.to_owned(), optional(share), optional(of_builds)]);
                 row
             };
             let names = contributors.iter().enumerate();
@@ -452,16 +446,8 @@ impl ToleranceSummary {
                 .map(move |(number, name)| row(name, v.shares[number], v.share_of_builds(number)))
                 .chain([row("remainder", None, v.remainder)])
         });
-        csv_of(std::iter::once(header).chain(rows))
+        csv_of_rows(std::iter::once(header).chain(rows))
     }
-}
-
-fn csv_of(rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.write_record(row).expect("rows of one length");
-    }
-    writer.into_inner().expect("memory takes everything")
 }
 
 /// A share with three digits, and never rounded up to all.

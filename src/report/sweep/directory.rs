@@ -3,21 +3,12 @@
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
 use super::table_file::open_lines;
+use crate::report::finished::{NotARun, in_form};
 use crate::results::{RunDirectory, WriteError};
 use crate::sweep::csv::RowsReader;
 use crate::sweep::{FORM, SweepRecord, SweepStatistics};
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// Why a directory is not that of a sweep, or not of this one.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: {reason}")]
-pub struct NotThisSweep {
-    /// The directory or file.
-    pub path: PathBuf,
-    /// What is wrong with it.
-    pub reason: String,
-}
 
 /// The directory of a sweep.
 #[derive(Clone, Debug)]
@@ -127,7 +118,7 @@ impl SweepDirectory {
     }
 
     /// Reads what a directory holds.
-    pub fn read(path: &Path) -> Result<Self, NotThisSweep> {
+    pub fn read(path: &Path) -> Result<Self, NotARun> {
         Ok(SweepDirectory {
             path: path.to_owned(),
             record: read_record(path)?,
@@ -145,7 +136,7 @@ impl SweepDirectory {
     }
 
     /// The record of a part, where it is whole.
-    pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotThisSweep> {
+    pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);
         }
@@ -156,18 +147,14 @@ impl SweepDirectory {
             record.statistics_name(part),
         ]
         .map(|name| self.path.join(name));
-        let wrong = |path: &Path, reason: &str| NotThisSweep {
-            path: path.to_owned(),
-            reason: format!(
-                "{reason}; remove the part's files and `hardpoint sweep` makes them again"
-            ),
+        let wrong = |path: &Path, reason: &str| {
+            let what = "remove the part's files and `hardpoint sweep` makes them again";
+            NotARun::at(path, format!("{reason}; {what}"))
         };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;
         let found: PartRecord = serde_json::from_slice(&bytes).map_err(|e| {
-            wrong(
-                &statistics,
-                &format!("not as `hardpoint sweep` writes it: {e}"),
-            )
+            let reason = format!("not as `hardpoint sweep` writes it: {e}");
+            wrong(&statistics, &reason)
         })?;
         let is_ours = found.form == PART_FORM && found.part == part;
         let designs = record.designs_of_part(part);
@@ -194,7 +181,7 @@ impl SweepDirectory {
     }
 
     /// The statistics of all parts that are whole, added in the order of the parts, and those that are not.
-    pub fn done(&self) -> Result<Done, NotThisSweep> {
+    pub fn done(&self) -> Result<Done, NotARun> {
         let mut done = Done {
             statistics: SweepStatistics::empty(&self.record),
             missing: Vec::new(),
@@ -209,41 +196,26 @@ impl SweepDirectory {
     }
 
     /// Reads the rows of a part, block by block.
-    pub fn rows(&self, part: u64) -> Result<RowsReader<'_>, NotThisSweep> {
+    pub fn rows(&self, part: u64) -> Result<RowsReader<'_>, NotARun> {
         let path = self.path.join(self.record.rows_name(part));
         open_lines(&path)
             .and_then(|lines| RowsReader::new(&self.record, lines))
-            .map_err(|e| NotThisSweep {
-                path,
-                reason: e.to_string(),
-            })
+            .map_err(|e| NotARun::at(path, e))
     }
 }
 
 /// Reads the record of a sweep's directory.
-fn read_record(directory: &Path) -> Result<SweepRecord, NotThisSweep> {
+fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let path = directory.join("sweep.json");
-    let wrong = |reason: String| NotThisSweep {
-        path: path.clone(),
-        reason,
-    };
+    let wrong = |reason: String| NotARun::at(&path, reason);
     let text = std::fs::read(&path).map_err(|e| match e.kind() {
-        io::ErrorKind::NotFound => NotThisSweep {
-            path: directory.to_owned(),
-            reason: "not the directory of a sweep: there is no sweep.json".to_owned(),
-        },
+        io::ErrorKind::NotFound => NotARun::at(
+            directory,
+            "not the directory of a sweep: there is no sweep.json",
+        ),
         _ => wrong(e.to_string()),
     })?;
-    let form: Form = serde_json::from_slice(&text)
-        .map_err(|e| wrong(format!("not as `hardpoint sweep` writes it: {e}")))?;
-    if form.form != FORM {
-        return Err(wrong(format!(
-            "written in form {} by hardpoint {}, this version reads form {FORM}; run the sweep again",
-            form.form, form.version
-        )));
-    }
-    let record: SweepRecord = serde_json::from_slice(&text)
-        .map_err(|e| wrong(format!("not as `hardpoint sweep` writes it: {e}")))?;
+    let record: SweepRecord = in_form(&text, FORM, ["hardpoint sweep", "sweep"]).map_err(wrong)?;
     if !["csv", "parquet"].contains(&record.format.as_str()) {
         let format = &record.format;
         return Err(wrong(format!(
@@ -255,11 +227,4 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotThisSweep> {
         true => Ok(record),
         false => Err(wrong("not as `hardpoint sweep` writes it".to_owned())),
     }
-}
-
-/// The part of `sweep.json` that every form has.
-#[derive(serde::Deserialize)]
-struct Form {
-    form: u32,
-    version: String,
 }

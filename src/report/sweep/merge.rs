@@ -1,8 +1,9 @@
 //! Joining the parts of a sweep to one file, for those who want one.
 
-use super::directory::{NotThisSweep, SweepDirectory};
+use super::directory::SweepDirectory;
 use super::part::{self, Pending};
 use super::table_file::open_lines;
+use crate::report::finished::NotARun;
 use crate::results::{RunDirectory, WriteError};
 use crate::sweep::{SweepRecord, SweepStatistics};
 use std::io::{self, BufRead};
@@ -25,22 +26,15 @@ pub struct Parts {
 pub enum MergeError {
     /// They are not all the parts of one sweep.
     #[error(transparent)]
-    Parts(#[from] NotThisSweep),
+    Parts(#[from] NotARun),
     /// The result cannot be written.
     #[error(transparent)]
     Unwritten(#[from] WriteError),
 }
 
-fn wrong(path: &Path, reason: String) -> NotThisSweep {
-    NotThisSweep {
-        path: path.to_owned(),
-        reason,
-    }
-}
-
 impl Parts {
     /// Reads what the directories hold, and sees whether together they have every part of one sweep.
-    pub fn read(paths: &[PathBuf]) -> Result<Self, NotThisSweep> {
+    pub fn read(paths: &[PathBuf]) -> Result<Self, NotARun> {
         let directories: Result<Vec<_>, _> = paths
             .iter()
             .map(|path| SweepDirectory::read(path))
@@ -48,11 +42,11 @@ impl Parts {
         let directories = directories?;
         let Some(first) = directories.first() else {
             let reason = "no directories were given".to_owned();
-            return Err(wrong(Path::new("merge"), reason));
+            return Err(NotARun::at(Path::new("merge"), reason));
         };
         if let Some(other) = directories.iter().find(|d| d.record != first.record) {
             let reason = format!("not of the same sweep as {}", first.path().display());
-            return Err(wrong(other.path(), reason));
+            return Err(NotARun::at(other.path(), reason));
         }
         let mut statistics = SweepStatistics::empty(&first.record);
         let (mut places, mut missing) = (Vec::new(), Vec::new());
@@ -80,7 +74,7 @@ impl Parts {
                 missing[..missing.len().min(10)].join(", "),
                 if missing.len() > 10 { ", ..." } else { "" },
             );
-            return Err(wrong(first.path(), reason));
+            return Err(NotARun::at(first.path(), reason));
         }
         Ok(Parts {
             record: SweepRecord {
@@ -122,7 +116,7 @@ impl Parts {
         for (number, place) in (0..).zip(&self.places) {
             let source = &self.directories[*place];
             let path = source.path().join(name(&source.record, number));
-            let unreadable = |e: io::Error| wrong(&path, e.to_string());
+            let unreadable = |e: io::Error| NotARun::at(&path, e.to_string());
             let mut lines = open_lines(&path).map_err(unreadable)?;
             let mut header = Vec::new();
             lines.read_until(b'\n', &mut header).map_err(unreadable)?;
@@ -134,6 +128,6 @@ impl Parts {
             joined = Some(file);
             watch(source.record.designs_of_part(number));
         }
-        joined.ok_or_else(|| wrong(into.path(), "there are no parts".to_owned()).into())
+        joined.ok_or_else(|| NotARun::at(into.path(), "there are no parts".to_owned()).into())
     }
 }

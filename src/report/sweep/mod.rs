@@ -21,7 +21,7 @@ mod summary;
 mod table_file;
 mod text;
 
-pub use directory::{Done, NotThisSweep, SweepDirectory};
+pub use directory::{Done, SweepDirectory};
 pub use drawn::DrawnDesigns;
 pub use merge::{MergeError, Parts};
 pub use part::{PartOutcome, PartRecord, write_part};

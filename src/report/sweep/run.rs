@@ -1,9 +1,10 @@
 //! A sweep read back from its directory.
 
-use super::directory::{NotThisSweep, SweepDirectory};
+use super::directory::SweepDirectory;
 use super::drawn::DrawnDesigns;
 use super::shown::{Choice, ShownDesigns};
 use super::summary::SweepSummary;
+use crate::report::finished::NotARun;
 use crate::sweep::SweepRecord;
 use std::path::Path;
 
@@ -27,26 +28,21 @@ pub struct SweepRun {
 impl SweepRun {
     /// Reads a sweep's directory, in constant memory: what it came to from the statistics of its parts, the
     /// designs that are shown from their rows.
-    pub fn read(path: &Path) -> Result<Self, NotThisSweep> {
+    pub fn read(path: &Path) -> Result<Self, NotARun> {
         let directory = SweepDirectory::read(path)?;
         let record = directory.record.clone();
         let done = directory.done()?;
         if done.statistics.designs == 0 {
             let reason =
                 "no part of the sweep is whole; `hardpoint sweep` with --resume goes on with it";
-            return Err(NotThisSweep {
-                path: path.to_owned(),
-                reason: reason.to_owned(),
-            });
+            return Err(NotARun::at(path, reason));
         }
         let summary = SweepSummary::of(&record, &done.statistics);
         let choice = Choice::of(&record, &summary);
         let mut shown = ShownDesigns::default();
         for part in (0..record.parts()).filter(|part| !done.missing.contains(part)) {
-            let wrong = |reason: String| NotThisSweep {
-                path: path.join(record.rows_name(part)),
-                reason,
-            };
+            let rows = path.join(record.rows_name(part));
+            let wrong = |reason: String| NotARun::at(&rows, reason);
             let mut reader = directory.rows(part)?;
             for block in record.blocks_of(part) {
                 let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
@@ -63,8 +59,7 @@ impl SweepRun {
                     "design {} has another misfit than in the statistics beside it; run the sweep again",
                     best.design
                 );
-                let path = path.to_owned();
-                return Err(NotThisSweep { path, reason });
+                return Err(NotARun::at(path, reason));
             }
         }
         let mut files = SweepDirectory::part_files(&record);

@@ -1,6 +1,7 @@
 //! The picture of work and precision, for print: double logarithmic, every series with a mark and a
 //! grey of its own.
 
+use super::figure::power_of_ten;
 use crate::bench::accuracy::{Accuracy, Family, Measurement};
 use plotters::coord::Shift;
 use plotters::coord::combinators::WithKeyPoints;
@@ -133,8 +134,8 @@ impl Panel {
             .configure_mesh()
             .x_desc(self.across)
             .y_desc(self.up)
-            .x_label_formatter(&power_of_ten)
-            .y_label_formatter(&power_of_ten)
+            .x_label_formatter(&label)
+            .y_label_formatter(&label)
             .label_style(("sans-serif", 13))
             .axis_desc_style(("sans-serif", 14))
             .bold_line_style(RGBColor(205, 205, 205))
@@ -214,16 +215,7 @@ fn ticked(range: Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     range.log_scale().with_key_points(ticks)
 }
 
-/// `10` with its power in superscript.
-fn power_of_ten(value: &f64) -> String {
-    let power = value.log10().round() as i32;
-    let digits = power.to_string();
-    let raised = digits.chars().map(|c| match c {
-        '-' => '\u{207b}',
-        '1' => '\u{b9}',
-        '2' => '\u{b2}',
-        '3' => '\u{b3}',
-        digit => char::from_u32(0x2070 + digit as u32 - '0' as u32).unwrap_or(digit),
-    });
-    format!("10{}", raised.collect::<String>())
+/// The label of a tick.
+fn label(value: &f64) -> String {
+    power_of_ten(value.log10().round() as i32)
 }

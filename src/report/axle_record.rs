@@ -147,18 +147,9 @@ fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
         .axle
         .as_ref()
         .filter(|site| site.words.is_empty())?;
-    let factor = target.of.factor();
-    let mut points: Vec<[f64; 2]> = target
-        .wanted
-        .at_stations(&target.stations_among(&site.values))
-        .into_iter()
-        .map(|(at, value)| [at, value * factor])
-        .collect();
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    (!points.is_empty()).then(|| TargetRecord {
-        column: target.of.column.clone(),
-        tolerance: target.tolerance * factor.abs(),
-        points,
+    let record = TargetRecord::of(target, &target.stations_among(&site.values), |at| at);
+    (!record.points.is_empty()).then(|| TargetRecord {
         over: Some(site.over.column(axle.left.length_unit)),
+        ..record
     })
 }

@@ -88,7 +88,7 @@ pub fn accuracy_table(accuracy: &Accuracy) -> Table {
             Cell::rounded(m.time.median, 1),
             Cell::rounded(100.0 * m.time.spread(), 1),
             m.evaluations.map(|e| Cell::rounded(e, 2)).into(),
-            Cell::shown(m.error, format!("{:.2e}", m.error)),
+            Cell::by(m.error, |error| format!("{error:.2e}")),
             m.family.unit().into(),
         ]);
     }

@@ -1,6 +1,6 @@
 //! What could be chosen instead of the design kept, as files and tables: the front and the price list.
 
-use super::figure::brief;
+use super::figure::{brief, without_zeros};
 use super::files::csv_of;
 use super::shortest;
 use super::table::{Cell, Table};
@@ -59,13 +59,13 @@ pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     for number in some_of(front.choices.len()) {
         let choice = &front.choices[number];
         let mut row = vec![Cell::from(number + 1)];
-        row.extend(choice.amounts.iter().map(|v| Cell::shown(*v, brief3(*v))));
+        row.extend(choice.amounts.iter().map(|v| Cell::by(*v, brief3)));
         if trade.is_some() {
             let [first, second] = choice.weights[..] else {
                 continue;
             };
             let rate = (first > 0.0 && second > 0.0).then(|| -first / second);
-            row.push(rate.map(|rate| Cell::shown(rate, brief3(rate))).into());
+            row.push(Cell::by(rate, brief3));
         }
         table.push_row(row);
     }
@@ -117,10 +117,7 @@ fn brief3(value: f64) -> String {
     }
     let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
     let text = format!("{value:.*}", decimals as usize);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+    without_zeros(&text).to_owned()
 }
 
 /// At most so many numbers below a count, evenly chosen, the first and the last among them.
@@ -247,11 +244,11 @@ impl PriceRecord {
         let mut table = Table::new(["moved", "misfit", "gain", "most moved", "by", "kept"]);
         for step in list {
             table.push([
-                Cell::shown(step.moved, brief3(step.moved)),
-                Cell::shown(step.misfit, brief3(step.misfit)),
-                step.gain.map(|gain| Cell::shown(gain, brief3(gain))).into(),
+                Cell::by(step.moved, brief3),
+                Cell::by(step.misfit, brief3),
+                Cell::by(step.gain, brief3),
                 step.most.clone().map(Cell::from).into(),
-                step.most_by.map(|by| Cell::shown(by, brief(by))).into(),
+                Cell::by(step.most_by, brief),
                 step.kept.then_some("kept").into(),
             ]);
         }

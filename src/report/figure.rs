@@ -67,6 +67,19 @@ pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String;
     texts
 }
 
+/// A power of ten: `10⁻³`.
+pub(super) fn power_of_ten(power: i32) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        digit => {
+            let place = digit.to_digit(10).unwrap_or(0) as usize;
+            ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][place]
+        }
+    };
+    let digits = power.to_string();
+    "10".chars().chain(digits.chars().map(raised)).collect()
+}
+
 /// A figure with so many decimals, and no negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -114,7 +127,8 @@ fn magnitude(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
 
-fn without_zeros(text: &str) -> &str {
+/// A decimal without zeros at its end.
+pub(super) fn without_zeros(text: &str) -> &str {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),
         false => text,

@@ -1,6 +1,5 @@
 //! How far columns go over a motion.
 
-use super::figure::figures;
 use super::table::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};
 
@@ -40,10 +39,8 @@ impl Range {
         let mut table = Table::with_columns(columns.into_iter().chain([unit]));
         for range in ranges {
             let values = [range.at_design, range.min, range.max];
-            let shown = figures(values, &range.unit);
             let mut row = vec![Cell::from(range.output.as_str())];
-            let cells = values.into_iter().zip(shown);
-            row.extend(cells.map(|(value, shown)| value.map(|v| Cell::shown(v, shown)).into()));
+            row.extend(Cell::figures(values, &range.unit));
             row.push(range.unit.as_str().into());
             table.push_row(row);
         }

@@ -7,7 +7,7 @@ use super::places::Places;
 use super::scene::Scene;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
-use crate::study::{Drive, Site, Study, Wanted};
+use crate::study::{Drive, Site, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
@@ -179,27 +179,30 @@ impl Record {
 /// The targets that can be drawn beside the curves: values and curves in the study's own motion.
 fn targets(study: &Study) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
-    targets
-        .filter(|target| target.is_plain())
-        .map(|target| {
-            let factor = target.of.factor();
-            let printed =
-                |(drive, value): (f64, f64)| [study.motion.drive.printed(drive), value * factor];
-            let mut points: Vec<[f64; 2]> = target
-                .wanted
-                .at_stations(&target.stations_in(&study.motion))
-                .into_iter()
-                .map(printed)
-                .collect();
-            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            TargetRecord {
-                column: target.of.column.clone(),
-                tolerance: target.tolerance * factor.abs(),
-                points,
-                over: None,
-            }
+    let record = |target: &Target| {
+        let drive = study.motion.drive;
+        TargetRecord::of(target, &target.stations_in(&study.motion), |at| {
+            drive.printed(at)
         })
-        .collect()
+    };
+    targets.filter(|t| t.is_plain()).map(record).collect()
+}
+
+impl TargetRecord {
+    /// Of a target compared at these stations, which are `printed` so.
+    pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
+        let factor = target.of.factor();
+        let points = target.wanted.at_stations(stations).into_iter();
+        let points = points.map(|(at, value)| [printed(at), value * factor]);
+        let mut points: Vec<[f64; 2]> = points.collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        TargetRecord {
+            column: target.of.column.clone(),
+            tolerance: target.tolerance * factor.abs(),
+            points,
+            over: None,
+        }
+    }
 }
 
 /// The bands that can be drawn beside the curves: of columns in the study's own motion.
@@ -208,32 +211,39 @@ fn bands(study: &Study) -> Vec<BandCurve> {
     let bands = targets.filter(|target| {
         matches!(target.wanted, Wanted::Band { .. }) && target.site == Site::default()
     });
-    bands
-        .map(|target| {
-            let factor = target.of.factor();
-            let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
-            let stations = target.stations_in(&study.motion);
-            let samples = target.wanted.samples(&stations).into_iter();
-            let mut limits: Vec<_> = samples
-                .map(|s| {
-                    let [low, high] = [s.low, s.high].map(printed);
-                    // Where the study's axis points the other way, so do the limits.
-                    let (low, high) = if factor < 0.0 {
-                        (high, low)
-                    } else {
-                        (low, high)
-                    };
-                    (study.motion.drive.printed(s.drive), low, high)
-                })
-                .collect();
-            limits.sort_by(|a, b| a.0.total_cmp(&b.0));
-            BandCurve {
-                column: target.of.column.clone(),
-                limits,
-                tolerance: target.tolerance * factor.abs(),
-            }
-        })
-        .collect()
+    let record = |target: &Target| BandCurve {
+        column: target.of.column.clone(),
+        limits: wanted_between(
+            target,
+            &target.stations_in(&study.motion),
+            study.motion.drive,
+        ),
+        tolerance: target.tolerance * target.of.factor().abs(),
+    };
+    bands.map(record).collect()
+}
+
+/// Of a target at stations: the drive value, the least and the most that is wanted there, as printed; none where there is
+/// no limit.
+pub(crate) fn wanted_between(
+    target: &Target,
+    stations: &[f64],
+    drive: Drive,
+) -> Vec<(f64, Option<f64>, Option<f64>)> {
+    let factor = target.of.factor();
+    let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
+    let samples = target.wanted.samples(stations).into_iter();
+    let limits = samples.map(|sample| {
+        // Where the study's axis points the other way, so do the limits.
+        let [low, high] = match factor < 0.0 {
+            true => [sample.high, sample.low],
+            false => [sample.low, sample.high],
+        };
+        (drive.printed(sample.drive), printed(low), printed(high))
+    });
+    let mut limits: Vec<_> = limits.collect();
+    limits.sort_by(|a, b| a.0.total_cmp(&b.0));
+    limits
 }
 
 impl OutputRecord {

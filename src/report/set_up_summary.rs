@@ -150,9 +150,8 @@ impl SetUpSummary {
 
 /// A number with a few digits to a reader; what is rounding is 0.
 fn figure(value: Option<f64>) -> Cell {
-    match value {
-        None => Cell::from(""),
-        Some(value) if value.abs() < 1e-9 => Cell::shown(value, "0"),
-        Some(value) => Cell::shown(value, super::brief(value)),
-    }
+    Cell::by(value, |value| match value.abs() < 1e-9 {
+        true => "0".to_owned(),
+        false => super::brief(value),
+    })
 }

@@ -107,9 +107,9 @@ impl SolveSummary {
         let mut table = Table::with_columns(columns.into_iter().chain([unit]));
         let values = design.stations.iter().take(1).flat_map(|s| &s.values);
         for (column, value) in design.columns.iter().zip(values) {
-            let value = value.map(|v| Cell::shown(v, figure(v, &column.unit)));
+            let value = Cell::by(*value, |v| figure(v, &column.unit));
             let name = Cell::from(column.name.as_str());
-            table.push([name, value.into(), column.unit.as_str().into()]);
+            table.push([name, value, column.unit.as_str().into()]);
         }
         table
     }

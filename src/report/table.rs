@@ -4,7 +4,7 @@
 //! number itself. A column may be for one of them alone, as a range is one column to a reader and two numbers
 //! to a program.
 
-use super::figure::{brief, figure, with_decimals};
+use super::figure::{brief, figure, figures, with_decimals};
 use super::shortest;
 use super::text::{broken, printable, printable_json, widest};
 use serde_json::{Map, Value};
@@ -80,12 +80,27 @@ impl Cell {
         Cell::shown(value, figure(value, unit))
     }
 
+    /// Numbers that are read side by side.
+    pub fn figures<const N: usize>(
+        values: [Option<f64>; N],
+        unit: &str,
+    ) -> impl Iterator<Item = Self> {
+        let cells = values.into_iter().zip(figures(values, unit));
+        cells.map(|(value, text)| Cell::by(value, |_| text))
+    }
+
     /// A number, shown so to a reader.
     pub fn shown(value: f64, text: impl Into<String>) -> Self {
         Cell {
             shown: text.into(),
             data: Value::from(value + 0.0),
         }
+    }
+
+    /// A number, shown to a reader as this says; empty where there is none.
+    pub fn by<T: Into<String>>(value: impl Into<Option<f64>>, show: impl FnOnce(f64) -> T) -> Self {
+        let value = value.into();
+        value.map(|value| Cell::shown(value, show(value))).into()
     }
 
     /// A text that a reader has seen in the row above.

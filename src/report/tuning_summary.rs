@@ -7,7 +7,7 @@ use super::table::{Cell, Column, Table};
 use super::yields::YieldRecord;
 use crate::curves::Curves;
 use crate::model::Axis;
-use crate::optimise::{ActiveBound, ConstraintOutcome, Fulfilment, Tuning};
+use crate::optimise::{ActiveBound, ConstraintOutcome, Fit, Fulfilment, Tuning};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
 
@@ -238,25 +238,24 @@ impl TuningSummary {
             .enumerate()
             .map(|(number, start)| {
                 let offsets = start.x.iter().map(|v| v + 0.0).collect();
-                match &start.outcome {
-                    Ok(fit) => StartSummary {
-                        start: number,
-                        offsets,
-                        ended: fit.termination.to_string(),
-                        iterations: Some(fit.history.last().map_or(0, |i| i.iteration)),
-                        evaluations: Some(fit.evaluations()),
-                        misfit: Some(fit.misfit()),
-                    },
-                    Err(infeasible) => StartSummary {
-                        start: number,
-                        offsets,
-                        ended: format!("not begun: {infeasible}"),
-                        iterations: None,
-                        evaluations: None,
-                        misfit: None,
-                    },
+                let fit = start.outcome.as_ref();
+                let ended = fit.map_or_else(
+                    |infeasible| format!("not begun: {infeasible}"),
+                    |fit| fit.termination.to_string(),
+                );
+                let fit = fit.ok();
+                StartSummary {
+                    start: number,
+                    offsets,
+                    ended,
+                    iterations: fit.map(|fit| fit.history.last().map_or(0, |i| i.iteration)),
+                    evaluations: fit.map(Fit::evaluations),
+                    misfit: fit.map(Fit::misfit),
                 }
             });
+        let unmoved = tuning.unmoved.iter();
+        let contradiction = tuning.contradiction.iter();
+        let contradiction = contradiction.map(|c| optimise.constraints[*c].name.clone());
         TuningSummary {
             command: "optimise".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -293,16 +292,8 @@ impl TuningSummary {
             }),
             good_enough: optimise.good_enough,
             constraints,
-            unmoved: tuning
-                .unmoved
-                .iter()
-                .map(|t| name(&optimise.targets[*t]))
-                .collect(),
-            contradiction: tuning
-                .contradiction
-                .iter()
-                .map(|c| optimise.constraints[*c].name.clone())
-                .collect(),
+            unmoved: unmoved.map(|t| name(&optimise.targets[*t])).collect(),
+            contradiction: contradiction.collect(),
             added_stations: added.collect(),
             prices: Vec::new(),
             yields: None,
@@ -363,10 +354,9 @@ impl TuningSummary {
                 }
                 _ => brief(value),
             };
-            let tuned = v.tuned.map(|value| Cell::shown(value, brief(value)));
-            let moved = v.offset.map(|o| match brief(o) {
-                text if o > 0.0 => Cell::shown(o, format!("+{text}")),
-                text => Cell::shown(o, text),
+            let moved = Cell::by(v.offset, |offset| match brief(offset) {
+                text if offset > 0.0 => format!("+{text}"),
+                text => text,
             });
             let [low, high] = v.range;
             let range = format!("{} .. {}", as_written(low), as_written(high));
@@ -375,8 +365,8 @@ impl TuningSummary {
                 Cell::from(v.hardpoint.as_str()),
                 v.axis.as_str().into(),
                 v.design.into(),
-                tuned.into(),
-                moved.into(),
+                Cell::by(v.tuned, brief),
+                moved,
                 range.into(),
                 low.into(),
                 high.into(),
@@ -384,7 +374,7 @@ impl TuningSummary {
             ];
             if self.scatter.is_some() {
                 row.push(match v.interval {
-                    Some(interval) => Cell::shown(interval, brief(interval)),
+                    Some(interval) => Cell::by(interval, brief),
                     None => Cell::from("not determined"),
                 });
             }
@@ -405,17 +395,16 @@ impl TuningSummary {
         ];
         let programs = ["worst before", "worst before at", "weight"].map(Column::for_programs);
         let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
-        let cell = |value: Option<f64>| Cell::from(value.map(|v| Cell::shown(v, hundredths(v))));
+        let cell = |value: Option<f64>| Cell::by(value, hundredths);
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
-            let at = after.map(|d| Cell::shown(d.worst_at, as_written(d.worst_at)));
             table.push([
                 Cell::from(t.output.as_str()),
                 t.tolerance.into(),
                 cell(before.map(|d| d.rms)),
                 cell(after.map(|d| d.rms)),
                 cell(after.map(|d| d.worst)),
-                at.into(),
+                Cell::by(after.map(|d| d.worst_at), as_written),
                 before.map(|d| d.worst).into(),
                 before.map(|d| d.worst_at).into(),
                 t.weight.into(),
@@ -432,20 +421,13 @@ impl TuningSummary {
     /// The targets that are missed by more than their tolerance somewhere: their numbers and columns, and by how
     /// much and where.
     pub fn missed(&self) -> Vec<(usize, &str, String)> {
-        let missed = |(number, t): (usize, &'_ TargetSummary)| {
-            let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
-            let by = hundredths(after.worst.abs());
-            Some((
-                number,
-                format!("{by} tolerances at {}", as_written(after.worst_at)),
-            ))
-        };
         let targets = self.targets.iter().enumerate();
-        targets
-            .filter_map(|(number, t)| {
-                missed((number, t)).map(|(number, text)| (number, t.output.as_str(), text))
-            })
-            .collect()
+        let missed = targets.filter_map(|(number, t)| {
+            let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
+            let (by, at) = (hundredths(after.worst.abs()), as_written(after.worst_at));
+            Some((number, &*t.output, format!("{by} tolerances at {at}")))
+        });
+        missed.collect()
     }
 
     /// How the constraints are kept; none where there are none.
@@ -460,15 +442,15 @@ impl TuningSummary {
                 room if room < BINDING => Some("binds".to_owned()),
                 _ => None,
             };
-            let room = match c.room.abs() < BINDING {
-                true => Cell::shown(c.room, "0".to_owned()),
-                false => c.room.into(),
+            let brief = |room: f64| match room.abs() < BINDING {
+                true => "0".to_owned(),
+                false => brief(room),
             };
             table.push([
                 Cell::from(c.name.as_str()),
-                room,
+                Cell::by(c.room, brief),
                 c.unit.as_str().into(),
-                c.at.map(|at| Cell::shown(at, as_written(at))).into(),
+                Cell::by(c.at, as_written),
                 kept.into(),
                 c.price.into(),
             ]);
@@ -539,7 +521,7 @@ impl TuningSummary {
             let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
             rms > 1.0 && self.unmoved.contains(&target.output)
         };
-        self.constraints.iter().any(|c| is_violated(c.room)) || self.targets.iter().any(missed)
+        !self.violated().is_empty() || self.targets.iter().any(missed)
     }
 
     /// How each start ended.
@@ -561,7 +543,7 @@ impl TuningSummary {
                 Cell::from(name),
                 s.start.into(),
                 kept.into(),
-                s.misfit.map(|m| Cell::shown(m, hundredths(m))).into(),
+                Cell::by(s.misfit, hundredths),
                 s.iterations.into(),
                 s.ended.as_str().into(),
             ]);
@@ -597,12 +579,7 @@ impl TuningSummary {
     pub fn headline(&self) -> String {
         match (self.misfit_before, self.misfit_after) {
             (Some(before), Some(after)) => {
-                let violated = self
-                    .constraints
-                    .iter()
-                    .filter(|c| is_violated(c.room))
-                    .count();
-                let kept = match violated {
+                let kept = match self.violated().len() {
                     0 => String::new(),
                     1 => "; a constraint is violated".to_owned(),
                     several => format!("; {several} constraints are violated"),

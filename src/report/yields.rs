@@ -66,11 +66,8 @@ impl YieldRecord {
     pub fn table(&self) -> Table {
         let mut table = Table::new(["band", "before", "after"]);
         for band in &self.bands {
-            let cell = |share: Option<f64>| {
-                Cell::from(share.map(|share| Cell::shown(share, percent(share))))
-            };
-            let [before, after] = band.shares;
-            table.push([Cell::from(band.band.as_str()), cell(before), cell(after)]);
+            let [before, after] = band.shares.map(|share| Cell::by(share, percent));
+            table.push([Cell::from(band.band.as_str()), before, after]);
         }
         table
     }

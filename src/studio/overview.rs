@@ -10,7 +10,7 @@ use crate::characteristics::Characteristic;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
-use crate::report::Scene;
+use crate::report::{Scene, wanted_between};
 use crate::study::{About, Drive, Study, Target};
 
 /// The overview of a study that was read.
@@ -171,24 +171,10 @@ impl Slider {
 fn target(target: &Target, study: &Study) -> TargetOverview {
     let motion = target.site.motion.as_ref();
     let own = motion.map_or(&study.motion, |(_, motion)| motion);
-    let factor = target.of.factor();
-    let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
-    let mut points: Vec<_> = target
-        .wanted
-        .samples(&match &target.site.axle {
-            Some(site) => target.stations_among(&site.values),
-            None => target.stations_in(own),
-        })
-        .into_iter()
-        .map(|sample| {
-            let [low, high] = match factor < 0.0 {
-                true => [sample.high, sample.low],
-                false => [sample.low, sample.high],
-            };
-            (own.drive.printed(sample.drive), printed(low), printed(high))
-        })
-        .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let stations = match &target.site.axle {
+        Some(site) => target.stations_among(&site.values),
+        None => target.stations_in(own),
+    };
     let racks = match (&study.axle, target.site.racks.as_slice()) {
         (Some(_), _) => Vec::new(),
         (None, []) if study.motion.rack_moves => vec![0.0],
@@ -199,18 +185,16 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         About::Wheel(_) => vec![target.of.column.clone()],
         About::Axle(quantities) => {
             let length = study.suspension.length_unit;
-            quantities
-                .iter()
-                .map(|q| super::axle::column(*q, length))
-                .collect()
+            let columns = quantities.iter();
+            columns.map(|q| super::axle::column(*q, length)).collect()
         }
     };
     TargetOverview {
         column: target.of.column.clone(),
         columns,
-        tolerance: target.tolerance * factor.abs(),
+        tolerance: target.tolerance * target.of.factor().abs(),
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
-        points,
+        points: wanted_between(target, &stations, own.drive),
         is_drawn: match (&study.axle, &target.site.axle) {
             (Some(both), Some(site)) => site.over == super::axle::main(&both.plan.course),
             _ => motion.is_none(),

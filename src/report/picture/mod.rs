@@ -137,11 +137,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let mut wanted = Vec::new();
     let mut missed = Vec::new();
     for target in record.targets.iter().filter(|t| t.column == output.column) {
-        if target
-            .over
-            .as_ref()
-            .is_none_or(|over| *over == record.drive)
-        {
+        if target.over.as_ref().is_none_or(|o| *o == record.drive) {
             let (points, tolerance) = (target.points.clone(), target.tolerance);
             let limits = points
                 .iter()
@@ -155,20 +151,17 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
         missed.extend(places_outside(run, &output.column, limits, band.tolerance));
         wanted.push(Wanted::Limits(band.limits.clone()));
     }
+    // Targets are by drive value.
+    if by_time.is_some() {
+        (wanted, missed) = Default::default();
+    }
     Panel {
         value: with_unit(&output.title, &output.unit),
         motion: axis_title(abscissa),
         upright: by_time.is_none(),
         lines,
-        // Targets are by drive value.
-        wanted: match by_time {
-            Some(_) => Vec::new(),
-            None => wanted,
-        },
-        missed: match by_time {
-            Some(_) => Vec::new(),
-            None => missed,
-        },
+        wanted,
+        missed,
         failed,
     }
 }

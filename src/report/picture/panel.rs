@@ -3,6 +3,7 @@
 use super::lettering::{Anchor, Lettering, Words};
 use super::scale::Scale;
 use super::wanted::Wanted;
+use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
 /// Width and height of a panel.
@@ -207,17 +208,7 @@ fn in_power(title: &str, power: i32) -> String {
     if power == 0 {
         return title.to_owned();
     }
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        digit => {
-            let place = digit.to_digit(10).unwrap_or(0) as usize;
-            ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][place]
-        }
-    };
-    let factor: String = "10"
-        .chars()
-        .chain(power.to_string().chars().map(raised))
-        .collect();
+    let factor = power_of_ten(power);
     match title.split_once('[') {
         Some((name, unit)) => format!("{name}[{factor} {unit}"),
         None => format!("{title} [{factor}]"),

@@ -2,10 +2,10 @@
 
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
-use crate::report::figure::{brief, figures, resolution};
+use crate::report::figure::{brief, resolution};
 use crate::report::table::{Cell, Column, Table};
 use crate::sweep::csv::{append_candidate, rows_header};
-use crate::sweep::{Candidate, Effects, OutputColumn, SweepRecord, SweepStatistics};
+use crate::sweep::{Candidate, Effects, FailureCount, OutputColumn, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
 /// `summary.json` of a sweep.
@@ -28,7 +28,7 @@ pub struct SweepSummary {
     /// Designs that mean, standard deviation, r2 and change are of: those with every output, and of Saltelli's
     /// samples only the two independent ones.
     statistics_designs: u64,
-    pub(in crate::report) failures: Vec<FailureSummary>,
+    pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
     /// By rising misfit.
@@ -38,18 +38,6 @@ pub struct SweepSummary {
     pub(in crate::report) notes: Vec<String>,
     /// By number, where there are several targets; the rows are in `pareto.csv`.
     pub(in crate::report) pareto: Option<Vec<u64>>,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(in crate::report) struct FailureSummary {
-    status: String,
-    reason: String,
-    designs: u64,
-    stations: u64,
-    /// The drive value nearest to the design position at which one failed.
-    nearest: Option<f64>,
-    /// The first of the designs.
-    pub(in crate::report) examples: Vec<u64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -118,18 +106,7 @@ impl SweepSummary {
             solved: tally.solved,
             one_by_one: tally.one_by_one,
             statistics_designs: tally.moments.count,
-            failures: tally
-                .failures
-                .iter()
-                .map(|f| FailureSummary {
-                    status: f.status.clone(),
-                    reason: f.reason.clone(),
-                    designs: f.designs,
-                    stations: f.stations,
-                    nearest: f.nearest,
-                    examples: f.examples.clone(),
-                })
-                .collect(),
+            failures: tally.failures.clone(),
             variables: record.variables.iter().map(|v| v.column.clone()).collect(),
             outputs: (0..record.outputs.len())
                 .map(|k| output(record, tally, effects.as_ref().map(|e| &e[k]), k))
@@ -197,11 +174,8 @@ impl SweepSummary {
         let mut table = Table::with_columns(columns.into_iter().chain([words]).chain(programs));
         for output in &self.outputs {
             let values = [output.at_design, output.min, output.max];
-            let shown = figures(values, &output.unit);
-            let numbers = values.into_iter().zip(shown);
-            let numbers = numbers.map(|(v, shown)| Cell::from(v.map(|v| Cell::shown(v, shown))));
             let mut row = vec![Cell::from(output.column.as_str())];
-            row.extend(numbers);
+            row.extend(Cell::figures(values, &output.unit));
             row.extend([output.what_matters().into(), output.unit.as_str().into()]);
             row.push(output.count.into());
             row.extend([output.mean, output.standard_deviation, output.r2].map(Cell::from));

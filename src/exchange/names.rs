@@ -17,98 +17,58 @@ pub(super) struct Words {
     pub side: Option<Side>,
 }
 
-/// What words of a name stand for; nothing where they add nothing.
-const SPELT: &[(&[&str], &str)] = &[
-    (&["lca", "lwishbone"], "lower arm"),
-    (&["uca", "uwishbone"], "upper arm"),
-    (&["lbj"], "lower ball"),
-    (&["ubj"], "upper ball"),
-    (&["lower", "lwr", "low", "lo", "bottom", "bot"], "lower"),
-    (&["upper", "upr", "up"], "upper"),
-    (&["top"], "top"),
-    (&["arm", "wishbone", "aarm"], "arm"),
-    (&["ball", "bj", "balljoint", "kingpin"], "ball"),
+/// Words of names, and what they stand for; nothing where they add nothing.
+const SPELT: &[(&str, &str)] = &[
+    ("lca lwishbone", "lower arm"),
+    ("uca uwishbone", "upper arm"),
+    ("lbj", "lower ball"),
+    ("ubj", "upper ball"),
+    ("lower lwr low lo bottom bot", "lower"),
+    ("upper upr up", "upper"),
+    ("top", "top"),
+    ("arm wishbone aarm", "arm"),
+    ("ball bj balljoint kingpin", "ball"),
+    ("inner inr in inboard inside chassis body frame", "inner"),
+    ("outer otr out outboard outside upright knuckle", "outer"),
+    ("front frt fwd fore forward f", "front"),
+    ("rear aft rearward back rwd", "rear"),
+    ("tierod trackrod", "tie rod"),
+    ("tie track steering", "tie"),
+    ("toe", "toe"),
+    ("toelink toerod", "toe rod"),
+    ("rod link", "rod"),
+    ("wheel", "wheel"),
+    ("centre center ctr cntr", "centre"),
+    ("wc wctr", "wheel centre"),
+    ("hub", "hub"),
+    ("spindle spin", "spindle"),
+    ("com", "com"),
+    ("axis axle", "axis"),
+    ("strut", "strut"),
+    ("spring damper shock coilover", "spring"),
+    ("mount mounting", "mount"),
+    ("pushrod prod", "push rod"),
+    ("push", "push"),
+    ("pullrod", "pull rod"),
+    ("pull", "pull"),
+    ("rocker bellcrank", "rocker"),
+    ("droplink", "drop rod"),
+    ("drop", "drop"),
+    ("arb antirollbar stabiliser stabilizer sway", "bar"),
+    ("bar", "bar"),
+    ("trailing", "trailing"),
+    ("rack", "rack"),
+    ("contact", "contact"),
+    ("patch", "patch"),
+    ("tyre tire", "tyre"),
+    ("camber", "camber"),
+    ("static", "static"),
+    ("angle", "angle"),
+    ("radius", "radius"),
+    ("loaded", "loaded"),
     (
-        &[
-            "inner", "inr", "in", "inboard", "inside", "chassis", "body", "frame",
-        ],
-        "inner",
-    ),
-    (
-        &[
-            "outer", "otr", "out", "outboard", "outside", "upright", "knuckle",
-        ],
-        "outer",
-    ),
-    (&["front", "frt", "fwd", "fore", "forward", "f"], "front"),
-    (&["rear", "aft", "rearward", "back", "rwd"], "rear"),
-    (&["tierod", "trackrod"], "tie rod"),
-    (&["tie", "track", "steering"], "tie"),
-    (&["toe"], "toe"),
-    (&["toelink", "toerod"], "toe rod"),
-    (&["rod", "link"], "rod"),
-    (&["wheel"], "wheel"),
-    (&["centre", "center", "ctr", "cntr"], "centre"),
-    (&["wc", "wctr"], "wheel centre"),
-    (&["hub"], "hub"),
-    (&["spindle", "spin"], "spindle"),
-    (&["com"], "com"),
-    (&["axis", "axle"], "axis"),
-    (&["strut"], "strut"),
-    (&["spring", "damper", "shock", "coilover"], "spring"),
-    (&["mount", "mounting"], "mount"),
-    (&["pushrod", "prod"], "push rod"),
-    (&["push"], "push"),
-    (&["pullrod"], "pull rod"),
-    (&["pull"], "pull"),
-    (&["rocker", "bellcrank"], "rocker"),
-    (&["droplink"], "drop rod"),
-    (&["drop"], "drop"),
-    (
-        &["arb", "antirollbar", "stabiliser", "stabilizer", "sway"],
-        "bar",
-    ),
-    (&["bar"], "bar"),
-    (&["trailing"], "trailing"),
-    (&["rack"], "rack"),
-    (&["contact"], "contact"),
-    (&["patch"], "patch"),
-    (&["tyre", "tire"], "tyre"),
-    (&["camber"], "camber"),
-    (&["static"], "static"),
-    (&["angle"], "angle"),
-    (&["radius"], "radius"),
-    (&["loaded"], "loaded"),
-    (
-        &[
-            "point",
-            "points",
-            "pt",
-            "hp",
-            "hardpoint",
-            "hardpoints",
-            "hard",
-            "pivot",
-            "pickup",
-            "joint",
-            "bush",
-            "bushing",
-            "control",
-            "a",
-            "anti",
-            "roll",
-            "semi",
-            "end",
-            "of",
-            "the",
-            "at",
-            "to",
-            "deg",
-            "mm",
-            "susp",
-            "suspension",
-            "location",
-        ],
+        "point points pt hp hardpoint hardpoints hard pivot pickup joint bush bushing control \
+         a anti roll semi end of the at to deg mm susp suspension location",
         "",
     ),
 ];
@@ -116,113 +76,74 @@ const SPELT: &[(&[&str], &str)] = &[
 /// Words that any name may carry.
 const ANYWHERE: &[&str] = &["mount"];
 
-/// Hardpoints by the words of their names: all of them in any order, those behind `?` if present.
-const PATTERNS: &[(&str, &[&str])] = &[
-    ("lower_arm_front", &["lower arm front ?inner"]),
-    ("lower_arm_rear", &["lower arm rear ?inner"]),
+/// Hardpoints by the words of their names: all of them in any order, those behind `?` if present; of several patterns one.
+const PATTERNS: &[(&str, &str)] = &[
+    ("lower_arm_front", "lower arm front ?inner"),
+    ("lower_arm_rear", "lower arm rear ?inner"),
     (
         "lower_ball_joint",
-        &["lower ball ?arm ?outer", "lower arm outer", "lower outer"],
+        "lower ball ?arm ?outer | lower arm outer | lower outer",
     ),
-    ("upper_arm_front", &["upper arm front ?inner"]),
-    ("upper_arm_rear", &["upper arm rear ?inner"]),
+    ("upper_arm_front", "upper arm front ?inner"),
+    ("upper_arm_rear", "upper arm rear ?inner"),
     (
         "upper_ball_joint",
-        &["upper ball ?arm ?outer", "upper arm outer", "upper outer"],
+        "upper ball ?arm ?outer | upper arm outer | upper outer",
     ),
     (
         "tie_rod_inner",
-        &[
-            "tie rod inner ?rack",
-            "tie inner",
-            "rack inner",
-            "toe rod inner",
-        ],
+        "tie rod inner ?rack | tie inner | rack inner | toe rod inner",
     ),
-    (
-        "tie_rod_outer",
-        &["tie rod outer", "tie outer", "toe rod outer"],
-    ),
+    ("tie_rod_outer", "tie rod outer | tie outer | toe rod outer"),
     (
         "wheel_centre",
-        &[
-            "wheel centre",
-            "hub centre",
-            "wheel hub centre",
-            "spindle com",
-        ],
+        "wheel centre | hub centre | wheel hub centre | spindle com",
     ),
     (
         "spindle_inner",
-        &[
-            "spindle inner ?axis ?wheel",
-            "hub inner ?axis",
-            "axis inner ?wheel",
-        ],
+        "spindle inner ?axis ?wheel | hub inner ?axis | axis inner ?wheel",
     ),
     (
         "strut_top",
-        &[
-            "strut top",
-            "strut upper mount",
-            "strut mount",
-            "top mount",
-            "spring upper",
-            "spring top",
-        ],
+        "strut top | strut upper mount | strut mount | top mount | spring upper | spring top",
     ),
-    (
-        "strut_lower",
-        &["strut lower ?outer", "spring lower ?outer"],
-    ),
+    ("strut_lower", "strut lower ?outer | spring lower ?outer"),
     (
         "spring_upper",
-        &[
-            "spring upper ?inner",
-            "spring top",
-            "spring inner",
-            "top mount",
-            "strut top",
-            "strut upper",
-        ],
+        "spring upper ?inner | spring top | spring inner | top mount | strut top | strut upper",
     ),
     (
         "spring_lower",
-        &[
-            "spring lower ?outer ?rocker",
-            "spring outer",
-            "spring rocker",
-            "strut lower",
-        ],
+        "spring lower ?outer ?rocker | spring outer | spring rocker | strut lower",
     ),
-    ("upper_front_link_inner", &["upper front inner ?rod ?arm"]),
-    ("upper_front_link_outer", &["upper front outer ?rod ?arm"]),
-    ("upper_rear_link_inner", &["upper rear inner ?rod ?arm"]),
-    ("upper_rear_link_outer", &["upper rear outer ?rod ?arm"]),
-    ("lower_front_link_inner", &["lower front inner ?rod ?arm"]),
-    ("lower_front_link_outer", &["lower front outer ?rod ?arm"]),
-    ("lower_rear_link_inner", &["lower rear inner ?rod ?arm"]),
-    ("lower_rear_link_outer", &["lower rear outer ?rod ?arm"]),
-    ("toe_link_inner", &["toe inner ?rod", "tie inner ?rod"]),
-    ("toe_link_outer", &["toe outer ?rod", "tie outer ?rod"]),
-    ("arm_pivot_inner", &["arm inner ?trailing"]),
-    ("arm_pivot_outer", &["arm outer ?trailing"]),
-    ("pushrod_outer", &["push rod outer", "push rod lower"]),
+    ("upper_front_link_inner", "upper front inner ?rod ?arm"),
+    ("upper_front_link_outer", "upper front outer ?rod ?arm"),
+    ("upper_rear_link_inner", "upper rear inner ?rod ?arm"),
+    ("upper_rear_link_outer", "upper rear outer ?rod ?arm"),
+    ("lower_front_link_inner", "lower front inner ?rod ?arm"),
+    ("lower_front_link_outer", "lower front outer ?rod ?arm"),
+    ("lower_rear_link_inner", "lower rear inner ?rod ?arm"),
+    ("lower_rear_link_outer", "lower rear outer ?rod ?arm"),
+    ("toe_link_inner", "toe inner ?rod | tie inner ?rod"),
+    ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
+    ("arm_pivot_inner", "arm inner ?trailing"),
+    ("arm_pivot_outer", "arm outer ?trailing"),
+    ("pushrod_outer", "push rod outer | push rod lower"),
     (
         "pushrod_inner",
-        &["push rod inner", "push rod upper", "push rod rocker"],
+        "push rod inner | push rod upper | push rod rocker",
     ),
-    ("pullrod_outer", &["pull rod outer", "pull rod upper"]),
+    ("pullrod_outer", "pull rod outer | pull rod upper"),
     (
         "pullrod_inner",
-        &["pull rod inner", "pull rod lower", "pull rod rocker"],
+        "pull rod inner | pull rod lower | pull rod rocker",
     ),
-    ("rocker_pivot_front", &["rocker front ?axis"]),
-    ("rocker_pivot_rear", &["rocker rear ?axis"]),
-    ("drop_link_outer", &["drop rod outer", "bar rod outer"]),
-    ("drop_link_inner", &["drop rod inner", "bar rod inner"]),
-    ("anti_roll_bar_inner", &["bar inner ?axis"]),
-    ("anti_roll_bar_outer", &["bar outer ?axis"]),
+    ("rocker_pivot_front", "rocker front ?axis"),
+    ("rocker_pivot_rear", "rocker rear ?axis"),
+    ("drop_link_outer", "drop rod outer | bar rod outer"),
+    ("drop_link_inner", "drop rod inner | bar rod inner"),
+    ("anti_roll_bar_inner", "bar inner ?axis"),
+    ("anti_roll_bar_outer", "bar outer ?axis"),
 ];
 
 /// What a table may give beside hardpoints.
@@ -238,21 +159,14 @@ pub(super) enum Figure {
     ContactPoint,
 }
 
-const FIGURES: &[(Figure, &[&str])] = &[
-    (Figure::StaticCamber, &["camber ?static ?angle ?wheel"]),
-    (Figure::StaticToe, &["toe ?static ?angle ?wheel"]),
+const FIGURES: &[(Figure, &str)] = &[
+    (Figure::StaticCamber, "camber ?static ?angle ?wheel"),
+    (Figure::StaticToe, "toe ?static ?angle ?wheel"),
     (
         Figure::WheelRadius,
-        &[
-            "wheel radius ?loaded",
-            "tyre radius ?loaded",
-            "loaded radius",
-        ],
+        "wheel radius ?loaded | tyre radius ?loaded | loaded radius",
     ),
-    (
-        Figure::ContactPoint,
-        &["contact ?patch ?tyre ?wheel ?centre"],
-    ),
+    (Figure::ContactPoint, "contact ?patch ?tyre ?wheel ?centre"),
 ];
 
 /// The side a word names.
@@ -303,10 +217,8 @@ impl Words {
         let mut words = Vec::new();
         let mut unknown = 0;
         for word in &cut {
-            match SPELT
-                .iter()
-                .find(|(short, _)| short.contains(&word.as_str()))
-            {
+            let spells = |(short, _): &&(&str, &str)| short.split(' ').any(|s| s == word);
+            match SPELT.iter().find(spells) {
                 Some((_, spelt)) => words.extend(spelt.split_whitespace()),
                 None if word == "hps" => (),
                 None => unknown += 1,
@@ -319,6 +231,11 @@ impl Words {
             unknown,
             side,
         }
+    }
+
+    /// Whether these are the words of one of some patterns.
+    fn fit(&self, patterns: &str) -> bool {
+        patterns.split(" | ").any(|pattern| self.fits(pattern))
     }
 
     fn fits(&self, pattern: &str) -> bool {
@@ -334,8 +251,7 @@ impl Words {
 
     /// The figure of this name.
     pub(super) fn figure(&self) -> Option<Figure> {
-        let fits = |patterns: &&[&str]| patterns.iter().any(|pattern| self.fits(pattern));
-        let found = FIGURES.iter().find(|(_, patterns)| fits(patterns));
+        let found = FIGURES.iter().find(|(_, patterns)| self.fit(patterns));
         found.map(|(figure, _)| *figure)
     }
 }
@@ -348,9 +264,9 @@ pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str>
         return Some(same);
     }
     let words = Words::of(name);
-    let mut fitting = PATTERNS.iter().filter(|(known, patterns)| {
-        topology.hardpoint(known).is_some() && patterns.iter().any(|pattern| words.fits(pattern))
-    });
+    let mut fitting = PATTERNS
+        .iter()
+        .filter(|(known, patterns)| topology.hardpoint(known).is_some() && words.fit(patterns));
     fitting.next().map(|(known, _)| *known)
 }
 

@@ -70,12 +70,7 @@ impl Residuals {
     #[new]
     fn new(study: &Study) -> PyResult<Self> {
         let (own, optimise) = tuned(study)?;
-        let layout = TargetLayout::of(
-            optimise,
-            &own.motion,
-            &own.suspension.frame,
-            &own.suspension.mechanism,
-        );
+        let layout = TargetLayout::of(optimise, &own.motion, &own.suspension);
         Ok(Residuals {
             study: own.clone(),
             layout,

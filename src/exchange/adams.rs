@@ -18,6 +18,7 @@
 //! turned inward, as in studies.
 
 use crate::model::LengthUnit;
+use crate::report::shortest;
 
 /// Of which wheel a row speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,14 +34,17 @@ pub(super) enum Symmetry {
 }
 
 impl Symmetry {
+    const NAMES: [(Symmetry, &str); 4] = [
+        (Symmetry::Both, "left/right"),
+        (Symmetry::Left, "left"),
+        (Symmetry::Right, "right"),
+        (Symmetry::Single, "single"),
+    ];
+
     fn named(name: &str) -> Option<Self> {
-        match name.to_ascii_lowercase().as_str() {
-            "left/right" => Some(Symmetry::Both),
-            "left" => Some(Symmetry::Left),
-            "right" => Some(Symmetry::Right),
-            "single" => Some(Symmetry::Single),
-            _ => None,
-        }
+        let found = Symmetry::NAMES.iter();
+        let mut found = found.filter(|(_, known)| name.eq_ignore_ascii_case(known));
+        found.next().map(|(symmetry, _)| *symmetry)
     }
 }
 
@@ -151,15 +155,11 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                     );
                     return Err(at(reason));
                 };
-                let number_of = |field: &Field| field.number();
+                let coordinate = |field: &Field| field.number().map_err(at);
                 subsystem.points.push(SubsystemPoint {
-                    name: row.name.clone(),
+                    position: [coordinate(x)?, coordinate(y)?, coordinate(z)?],
+                    name: row.name,
                     symmetry: row.symmetry,
-                    position: [
-                        number_of(x).map_err(at)?,
-                        number_of(y).map_err(at)?,
-                        number_of(z).map_err(at)?,
-                    ],
                     line: number,
                 });
                 if subsystem.points.len() > 10_000 {
@@ -330,7 +330,7 @@ pub(super) fn rewritten(
         rows += 1;
         written += line[..first.start].trim_end();
         for number in new {
-            written += &format!("  {:>14}", coordinate(number));
+            written += &format!("  {:>14}", shortest(number));
         }
         written += &line[last.start + last.text.len()..];
     }
@@ -338,11 +338,6 @@ pub(super) fn rewritten(
         text: written,
         rows,
     }
-}
-
-/// A coordinate as these files write it: with a point, and the shortest that reads back to the same bits.
-fn coordinate(number: f64) -> String {
-    format!("{:?}", number + 0.0)
 }
 
 /// A new subsystem file with these hardpoints and parameters: as much of one as carries geometry.
@@ -366,13 +361,8 @@ pub(super) fn written(
     text += &rule("HARDPOINT");
     text += "{hardpoint_name                  symmetry         x_value         y_value         z_value}\n";
     for (name, symmetry, [x, y, z]) in points {
-        let symmetry = match symmetry {
-            Symmetry::Both => "left/right",
-            Symmetry::Left => "left",
-            Symmetry::Right => "right",
-            Symmetry::Single => "single",
-        };
-        let [x, y, z] = [x, y, z].map(|number| coordinate(*number));
+        let (_, symmetry) = Symmetry::NAMES[*symmetry as usize];
+        let [x, y, z] = [x, y, z].map(|number| shortest(*number));
         text += &format!(" '{name:<28}'  '{symmetry:<10}'  {x:>14}  {y:>14}  {z:>14}\n");
     }
     if !parameters.is_empty() {
@@ -380,7 +370,7 @@ pub(super) fn written(
         text += "{parameter_name                  symmetry       type       value}\n";
     }
     for (name, value) in parameters {
-        let value = coordinate(*value);
+        let value = shortest(*value);
         text += &format!(" '{name:<28}'  'left/right'   'real'     {value}\n");
     }
     text

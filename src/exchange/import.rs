@@ -204,33 +204,21 @@ fn drop_incomplete(
     notes: &mut Vec<String>,
 ) {
     for group in topology.groups {
-        let given =
-            |name: &str, hardpoints: &[Hardpoint]| hardpoints.iter().any(|h| h.name == name);
-        let complete = |list: &[&str]| list.iter().all(|name| given(name, hardpoints));
-        let in_complete: Vec<&str> = group
-            .complete
-            .iter()
-            .filter(|list| complete(list))
-            .flat_map(|list| list.iter().copied())
-            .collect();
-        let loose: Vec<&str> = group
-            .complete
-            .iter()
-            .flat_map(|list| list.iter().copied())
-            .filter(|name| given(name, hardpoints) && !in_complete.contains(name))
+        let given = |name: &&&str| hardpoints.iter().any(|h| h.name == **name);
+        let complete = |list: &&&[&str]| list.iter().all(|name| given(&name));
+        let lists = || group.complete.iter();
+        let in_complete: Vec<&&str> = lists().filter(complete).copied().flatten().collect();
+        let loose = lists().copied().flatten().filter(given);
+        let loose: Vec<&str> = loose
+            .filter(|n| !in_complete.contains(n))
+            .copied()
             .collect();
         if loose.is_empty() {
             continue;
         }
-        let nearest = group
-            .complete
-            .iter()
-            .max_by_key(|list| list.iter().filter(|name| given(name, hardpoints)).count());
-        let missing: Vec<&str> = nearest
-            .into_iter()
-            .flat_map(|list| list.iter().copied())
-            .filter(|name| !given(name, hardpoints))
-            .collect();
+        let nearest = lists().max_by_key(|list| list.iter().filter(given).count());
+        let missing = nearest.copied().into_iter().flatten();
+        let missing: Vec<&str> = missing.filter(|name| !given(name)).copied().collect();
         notes.push(format!(
             "{} is left out: {} is there, {} is missing",
             group.what,

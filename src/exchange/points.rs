@@ -192,31 +192,25 @@ fn header(
         ));
     }
     let is_coordinate = |column: u32| found.iter().any(|(known, _)| *known == column);
-    let named = |names: &[&str]| {
+    let named = |names: &str| {
         let mut cells = sheet.row(row).filter(|(column, _)| !is_coordinate(*column));
         cells.find_map(|(column, cell)| {
             let words = cut(text(cell)?);
-            let named = words.iter().any(|word| names.contains(&word.as_str()));
+            let named = words
+                .iter()
+                .any(|word| names.split(' ').any(|name| name == word));
             named.then_some(column)
         })
     };
-    let side = named(&["side", "symmetry"]);
-    let body = named(&["body"]);
-    let frame = named(&["frame"]);
+    let side = named("side symmetry");
+    let body = named("body");
+    let frame = named("frame");
     let others = [side, body, frame];
     let free = |column: u32| !is_coordinate(column) && !others.contains(&Some(column));
-    let name = named(&[
-        "name",
-        "names",
-        "point",
-        "points",
-        "hardpoint",
-        "hardpoints",
-        "location",
-        "joint",
-    ])
-    .filter(|column| free(*column))
-    .or_else(|| name_column(sheet, row, free));
+    let names = "name names point points hardpoint hardpoints location joint";
+    let name = named(names)
+        .filter(|column| free(*column))
+        .or_else(|| name_column(sheet, row, free));
     let Some(name) = name else {
         return Err(format!(
             "{}: x, y and z are there, but no column with names",
@@ -242,6 +236,9 @@ fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u3
     named.map(|((_, column), _)| *column).min()
 }
 
+/// What may stand beside the axis in the header of a coordinate.
+const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc location axis";
+
 /// `x`, `X [mm]`, `y_value`, `z left (in)`.
 fn coordinate_header(text: &str) -> Option<Header> {
     let mut header = None;
@@ -254,19 +251,7 @@ fn coordinate_header(text: &str) -> Option<Header> {
             unit = Some(found);
         } else if let Some(found) = side_of(&word) {
             side = Some(found);
-        } else if ![
-            "value",
-            "coord",
-            "coordinate",
-            "coordinates",
-            "pos",
-            "position",
-            "loc",
-            "location",
-            "axis",
-        ]
-        .contains(&word.as_str())
-        {
+        } else if !BESIDE_AXES.split(' ').any(|known| known == word) {
             return None;
         }
     }
@@ -326,16 +311,9 @@ fn points(
         }
         table.frame = Some(known);
     }
-    let numbers: Vec<Vec<Option<&Cell>>> = columns
-        .triples
-        .iter()
-        .map(|triple| {
-            triple
-                .columns
-                .map(|column| sheet.cell(row, column))
-                .to_vec()
-        })
-        .collect();
+    let triples = columns.triples.iter();
+    let triples = triples.map(|triple| triple.columns.map(|column| sheet.cell(row, column)));
+    let numbers: Vec<[Option<&Cell>; 3]> = triples.collect();
     let filled = numbers.iter().flatten().flatten().count();
     if filled == 0 {
         // A title: "Left".
@@ -345,24 +323,16 @@ fn points(
         }
         return Ok(());
     }
-    if filled == 1 && Words::of(name).figure().is_some() {
-        let only = numbers
-            .iter()
-            .flatten()
-            .flatten()
-            .next()
-            .expect("one is filled");
+    if let (1, Some(_)) = (filled, Words::of(name).figure()) {
+        let only = numbers.iter().flatten().flatten().next();
         let place = sheet.row_place(row);
-        let value = decimals
-            .number(only)
-            .map_err(|reason| format!("{place}: {reason}"))?;
+        let value = decimals.number(only.expect("one is filled"));
+        let value = value.map_err(|reason| format!("{place}: {reason}"))?;
         table.figures.push((name.to_owned(), value, place));
         return Ok(());
     }
-    let (written, both) = match cell(columns.side)
-        .map(|text| cut(text).join(" "))
-        .as_deref()
-    {
+    let said = cell(columns.side).map(|text| cut(text).join(" "));
+    let (written, both) = match said.as_deref() {
         Some("left right" | "both" | "symmetric" | "l r") => (None, true),
         Some(word) => (side_of(word), false),
         None => (None, false),
@@ -371,11 +341,8 @@ fn points(
         if cells.iter().all(Option::is_none) {
             continue;
         }
-        let side = triple
-            .side
-            .or(written)
-            .or(Words::of(name).side)
-            .or(*section);
+        let side = triple.side.or(written);
+        let side = side.or(Words::of(name).side).or(*section);
         table.points.push(NamedPoint {
             name: name.to_owned(),
             side: side.filter(|_| !both),

@@ -17,10 +17,9 @@
 //! depends on the order of the coordinates; three are tried, and beside them the ordinary rounding, and the
 //! misfits of all are computed, not estimated.
 
-use crate::model::{Axis, PointId};
 use crate::number::Vector3;
 use crate::optimise::{Evaluation, TargetLayout, evaluated};
-use crate::study::{Move, Optimise, Study, Variable};
+use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
 /// The spring against moves the targets do not see, in tolerances per step.
@@ -169,29 +168,10 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(study: &'a Study, design: &[Vector3<f64>], optimise: &Optimise) -> Self {
-        let points = 0..design.len();
-        let variables = points.flat_map(|point| {
-            Axis::ALL.map(|axis| Variable {
-                name: String::new(),
-                moves: vec![Move {
-                    point: PointId(point),
-                    axis,
-                    factor: 1.0,
-                }],
-                turn: None,
-                range: [-1.0, 1.0],
-                cost: 1.0,
-            })
-        });
         Problem {
             study,
-            variables: variables.collect(),
-            layout: TargetLayout::of(
-                optimise,
-                &study.motion,
-                &study.suspension.frame,
-                &study.suspension.mechanism,
-            ),
+            variables: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
+            layout: TargetLayout::of(optimise, &study.motion, &study.suspension),
             before: coordinates(study, design),
         }
     }

@@ -15,7 +15,7 @@
 //! Where a misfit vanishes it has no gradient; zero is said, which is where its square is at its minimum.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
-use super::study_file::{Opened, layout_of};
+use super::study_file::Opened;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Assessment, TargetLayout, assessed};
 use crate::study::{Drive, Optimise, Study};
@@ -29,7 +29,7 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     let suspension = &study.suspension;
     // The layout holds the right wheel.
     let has_own = optimise.axle.as_ref().is_some_and(|a| a.right.is_some());
-    let own = has_own.then(|| layout_of(study, optimise));
+    let own = has_own.then(|| TargetLayout::of(optimise, &study.motion, suspension));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
     let drive = study.motion.drive;
     Ok(Some(match found {

@@ -1,11 +1,10 @@
 //! The study file: read, and written back with its comments.
 
 use super::message::Coordinates;
-use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::results::temporary_of;
-use crate::study::{Optimise, Study, StudyErrors, Variable};
+use crate::study::{Study, StudyErrors, Variable};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -35,10 +34,8 @@ impl Opened {
     fn of(path: &Path, text: String) -> Result<Self, StudyErrors> {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::from_text(&path.display().to_string(), &text, directory)?;
-        let layout = study
-            .optimise
-            .as_ref()
-            .map(|optimise| layout_of(&study, optimise));
+        let layout = study.optimise.as_ref();
+        let layout = layout.map(|o| TargetLayout::of(o, &study.motion, &study.suspension));
         Ok(Opened {
             digest: digest(&text),
             every: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
@@ -196,14 +193,6 @@ impl StudyFile {
         file.as_file().sync_all()?;
         Ok(file)
     }
-}
-
-/// What a study is wanted to be, evaluated.
-pub(super) fn layout_of(study: &Study, optimise: &Optimise) -> TargetLayout {
-    let Suspension {
-        mechanism, frame, ..
-    } = &study.suspension;
-    TargetLayout::of(optimise, &study.motion, frame, mechanism)
 }
 
 /// A text of a study with another design; of an axle with both wheels.

@@ -36,12 +36,7 @@ pub(super) fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
 pub(super) fn layout(study: &Study) -> TargetLayout {
     let suspension = &study.suspension;
     let optimise = study.optimise.as_ref().unwrap();
-    TargetLayout::of(
-        optimise,
-        &study.motion,
-        &suspension.frame,
-        &suspension.mechanism,
-    )
+    TargetLayout::of(optimise, &study.motion, suspension)
 }
 
 pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {

@@ -25,12 +25,7 @@ fn with_problem<R>(
 ) -> R {
     let optimise = study.optimise.as_ref().unwrap();
     let suspension = &study.suspension;
-    let layout = TargetLayout::of(
-        optimise,
-        &study.motion,
-        &suspension.frame,
-        &suspension.mechanism,
-    );
+    let layout = TargetLayout::of(optimise, &study.motion, suspension);
     let assembler = Assembler::new(suspension).unwrap();
     let assembled = assembler.suspension();
     let scatter = optimise.scatter.as_ref().unwrap();
@@ -218,12 +213,7 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Evaluati
         ..study.optimise.clone().unwrap()
     };
     let suspension = &study.suspension;
-    let layout = TargetLayout::of(
-        &plain,
-        &study.motion,
-        &suspension.frame,
-        &suspension.mechanism,
-    );
+    let layout = TargetLayout::of(&plain, &study.motion, suspension);
     let problem = Objective::<2>::new(suspension, &plain.variables, &layout).unwrap();
     let mut problem = problem.with_width(suspension, width);
     assert_eq!(problem.is_in_lanes(x), width.is_some());

@@ -27,8 +27,7 @@ fn rows_in_lanes_are_those_of_station_by_station() {
     let [inner, outer] = DRIVE_SHAFT;
     let study = edited("double_wishbone_front.toml", &[inner, outer, CONSTRAINTS]);
     let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
-    let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
-    let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);
+    let layout = TargetLayout::of(optimise, &study.motion, suspension);
     let x = DVector::from_column_slice(&[4.0, -3.0, 6.0, -7.0]);
     let at = |width: Option<Width>| {
         let problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();

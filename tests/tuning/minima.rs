@@ -241,8 +241,7 @@ impl Random {
 
     fn of(study: Study) -> Self {
         let optimise = study.optimise.as_ref().unwrap();
-        let (frame, mechanism) = (&study.suspension.frame, &study.suspension.mechanism);
-        let layout = TargetLayout::of(optimise, &study.motion, frame, mechanism);
+        let layout = TargetLayout::of(optimise, &study.motion, &study.suspension);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         Random {
             bounds: Bounds::new(&ranges).unwrap(),

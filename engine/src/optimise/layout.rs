@@ -4,7 +4,7 @@ use super::Evaluation;
 use super::axle::AxleLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
-use crate::model::{Axis, Drive, Frame, Mechanism};
+use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
 use crate::solve::StationOrder;
 use crate::study::{Motion, Optimise, Sample, Site, Target};
 use crate::sweep::place_of;
@@ -180,7 +180,10 @@ impl TargetLayout {
     /// Lays out the targets and constraints of a mechanism. Curves are compared at the stations of the
     /// motion between their ends and at those added for them; single values at their own. The rack is
     /// where the study puts it, or straight ahead where the study moves it.
-    pub fn of(optimise: &Optimise, motion: &Motion, frame: &Frame, mechanism: &Mechanism) -> Self {
+    pub fn of(optimise: &Optimise, motion: &Motion, suspension: &Suspension) -> Self {
+        let Suspension {
+            frame, mechanism, ..
+        } = suspension;
         let mut drafts: Vec<Draft> = Vec::new();
         let mut rows = 0;
         let mut own = vec![0; optimise.targets.len()];

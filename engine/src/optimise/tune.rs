@@ -125,7 +125,6 @@ impl<'a> Asked<'a> {
         optimise: &'a Optimise,
         control: Control<'a>,
     ) -> Result<Self, DesignFault> {
-        let (frame, mechanism) = (&suspension.frame, &suspension.mechanism);
         Ok(Asked {
             suspension,
             assembled: match &optimise.scatter {
@@ -134,7 +133,7 @@ impl<'a> Asked<'a> {
             },
             motion,
             optimise,
-            layout: TargetLayout::of(optimise, motion, frame, mechanism),
+            layout: TargetLayout::of(optimise, motion, suspension),
             control,
         })
     }
@@ -541,8 +540,7 @@ impl<'a, const N: usize> Tuner<'a, N> {
             scatter: None,
             ..self.optimise.clone()
         };
-        let frame = &self.suspension.frame;
-        let layout = TargetLayout::of(&some, self.motion, frame, &self.suspension.mechanism);
+        let layout = TargetLayout::of(&some, self.motion, self.suspension);
         let few = starts.starts.iter().take(STARTS_BEFORE_REFUSAL);
         few.into_iter().any(|start| {
             let problem = self.problem_of(&some, &layout);

@@ -1,12 +1,10 @@
 //! The four angles of wheel and steering axis.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
-use crate::number::Real;
+use super::{Need, Slot, Unit, formulas};
 
-/// Inclination of the wheel.
-pub(super) struct Camber;
-impl Formula for Camber {
-    const INFO: Info = Info {
+formulas! {
+    /// Inclination of the wheel.
+    Camber {
         name: "camber",
         unit: Unit::Angle,
         positive: "top of the wheel outboard",
@@ -14,17 +12,10 @@ impl Formula for Camber {
         source: "ISO 8855 (angle between the wheel plane and the vertical, not its projection)",
         reads: &[Slot::SpinAxis],
         needs: &[],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -inputs.now.spin_axis.z.asin()
-    }
-}
+    } = |inputs| -inputs.now.spin_axis.z.asin();
 
-/// Heading of the wheel.
-pub(super) struct Toe;
-impl Formula for Toe {
-    const INFO: Info = Info {
+    /// Heading of the wheel.
+    Toe {
         name: "toe",
         unit: Unit::Angle,
         positive: "toe-in (front of the wheel inboard)",
@@ -32,18 +23,13 @@ impl Formula for Toe {
         source: "ISO 8855 (static toe angle)",
         reads: &[Slot::SpinAxis],
         needs: &[],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let a = inputs.now.spin_axis;
         a.x.atan2(a.y)
-    }
-}
+    };
 
-/// Side-view inclination of the steering axis.
-pub(super) struct Caster;
-impl Formula for Caster {
-    const INFO: Info = Info {
+    /// Side-view inclination of the steering axis.
+    Caster {
         name: "caster",
         unit: Unit::Angle,
         positive: "top of the steering axis rearward",
@@ -51,18 +37,13 @@ impl Formula for Caster {
         source: "ISO 8855 (castor angle)",
         reads: &[Slot::SteeringDirection],
         needs: &[Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let k = inputs.now.steering_direction;
         (-k.x).atan2(k.z)
-    }
-}
+    };
 
-/// Front-view inclination of the steering axis.
-pub(super) struct KingpinInclination;
-impl Formula for KingpinInclination {
-    const INFO: Info = Info {
+    /// Front-view inclination of the steering axis.
+    KingpinInclination {
         name: "kingpin_inclination",
         unit: Unit::Angle,
         positive: "top of the steering axis inboard",
@@ -70,10 +51,8 @@ impl Formula for KingpinInclination {
         source: "ISO 8855 (steering-axis inclination angle)",
         reads: &[Slot::SteeringDirection],
         needs: &[Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let k = inputs.now.steering_direction;
         (-k.y).atan2(k.z)
-    }
+    };
 }

@@ -25,7 +25,7 @@
 //! that a side view's instantaneous centre gives too. The percentages are what (2) is short of its load transfer.
 
 use super::instant_centre::CONTACT_VELOCITY;
-use super::{Formula, Info, Inputs, Need, Unit};
+use super::{Inputs, Need, Unit, formulas};
 use crate::number::Real;
 
 const SOURCE: &str =
@@ -52,74 +52,42 @@ fn driving<T: Real>(inputs: &Inputs<T>) -> T {
     slope(inputs, c.drive_share, c.drive_torque_by_carrier)
 }
 
-/// Front axle in braking.
-pub(super) struct AntiDive;
-impl Formula for AntiDive {
-    const INFO: Info = Info {
+formulas! {
+    /// Front axle in braking.
+    AntiDive {
         name: "anti_dive",
         unit: Unit::Percent,
         positive: "the front resists diving in braking",
         formula: "100 p (L/h) B_x'/B_z'",
         source: SOURCE,
         reads: CONTACT_VELOCITY,
-        needs: &[
-            Need::WheelRadius,
-            Need::Wheelbase,
-            Need::CgHeight,
-            Need::FrontBraking,
-        ],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        braking(inputs)
-    }
-}
+        needs: &[Need::WheelRadius, Need::Wheelbase, Need::CgHeight, Need::FrontBraking],
+    } = |inputs| braking(inputs);
 
-/// Rear axle in braking, or driven front axle under drive.
-pub(super) struct AntiLift;
-impl Formula for AntiLift {
-    const INFO: Info = Info {
+    /// Rear axle in braking, or driven front axle under drive.
+    AntiLift {
         name: "anti_lift",
         unit: Unit::Percent,
         positive: "the rear resists lifting in braking, or a driven front under drive",
         formula: "-100 p (L/h) B_x'/B_z' at the rear, 100 d (L/h) D_x'/D_z' in front",
         source: SOURCE,
         reads: CONTACT_VELOCITY,
-        needs: &[
-            Need::WheelRadius,
-            Need::Wheelbase,
-            Need::CgHeight,
-            Need::RearBrakingOrFrontDrive,
-        ],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+        needs: &[Need::WheelRadius, Need::Wheelbase, Need::CgHeight, Need::RearBrakingOrFrontDrive],
+    } = |inputs| {
         match inputs.constants.is_front {
             true => driving(inputs),
             false => -braking(inputs),
         }
-    }
-}
+    };
 
-/// Driven rear axle under drive.
-pub(super) struct AntiSquat;
-impl Formula for AntiSquat {
-    const INFO: Info = Info {
+    /// Driven rear axle under drive.
+    AntiSquat {
         name: "anti_squat",
         unit: Unit::Percent,
         positive: "the rear resists squatting under drive",
         formula: "-100 d (L/h) D_x'/D_z'",
         source: SOURCE,
         reads: CONTACT_VELOCITY,
-        needs: &[
-            Need::WheelRadius,
-            Need::Wheelbase,
-            Need::CgHeight,
-            Need::RearDrive,
-        ],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -driving(inputs)
-    }
+        needs: &[Need::WheelRadius, Need::Wheelbase, Need::CgHeight, Need::RearDrive],
+    } = |inputs| -driving(inputs);
 }

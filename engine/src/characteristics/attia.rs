@@ -5,14 +5,12 @@
 //! defines, for comparison with it; an engineer who says kingpin inclination or camber means
 //! `kingpin_inclination` and `camber`.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use super::{Need, Slot, Unit, formulas};
 use crate::attia;
-use crate::number::Real;
 
-/// Front-view inclination of the line 5-7.
-pub(super) struct AttiaKingpin;
-impl Formula for AttiaKingpin {
-    const INFO: Info = Info {
+formulas! {
+    /// Front-view inclination of the line 5-7.
+    AttiaKingpin {
         name: "attia_kingpin",
         unit: Unit::Angle,
         positive: "strut_upper outboard of lower_ball_joint",
@@ -20,18 +18,13 @@ impl Formula for AttiaKingpin {
         source: "Attia 2003, equation (16); a strut steers about 5-4, so it is no kingpin inclination",
         reads: &[Slot::SteeringPoint, Slot::StrutUpper],
         needs: &[Need::SteeringAxis, Need::StrutUpper],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let now = &inputs.now;
         attia::attia_kingpin(now.steering_point, now.strut_upper)
-    }
-}
+    };
 
-/// Front-view inclination of the line 7-10 against the lateral.
-pub(super) struct AttiaCamber;
-impl Formula for AttiaCamber {
-    const INFO: Info = Info {
+    /// Front-view inclination of the line 7-10 against the lateral.
+    AttiaCamber {
         name: "attia_camber",
         unit: Unit::Angle,
         positive: "wheel_centre above strut_upper and outboard of it",
@@ -39,9 +32,5 @@ impl Formula for AttiaCamber {
         source: "Attia 2003, equation (17); camber only where 7-10 is the spin axis of an unsteered wheel",
         reads: &[Slot::StrutUpper, Slot::Centre],
         needs: &[Need::StrutUpper],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        attia::attia_camber(inputs.now.strut_upper, inputs.now.centre)
-    }
+    } = |inputs| attia::attia_camber(inputs.now.strut_upper, inputs.now.centre);
 }

@@ -6,18 +6,17 @@
 //! All are taken from the true velocities, tie rod included; the construction with arm planes leaves
 //! the tie rod out and can differ by tens of millimetres.
 
-use super::{Constants, Formula, Info, Inputs, Need, Slot, Slots, Unit, WheelReading};
+use super::{Constants, Formula, Need, Slot, Slots, Unit, WheelReading, formulas};
 use crate::mechanism::Configuration;
 use crate::model::Suspension;
-use crate::number::{Jet, Real, Vector3};
+use crate::number::{Jet, Vector3};
 
 /// What the velocity of the contact point depends on.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
-/// Kinematic roll centre.
-pub(super) struct RollCentreHeight;
-impl Formula for RollCentreHeight {
-    const INFO: Info = Info {
+formulas! {
+    /// Kinematic roll centre.
+    RollCentreHeight {
         name: "roll_centre_height",
         unit: Unit::Length,
         positive: "above the ground",
@@ -25,18 +24,13 @@ impl Formula for RollCentreHeight {
         source: "the normal to the contact point's velocity meets the centre plane of the car",
         reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let velocity = inputs.contact_velocity();
         inputs.contact_point().y * velocity.y / velocity.z
-    }
-}
+    };
 
-/// Front-view swing arm.
-pub(super) struct FrontViewSwingArm;
-impl Formula for FrontViewSwingArm {
-    const INFO: Info = Info {
+    /// Front-view swing arm.
+    FrontViewSwingArm {
         name: "front_view_swing_arm",
         unit: Unit::Length,
         positive: "instantaneous centre inboard of the contact point",
@@ -44,17 +38,10 @@ impl Formula for FrontViewSwingArm {
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.contact_velocity().z / inputs.turn.x
-    }
-}
+    } = |inputs| inputs.contact_velocity().z / inputs.turn.x;
 
-/// Side-view swing arm.
-pub(super) struct SideViewSwingArm;
-impl Formula for SideViewSwingArm {
-    const INFO: Info = Info {
+    /// Side-view swing arm.
+    SideViewSwingArm {
         name: "side_view_swing_arm",
         unit: Unit::Length,
         positive: "instantaneous centre behind the contact point",
@@ -62,17 +49,10 @@ impl Formula for SideViewSwingArm {
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -(inputs.contact_velocity().z / inputs.turn.y)
-    }
-}
+    } = |inputs| -(inputs.contact_velocity().z / inputs.turn.y);
 
-/// Where the instantaneous centre in front view is across the car.
-pub(super) struct FrontViewCentreLateral;
-impl Formula for FrontViewCentreLateral {
-    const INFO: Info = Info {
+    /// Where the instantaneous centre in front view is across the car.
+    FrontViewCentreLateral {
         name: "front_view_centre_lateral",
         unit: Unit::Length,
         positive: "instantaneous centre on the wheel's own side of the centre plane y = 0",
@@ -80,17 +60,10 @@ impl Formula for FrontViewCentreLateral {
         source: "the point at which the wheel carrier stands still, seen from the front",
         reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs)
-    }
-}
+    } = |inputs| inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs);
 
-/// How high it is.
-pub(super) struct FrontViewCentreHeight;
-impl Formula for FrontViewCentreHeight {
-    const INFO: Info = Info {
+    /// How high it is.
+    FrontViewCentreHeight {
         name: "front_view_centre_height",
         unit: Unit::Length,
         positive: "instantaneous centre in front view above the ground",
@@ -98,17 +71,10 @@ impl Formula for FrontViewCentreHeight {
         source: "the point at which the wheel carrier stands still, seen from the front",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.contact_velocity().y / inputs.turn.x
-    }
-}
+    } = |inputs| inputs.contact_velocity().y / inputs.turn.x;
 
-/// Where the instantaneous centre in side view is along the car.
-pub(super) struct SideViewCentreLongitudinal;
-impl Formula for SideViewCentreLongitudinal {
-    const INFO: Info = Info {
+    /// Where the instantaneous centre in side view is along the car.
+    SideViewCentreLongitudinal {
         name: "side_view_centre_longitudinal",
         unit: Unit::Length,
         positive: "instantaneous centre ahead of the study's x = 0",
@@ -116,17 +82,10 @@ impl Formula for SideViewCentreLongitudinal {
         source: "the point at which the wheel carrier stands still, seen from the side",
         reads: &[Slot::SpinAxis, Slot::Centre, Slot::CentreRate, Slot::Turn],
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.contact_point().x - SideViewSwingArm::evaluate(inputs)
-    }
-}
+    } = |inputs| inputs.contact_point().x - SideViewSwingArm::evaluate(inputs);
 
-/// How high it is.
-pub(super) struct SideViewCentreHeight;
-impl Formula for SideViewCentreHeight {
-    const INFO: Info = Info {
+    /// How high it is.
+    SideViewCentreHeight {
         name: "side_view_centre_height",
         unit: Unit::Length,
         positive: "instantaneous centre in side view above the ground",
@@ -134,11 +93,7 @@ impl Formula for SideViewCentreHeight {
         source: "the point at which the wheel carrier stands still, seen from the side",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -(inputs.contact_velocity().x / inputs.turn.y)
-    }
+    } = |inputs| -(inputs.contact_velocity().x / inputs.turn.y);
 }
 
 /// The centres as points, for drawings; in the kernel's frame. Empty is what is at infinity, or unknown as the

@@ -159,6 +159,22 @@ trait Formula {
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T;
 }
 
+/// Characteristics, each with its [`Info`] and its formula over [`Inputs`] of any [`Real`], `T`.
+macro_rules! formulas {
+    ($($(#[$about:meta])* $name:ident { $($entry:tt)* } = |$inputs:ident| $value:expr;)*) => {$(
+        $(#[$about])*
+        pub(super) struct $name;
+        impl $crate::characteristics::Formula for $name {
+            const INFO: $crate::characteristics::Info = $crate::characteristics::Info { $($entry)* };
+            #[inline(always)]
+            fn evaluate<T: $crate::number::Real>($inputs: &$crate::characteristics::Inputs<T>) -> T {
+                $value
+            }
+        }
+    )*};
+}
+use formulas;
+
 macro_rules! catalogue {
     ($($variant:ident => $formula:ty,)*) => {
         /// A wheel characteristic.

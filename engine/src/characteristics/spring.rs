@@ -3,15 +3,13 @@
 //! l the length of spring or strut, s from its lower to its upper end, W the wheel centre; primes are
 //! derivatives by the drive.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
-use crate::number::Real;
+use super::{Need, Slot, Unit, formulas};
 
 const INSTALLATION: &str = "installation ratio in W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 16";
 
-/// Spring compression per wheel travel.
-pub(super) struct MotionRatio;
-impl Formula for MotionRatio {
-    const INFO: Info = Info {
+formulas! {
+    /// Spring compression per wheel travel.
+    MotionRatio {
         name: "motion_ratio",
         unit: Unit::Ratio,
         positive: "spring shortens in jounce",
@@ -19,17 +17,10 @@ impl Formula for MotionRatio {
         source: INSTALLATION,
         reads: &[Slot::SpringLengthRate, Slot::CentreRate],
         needs: &[Need::Spring],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        -(inputs.rate.spring_length / inputs.rate.centre.z)
-    }
-}
+    } = |inputs| -(inputs.rate.spring_length / inputs.rate.centre.z);
 
-/// Distance of the spring's ends.
-pub(super) struct SpringLength;
-impl Formula for SpringLength {
-    const INFO: Info = Info {
+    /// Distance of the spring's ends.
+    SpringLength {
         name: "spring_length",
         unit: Unit::Length,
         positive: "always",
@@ -37,17 +28,10 @@ impl Formula for SpringLength {
         source: "the distance of two hardpoints; of a strut from strut_lower to strut_top",
         reads: &[Slot::SpringLength],
         needs: &[Need::Spring],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.now.spring_length
-    }
-}
+    } = |inputs| inputs.now.spring_length;
 
-/// Angle of the spring from the vertical. It has no derivatives where the spring is upright.
-pub(super) struct SpringInclination;
-impl Formula for SpringInclination {
-    const INFO: Info = Info {
+    /// Angle of the spring from the vertical. It has no derivatives where the spring is upright.
+    SpringInclination {
         name: "spring_inclination",
         unit: Unit::Angle,
         positive: "always: 0 upright, 90 degrees level, 180 with the upper end below",
@@ -55,18 +39,13 @@ impl Formula for SpringInclination {
         source: "the angle of a line with the vertical",
         reads: &[Slot::Spring],
         needs: &[Need::Spring],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let s = inputs.now.spring;
         (s.x * s.x + s.y * s.y).sqrt().atan2(s.z)
-    }
-}
+    };
 
-/// Angle of the spring's rocker from its design position.
-pub(super) struct RockerAngle;
-impl Formula for RockerAngle {
-    const INFO: Info = Info {
+    /// Angle of the spring's rocker from its design position.
+    RockerAngle {
         name: "rocker_angle",
         unit: Unit::Angle,
         positive: "pushrod pushes, or pullrod pulls, the rocker from its design position",
@@ -74,17 +53,10 @@ impl Formula for RockerAngle {
         source: "closed form of the loop of rod and rocker",
         reads: &[Slot::RockerAngle],
         needs: &[Need::Rocker],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.now.rocker_angle
-    }
-}
+    } = |inputs| inputs.now.rocker_angle;
 
-/// Angle of the anti-roll bar's lever from its design position.
-pub(super) struct AntiRollBarAngle;
-impl Formula for AntiRollBarAngle {
-    const INFO: Info = Info {
+    /// Angle of the anti-roll bar's lever from its design position.
+    AntiRollBarAngle {
         name: "anti_roll_bar_angle",
         unit: Unit::Angle,
         positive: "drop link pushes the lever from its design position",
@@ -92,17 +64,10 @@ impl Formula for AntiRollBarAngle {
         source: "closed form of the loop of drop link and lever",
         reads: &[Slot::BarAngle],
         needs: &[Need::AntiRollBar],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.now.bar_angle
-    }
-}
+    } = |inputs| inputs.now.bar_angle;
 
-/// Turn of the anti-roll bar's lever per wheel travel.
-pub(super) struct AntiRollBarMotionRatio;
-impl Formula for AntiRollBarMotionRatio {
-    const INFO: Info = Info {
+    /// Turn of the anti-roll bar's lever per wheel travel.
+    AntiRollBarMotionRatio {
         name: "anti_roll_bar_motion_ratio",
         unit: Unit::AnglePerLength,
         positive: "drop link pushes the lever in jounce",
@@ -110,9 +75,5 @@ impl Formula for AntiRollBarMotionRatio {
         source: INSTALLATION,
         reads: &[Slot::BarAngleRate, Slot::CentreRate],
         needs: &[Need::AntiRollBar],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.rate.bar_angle / inputs.rate.centre.z
-    }
+    } = |inputs| inputs.rate.bar_angle / inputs.rate.centre.z;
 }

@@ -3,7 +3,7 @@
 //! W wheel centre, C contact point, G where the steering axis meets the ground plane through C,
 //! T heading of the wheel in the ground plane, O outboard in the ground plane, normal to T.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use super::{Inputs, Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
 
 const GROUND: &[Slot] = &[
@@ -20,10 +20,9 @@ fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     inputs.now.steering_axis_at(contact.z) - contact
 }
 
-/// Lateral offset of the steering axis at the ground.
-pub(super) struct ScrubRadius;
-impl Formula for ScrubRadius {
-    const INFO: Info = Info {
+formulas! {
+    /// Lateral offset of the steering axis at the ground.
+    ScrubRadius {
         name: "scrub_radius",
         unit: Unit::Length,
         positive: "steering axis meets the ground inboard of the contact point (signed, as Adams and Lotus have it; ISO 8855 has the distance from G to C)",
@@ -31,18 +30,13 @@ impl Formula for ScrubRadius {
         source: "steering-axis offset at ground of ISO 8855 (whose \"scrub radius\" is the distance |G - C|)",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let (_, outboard) = inputs.now.heading_and_outboard();
         -contact_to_axis(inputs).dot(outboard)
-    }
-}
+    };
 
-/// Longitudinal offset of the steering axis at the ground.
-pub(super) struct CasterTrail;
-impl Formula for CasterTrail {
-    const INFO: Info = Info {
+    /// Longitudinal offset of the steering axis at the ground.
+    CasterTrail {
         name: "caster_trail",
         unit: Unit::Length,
         positive: "steering axis meets the ground ahead of the contact point",
@@ -50,18 +44,13 @@ impl Formula for CasterTrail {
         source: "castor offset at ground of ISO 8855",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let (heading, _) = inputs.now.heading_and_outboard();
         contact_to_axis(inputs).dot(heading)
-    }
-}
+    };
 
-/// Where the steering axis meets the ground, along the car.
-pub(super) struct SteeringAxisAtGroundLongitudinal;
-impl Formula for SteeringAxisAtGroundLongitudinal {
-    const INFO: Info = Info {
+    /// Where the steering axis meets the ground, along the car.
+    SteeringAxisAtGroundLongitudinal {
         name: "steering_axis_at_ground_longitudinal",
         unit: Unit::Length,
         positive: "ahead of the study's x = 0",
@@ -69,17 +58,10 @@ impl Formula for SteeringAxisAtGroundLongitudinal {
         source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.now.steering_axis_at(inputs.contact_point().z).x
-    }
-}
+    } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).x;
 
-/// Where it meets the ground, across the car.
-pub(super) struct SteeringAxisAtGroundLateral;
-impl Formula for SteeringAxisAtGroundLateral {
-    const INFO: Info = Info {
+    /// Where it meets the ground, across the car.
+    SteeringAxisAtGroundLateral {
         name: "steering_axis_at_ground_lateral",
         unit: Unit::Length,
         positive: "on the wheel's own side of the centre plane y = 0",
@@ -87,19 +69,14 @@ impl Formula for SteeringAxisAtGroundLateral {
         source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        inputs.now.steering_axis_at(inputs.contact_point().z).y
-    }
+    } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).y;
 }
 
 const AT_CENTRE: &[Slot] = &[Slot::Centre, Slot::SteeringPoint, Slot::SteeringDirection];
 
-/// Lateral offset of the steering axis at wheel-centre height.
-pub(super) struct KingpinOffset;
-impl Formula for KingpinOffset {
-    const INFO: Info = Info {
+formulas! {
+    /// Lateral offset of the steering axis at wheel-centre height.
+    KingpinOffset {
         name: "kingpin_offset",
         unit: Unit::Length,
         positive: "steering axis inboard of the wheel centre",
@@ -107,18 +84,13 @@ impl Formula for KingpinOffset {
         source: "steering-axis offset at wheel centre of ISO 8855, measured horizontally",
         reads: AT_CENTRE,
         needs: &[Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let centre = inputs.now.centre;
         centre.y - inputs.now.steering_axis_at(centre.z).y
-    }
-}
+    };
 
-/// Longitudinal offset of the steering axis at wheel-centre height.
-pub(super) struct SpindleTrail;
-impl Formula for SpindleTrail {
-    const INFO: Info = Info {
+    /// Longitudinal offset of the steering axis at wheel-centre height.
+    SpindleTrail {
         name: "spindle_trail",
         unit: Unit::Length,
         positive: "steering axis ahead of the wheel centre (Lotus' hub trail has the other sign)",
@@ -126,10 +98,8 @@ impl Formula for SpindleTrail {
         source: "castor offset at wheel centre of ISO 8855",
         reads: AT_CENTRE,
         needs: &[Need::SteeringAxis],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
+    } = |inputs| {
         let centre = inputs.now.centre;
         inputs.now.steering_axis_at(centre.z).x - centre.x
-    }
+    };
 }

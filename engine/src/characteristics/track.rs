@@ -1,6 +1,6 @@
 //! Displacements against the design position.
 
-use super::{Formula, Info, Inputs, Need, Slot, Unit};
+use super::{Inputs, Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
 
 const CONTACT: &[Slot] = &[
@@ -15,10 +15,9 @@ fn contact_displacement<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     inputs.contact_point() - inputs.design.contact_point(inputs.constants.wheel_radius)
 }
 
-/// Sideways displacement of the contact point.
-pub(super) struct HalfTrackChange;
-impl Formula for HalfTrackChange {
-    const INFO: Info = Info {
+formulas! {
+    /// Sideways displacement of the contact point.
+    HalfTrackChange {
         name: "half_track_change",
         unit: Unit::Length,
         positive: "track wider than in the design position",
@@ -26,17 +25,10 @@ impl Formula for HalfTrackChange {
         source: "track change of ISO 8855, for one wheel",
         reads: CONTACT,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        contact_displacement(inputs).y
-    }
-}
+    } = |inputs| contact_displacement(inputs).y;
 
-/// Longitudinal displacement of the contact point.
-pub(super) struct WheelbaseChange;
-impl Formula for WheelbaseChange {
-    const INFO: Info = Info {
+    /// Longitudinal displacement of the contact point.
+    WheelbaseChange {
         name: "wheelbase_change",
         unit: Unit::Length,
         positive: "contact point forward of its design position",
@@ -44,9 +36,5 @@ impl Formula for WheelbaseChange {
         source: "wheelbase change of ISO 8855, for one wheel",
         reads: CONTACT,
         needs: &[Need::WheelRadius],
-    };
-    #[inline(always)]
-    fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
-        contact_displacement(inputs).x
-    }
+    } = |inputs| contact_displacement(inputs).x;
 }

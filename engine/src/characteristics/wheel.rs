@@ -42,44 +42,67 @@ pub struct Inputs<T> {
     pub constants: Constants,
 }
 
-/// A part of [`Inputs`] that a formula may read. The plan computes what the slots in use need, and
-/// sensitivities are seeded slot by slot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slot {
-    /// `now.spin_axis`
-    SpinAxis,
-    /// `now.centre`
-    Centre,
-    /// `now.steering_point`
-    SteeringPoint,
-    /// `now.steering_direction`
-    SteeringDirection,
-    /// `now.spring_length`, as first component
-    SpringLength,
-    /// `now.spring`
-    Spring,
-    /// `now.rocker_angle`, as first component
-    RockerAngle,
-    /// `now.bar_angle`, as first component
-    BarAngle,
-    /// `now.strut_upper`
-    StrutUpper,
-    /// `rate.spin_axis`
-    SpinAxisRate,
-    /// `rate.centre`
-    CentreRate,
-    /// `rate.steering_direction`
-    SteeringDirectionRate,
-    /// `rate.spring_length`, as first component
-    SpringLengthRate,
-    /// `rate.bar_angle`, as first component
-    BarAngleRate,
-    /// `turn`
-    Turn,
-    /// `design.spin_axis`
-    DesignSpinAxis,
-    /// `design.centre`
-    DesignCentre,
+/// The slots, a line each: whether it is a vector or a number, and where it is in [`Inputs`].
+macro_rules! slots {
+    ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
+        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes what the slots in
+        /// use need, and sensitivities are seeded slot by slot.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Slot {
+            $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
+        }
+
+        impl Slot {
+            /// Every slot.
+            pub const ALL: &'static [Slot] = &[$(Slot::$slot),*];
+
+            /// Takes this slot over from inputs of another kind of number.
+            #[inline(always)]
+            fn carry<T: Real, U>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
+                match self {
+                    $(Slot::$slot => to.$($place).+ = slots!(@map $kind from.$($place).+, f),)*
+                }
+            }
+
+            /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0,
+            /// constants again.
+            #[inline]
+            pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
+                match self {
+                    $(Slot::$slot => slots!(@seed $kind inputs.$($place).+, by_itself),)*
+                }
+            }
+        }
+    };
+    (@map vector $of:expr, $f:ident) => { $of.map($f) };
+    (@map number $of:expr, $f:ident) => { $f($of) };
+    (@seed vector $of:expr, $by_itself:ident) => {{
+        let vector = &mut $of;
+        vector.x.partials[0] = $by_itself;
+        vector.y.partials[1] = $by_itself;
+        vector.z.partials[2] = $by_itself;
+    }};
+    (@seed number $of:expr, $by_itself:ident) => { $of.partials[0] = $by_itself };
+}
+
+slots! {
+    SpinAxis: vector now.spin_axis;
+    Centre: vector now.centre;
+    SteeringPoint: vector now.steering_point;
+    SteeringDirection: vector now.steering_direction;
+    SpringLength: number now.spring_length;
+    Spring: vector now.spring;
+    RockerAngle: number now.rocker_angle;
+    BarAngle: number now.bar_angle;
+    StrutUpper: vector now.strut_upper;
+    SpinAxisRate: vector rate.spin_axis;
+    CentreRate: vector rate.centre;
+    SteeringDirectionRate: vector rate.steering_direction;
+    SpringLengthRate: number rate.spring_length;
+    BarAngleRate: number rate.bar_angle;
+    Turn: vector turn;
+    DesignSpinAxis: vector design.spin_axis;
+    DesignCentre: vector design.centre;
 }
 
 /// Some of the slots.
@@ -128,27 +151,6 @@ impl Slots {
 }
 
 impl Slot {
-    /// Every slot.
-    pub const ALL: &'static [Slot] = &[
-        Slot::SpinAxis,
-        Slot::Centre,
-        Slot::SteeringPoint,
-        Slot::SteeringDirection,
-        Slot::SpringLength,
-        Slot::Spring,
-        Slot::RockerAngle,
-        Slot::BarAngle,
-        Slot::StrutUpper,
-        Slot::SpinAxisRate,
-        Slot::CentreRate,
-        Slot::SteeringDirectionRate,
-        Slot::SpringLengthRate,
-        Slot::BarAngleRate,
-        Slot::Turn,
-        Slot::DesignSpinAxis,
-        Slot::DesignCentre,
-    ];
-
     /// The most slots one formula may read.
     pub const MOST: usize = 4;
 
@@ -169,62 +171,6 @@ impl Slot {
     /// Whether the slot is a part of the steering axis.
     pub fn is_of_steering_axis(self) -> bool {
         Slots::default().with(&[self]).contain_steering_axis()
-    }
-
-    /// Takes this slot over from inputs of another kind of number.
-    #[inline(always)]
-    fn carry<T: Real, U>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
-        match self {
-            Slot::SpinAxis => to.now.spin_axis = from.now.spin_axis.map(f),
-            Slot::Centre => to.now.centre = from.now.centre.map(f),
-            Slot::SteeringPoint => to.now.steering_point = from.now.steering_point.map(f),
-            Slot::SteeringDirection => {
-                to.now.steering_direction = from.now.steering_direction.map(f);
-            }
-            Slot::SpringLength => to.now.spring_length = f(from.now.spring_length),
-            Slot::Spring => to.now.spring = from.now.spring.map(f),
-            Slot::RockerAngle => to.now.rocker_angle = f(from.now.rocker_angle),
-            Slot::BarAngle => to.now.bar_angle = f(from.now.bar_angle),
-            Slot::StrutUpper => to.now.strut_upper = from.now.strut_upper.map(f),
-            Slot::SpinAxisRate => to.rate.spin_axis = from.rate.spin_axis.map(f),
-            Slot::CentreRate => to.rate.centre = from.rate.centre.map(f),
-            Slot::SteeringDirectionRate => {
-                to.rate.steering_direction = from.rate.steering_direction.map(f);
-            }
-            Slot::SpringLengthRate => to.rate.spring_length = f(from.rate.spring_length),
-            Slot::BarAngleRate => to.rate.bar_angle = f(from.rate.bar_angle),
-            Slot::Turn => to.turn = from.turn.map(f),
-            Slot::DesignSpinAxis => to.design.spin_axis = from.design.spin_axis.map(f),
-            Slot::DesignCentre => to.design.centre = from.design.centre.map(f),
-        }
-    }
-
-    /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0, constants again.
-    #[inline]
-    pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
-        let number = |n: &mut Dual<T, 3>| n.partials[0] = by_itself;
-        let vector = match self {
-            Slot::SpinAxis => &mut inputs.now.spin_axis,
-            Slot::Centre => &mut inputs.now.centre,
-            Slot::SteeringPoint => &mut inputs.now.steering_point,
-            Slot::SteeringDirection => &mut inputs.now.steering_direction,
-            Slot::Spring => &mut inputs.now.spring,
-            Slot::StrutUpper => &mut inputs.now.strut_upper,
-            Slot::SpinAxisRate => &mut inputs.rate.spin_axis,
-            Slot::CentreRate => &mut inputs.rate.centre,
-            Slot::SteeringDirectionRate => &mut inputs.rate.steering_direction,
-            Slot::Turn => &mut inputs.turn,
-            Slot::DesignSpinAxis => &mut inputs.design.spin_axis,
-            Slot::DesignCentre => &mut inputs.design.centre,
-            Slot::SpringLength => return number(&mut inputs.now.spring_length),
-            Slot::SpringLengthRate => return number(&mut inputs.rate.spring_length),
-            Slot::RockerAngle => return number(&mut inputs.now.rocker_angle),
-            Slot::BarAngle => return number(&mut inputs.now.bar_angle),
-            Slot::BarAngleRate => return number(&mut inputs.rate.bar_angle),
-        };
-        vector.x.partials[0] = by_itself;
-        vector.y.partials[1] = by_itself;
-        vector.z.partials[2] = by_itself;
     }
 }
 

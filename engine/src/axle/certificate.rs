@@ -204,10 +204,7 @@ impl<'a> AxleCertifier<'a> {
         over: impl Fn([Interval; 2]) -> Result<[Inclusion; 2], AxleFailure>,
     ) -> Result<AxleProof, AxleFailure> {
         let (sine, cosine) = Interval::point(roll).sin_cos();
-        let ground = Ground {
-            sine: Jet::constant(sine),
-            cosine: Jet::constant(cosine),
-        };
+        let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
         let written = travels.map(Interval::point);
         // With the travels as they are written, at which the poses are proved to be of the design's branch.

@@ -92,9 +92,10 @@ impl std::fmt::Display for Placement {
 }
 
 /// Why an axle has no position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AxleFailure {
     /// A wheel does not get there.
+    #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
     Wheel {
         /// Which.
         side: Side,
@@ -105,10 +106,13 @@ pub enum AxleFailure {
     },
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
+    #[error("no difference of travels puts both wheels on the ground")]
     NoGround,
     /// No mean travel gives the axle the load that is held: it does not grow with the travel, or a wheel does not get there.
+    #[error("at no mean travel the wheels carry the load that is held")]
     NoLoad,
     /// A proof was asked for: both poses are proved, but not that the ground under them is the only one there.
+    #[error("both poses are proved, but not that the ground under them is the only one there")]
     Unproven,
 }
 
@@ -161,31 +165,6 @@ impl AxleFailure {
             AxleFailure::Wheel { failure, .. } => matches!(failure, Failure::Uncertified(_)),
             AxleFailure::Unproven => true,
             AxleFailure::NoGround | AxleFailure::NoLoad => false,
-        }
-    }
-}
-
-impl std::fmt::Display for AxleFailure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            AxleFailure::Wheel {
-                side,
-                travel,
-                failure,
-            } => write!(f, "{} wheel at travel {travel:.6}: {failure}", side.name()),
-            AxleFailure::NoGround => {
-                write!(f, "no difference of travels puts both wheels on the ground")
-            }
-            AxleFailure::NoLoad => {
-                write!(
-                    f,
-                    "at no mean travel the wheels carry the load that is held"
-                )
-            }
-            AxleFailure::Unproven => write!(
-                f,
-                "both poses are proved, but not that the ground under them is the only one there"
-            ),
         }
     }
 }
@@ -300,10 +279,7 @@ impl Standing {
         ground: Ground<f64>,
         radius: f64,
     ) -> Self {
-        let ground = Ground {
-            sine: Jet::constant(ground.sine),
-            cosine: Jet::constant(ground.cosine),
-        };
+        let ground = ground.map(Jet::constant);
         let contact = at.point(centre) + ground.contact_lever(at.spin_axis(), radius);
         Standing {
             pose: at.pose,
@@ -795,10 +771,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let travel = |at: &Open| at.heave + sign * at.half;
                 open.iter().map(travel).collect()
             };
-            let ground = |station: usize| {
-                let (sine, cosine) = open[station].roll.sin_cos();
-                Ground { sine, cosine }
-            };
+            let ground = |station: usize| Ground::rolled(open[station].roll);
             let [left, right] = &mut self.corners;
             let lefts = left.heights(&travels(1.0), rack, ground, radius);
             let mirrored = |station: usize| ground(station).mirrored();
@@ -876,8 +849,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         roll: f64,
         rack: f64,
     ) -> Result<([f64; 2], [Pose<f64>; 2]), AxleFailure> {
-        let (sine, cosine) = roll.sin_cos();
-        let ground = Ground { sine, cosine };
+        let ground = Ground::rolled(roll);
         let radius = self.radius();
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
@@ -931,11 +903,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     fn track_of(&self, [left, right]: [&Pose<f64>; 2], ground: Ground<f64>) -> f64 {
         let mirrored = ground.mirrored();
-        self.contact(Side::Left, left, ground)
-            .dot(ground.outboard())
-            + self
-                .contact(Side::Right, right, mirrored)
-                .dot(mirrored.outboard())
+        let left = self.contact(Side::Left, left, ground);
+        let right = self.contact(Side::Right, right, mirrored);
+        left.dot(ground.outboard()) + right.dot(mirrored.outboard())
     }
 
     /// The roll angle at which both wheels stand on a plane.
@@ -943,15 +913,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let mut roll = 0.0_f64;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let (sine, cosine) = roll.sin_cos();
-            let ground = Ground { sine, cosine };
+            let ground = Ground::rolled(roll);
             let mirrored = ground.mirrored();
-            let heights = [
-                self.contact(Side::Left, left, ground).dot(ground.normal()),
-                self.contact(Side::Right, right, mirrored)
-                    .dot(mirrored.normal()),
-            ];
-            let step = -(heights[0] - heights[1]) / self.track_of([left, right], ground);
+            let left_height = self.contact(Side::Left, left, ground).dot(ground.normal());
+            let right_height = self.contact(Side::Right, right, mirrored);
+            let right_height = right_height.dot(mirrored.normal());
+            let step = -(left_height - right_height) / self.track_of([left, right], ground);
             if step.abs() <= 2.0 * f64::EPSILON || step.abs() >= smallest && smallest <= 1e-12 {
                 return Ok(roll);
             }
@@ -1057,13 +1024,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         placed: &Placed,
     ) -> State<'a, T> {
         let like = readings[0].like();
-        let (sine, cosine) = placed.roll.sin_cos();
         State {
             readings,
-            ground: Ground {
-                sine: like.lit(sine),
-                cosine: like.lit(cosine),
-            },
+            ground: Ground::rolled(placed.roll).map(|c| like.lit(c)),
             roll: like.lit(placed.roll),
             hold: placed.hold,
             setup: self.setup,

@@ -14,14 +14,17 @@ pub use machine::Machine;
 pub use timing::{Clock, Job, Timing};
 
 use crate::mechanism::DesignFault;
-use std::fmt;
 
 /// Why there is nothing to measure.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unmeasurable {
     /// The design cannot be solved.
+    #[error("the design cannot be solved: {0:?}")]
     Design(DesignFault),
     /// Fewer stations have a pose than a curve needs.
+    #[error(
+        "the motion has {solved} stations of different travel with a pose; it takes {needed} to measure a curve"
+    )]
     FewStations {
         /// How many have one.
         solved: usize,
@@ -29,25 +32,12 @@ pub enum Unmeasurable {
         needed: usize,
     },
     /// So many threads cannot be had.
+    #[error("{0} threads cannot be started")]
     Threads(usize),
 }
 
 impl From<DesignFault> for Unmeasurable {
     fn from(fault: DesignFault) -> Self {
         Unmeasurable::Design(fault)
-    }
-}
-
-impl fmt::Display for Unmeasurable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Unmeasurable::Design(fault) => write!(f, "the design cannot be solved: {fault:?}"),
-            Unmeasurable::Threads(count) => write!(f, "{count} threads cannot be started"),
-            Unmeasurable::FewStations { solved, needed } => write!(
-                f,
-                "the motion has {solved} stations of different travel with a pose; it takes {needed} to \
-                 measure a curve"
-            ),
-        }
     }
 }

@@ -27,29 +27,37 @@ use crate::model::{Body, Rod, SpinAxis, Suspension};
 use crate::model::{PointId, RockerId};
 use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
-use std::fmt;
 
 /// The shortest step from the drawn to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
 /// Why parts cannot be put together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Reject {
     /// On the way from the drawn parts to these the mechanism comes to a singular position: there the links
     /// cannot reach.
+    #[error(
+        "the links cannot reach: from the drawn parts to these the mechanism goes together up to {:.0} %",
+        100.0 * share
+    )]
     OutOfReach {
         /// How far of the way it can be put together, 0 to 1.
         share: f64,
     },
     /// The rod of a rocker cannot reach, or is at toggle.
+    #[error("the {0} cannot reach, or is at toggle")]
     Rod(Rod),
     /// A member, by its name, would be of no length, or of less.
+    #[error("{0} would have no length")]
     NoLength(String),
     /// The spring cannot be given its length at any height nearby.
+    #[error("the spring keeps its length at no height nearby")]
     Spring,
     /// Toe and camber cannot be set to what they were drawn.
+    #[error("toe and camber cannot be set as they were drawn")]
     Unaligned,
     /// Put together they are no design that can move.
+    #[error("put together, it cannot move")]
     Immovable(DesignFault),
 }
 
@@ -66,25 +74,6 @@ impl Reject {
         }
     }
 }
-
-impl fmt::Display for Reject {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Reject::OutOfReach { share } => write!(
-                f,
-                "the links cannot reach: from the drawn parts to these the mechanism goes together up to {:.0} %",
-                100.0 * share
-            ),
-            Reject::Rod(rod) => write!(f, "the {rod} cannot reach, or is at toggle"),
-            Reject::NoLength(member) => write!(f, "{member} would have no length"),
-            Reject::Spring => write!(f, "the spring keeps its length at no height nearby"),
-            Reject::Unaligned => write!(f, "toe and camber cannot be set as they were drawn"),
-            Reject::Immovable(_) => write!(f, "put together, it cannot move"),
-        }
-    }
-}
-
-impl std::error::Error for Reject {}
 
 /// Puts the parts of one suspension together, build after build.
 #[derive(Clone, Debug)]
@@ -355,11 +344,7 @@ impl Assembler {
 
     /// The closure equations of parts.
     pub(crate) fn closure<T: Real>(&self, parts: &Parts<T>) -> Closure<T> {
-        let mechanism = &self.suspension.mechanism;
-        let knuckle: Vec<_> = (0..parts.points.len())
-            .map(|i| self.in_carrier(parts, i))
-            .collect();
-        Closure::of_parts(mechanism, &parts.points, &knuckle, &parts.lengths)
+        self.closure_in(parts, &mut Vec::new())
     }
 
     /// Where the undisplaced carrier has a point: the counterpart of a point of the body where it was drawn.

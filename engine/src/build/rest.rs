@@ -95,16 +95,7 @@ impl Assembler {
 
     /// The length of the spring, and its derivative along a direction of the parts and `rise` of the height.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
-        let design = self.design_along::<Dual<f64, 1>>(
-            built,
-            |value, by| Dual {
-                value,
-                partials: [by],
-            },
-            1,
-            direction,
-            rise,
-        );
+        let design = self.design_along(built, dual, 1, direction, rise);
         let length = spring_length(self.suspension(), &design)?;
         Some([length.value, length.partials[0]])
     }
@@ -167,24 +158,23 @@ impl Assembler {
                 }
             }
         };
-        let number = |value, by| Dual::<f64, 1> {
-            value,
-            partials: [by],
-        };
-        let design = self.design_along(built, number, 1, direction, rise);
-        (
-            design
-                .iter()
-                .map(|p| p.map(|coordinate| coordinate.partials[0]))
-                .collect(),
-            rise,
-        )
+        let design = self.design_along(built, dual, 1, direction, rise);
+        let slopes = design.iter().map(|p| p.map(|c| c.partials[0]));
+        (slopes.collect(), rise)
     }
 
     /// The built design as a series to second order along a direction, the height held.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
         self.design_along(built, number, 2, direction, 0.0)
+    }
+}
+
+/// A value and its slope.
+fn dual(value: f64, by: f64) -> Dual<f64, 1> {
+    Dual {
+        value,
+        partials: [by],
     }
 }
 

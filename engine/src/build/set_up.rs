@@ -13,7 +13,7 @@ use super::rest::{Built, Direction, Rest};
 use crate::characteristics::{Characteristic, Unit};
 use crate::mechanism::DesignFault;
 use crate::plan::Plan;
-use crate::study::{Adjustment, Drive, Order, Setup, Study};
+use crate::study::{Adjustment, Drive, Outputs, Setup, Study};
 use nalgebra::{DMatrix, DVector};
 
 /// The most steps of Newton's method.
@@ -190,39 +190,26 @@ impl<'a> Problem<'a> {
         }
         let mut at_rest = study.clone();
         at_rest.suspension = assembler.suspension().clone();
-        at_rest.outputs.characteristics = characteristics.clone();
-        at_rest.outputs.points.clear();
-        at_rest.outputs.knuckle = false;
-        at_rest.outputs.order = Order::Position;
-        at_rest.outputs.certify = false;
-        at_rest.outputs.loads.clear();
+        at_rest.outputs = Outputs::of(characteristics.clone());
         at_rest.formulation = crate::study::Formulation::KnucklePose;
         at_rest.motion.drive = Drive::Travel;
         at_rest.motion.values = vec![0.0];
         at_rest.motion.rack = vec![0.0];
         at_rest.motion.time = None;
         let on_spring = setup.adjust.iter().any(|a| lifts(a, study));
-        let mut statics: Vec<_> = characteristics
-            .iter()
-            .map(|c| Static::Characteristic(*c))
-            .collect();
-        let mut wanted: Vec<_> = characteristics
-            .iter()
-            .map(|c| {
-                let want = setup.want.iter().find(|want| want.characteristic == *c)?;
-                Some(want.value * c.info().unit.printed_factor())
-            })
-            .collect();
         let millimetre = 1e-3 * study.suspension.length_unit.per_metre();
-        let mut weights: Vec<_> = characteristics
-            .iter()
-            .map(|c| match c.info().unit {
+        let (mut statics, mut wanted, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for c in characteristics {
+            let want = setup.want.iter().find(|want| want.characteristic == c);
+            statics.push(Static::Characteristic(c));
+            wanted.push(want.map(|want| want.value * c.info().unit.printed_factor()));
+            weights.push(match c.info().unit {
                 Unit::Angle => 10.0,
                 Unit::AnglePerLength => 10.0 / (0.01 / millimetre),
                 Unit::Length => 1.0 / millimetre,
                 Unit::Percent | Unit::Ratio => 1.0,
-            })
-            .collect();
+            });
+        }
         statics.push(Static::RideHeight);
         wanted.push(setup.ride_height.filter(|_| on_spring));
         weights.push(1.0 / millimetre);
@@ -276,13 +263,11 @@ impl<'a> Problem<'a> {
             return Ok(state);
         }
         let missed = |state: &State| {
-            DVector::from_iterator(
-                wishes.len(),
-                wishes.iter().map(|i| {
-                    let wanted = self.wanted[*i].unwrap_or(f64::NAN);
-                    (state.values[*i] - wanted) * self.weights[*i]
-                }),
-            )
+            let miss = |i: &usize| {
+                let wanted = self.wanted[*i].unwrap_or(f64::NAN);
+                (state.values[*i] - wanted) * self.weights[*i]
+            };
+            DVector::from_iterator(wishes.len(), wishes.iter().map(miss))
         };
         for _ in 0..MOST_STEPS {
             let misses = missed(&state);

@@ -251,101 +251,61 @@ impl Error for DesignFault {}
 impl Failure {
     /// The reason in words, with lengths in this unit.
     pub fn describe(&self, unit: LengthUnit) -> String {
-        Worded {
-            failure: self,
-            unit: Some(unit),
+        self.words(Some(unit))
+    }
+
+    fn words(&self, unit: Option<LengthUnit>) -> String {
+        let length = |value: f64| match unit {
+            Some(unit) => format!("{value:.6} {}", unit.symbol()),
+            None => format!("{value:.6}"),
+        };
+        let travel = |end: f64| format!("the wheel travel ends at {}", length(end));
+        let angle = |what: &str, end: f64| {
+            let end = end.to_degrees();
+            format!("{what} no further than {end:.6} deg")
+        };
+        match self {
+            Failure::Unreachable {
+                drive,
+                limit,
+                cause,
+            } => match drive {
+                Drive::Travel => format!("{}: {cause}", travel(*limit)),
+                Drive::ArmAngle => format!("{}: {cause}", angle("the arm turns", *limit)),
+            },
+            Failure::RackUnreachable { limit, cause } => {
+                let limit = length(limit.abs());
+                format!("the rack moves no further than {limit}: {cause}")
+            }
+            Failure::Singular => "the pose is singular: it has no derivatives".to_owned(),
+            Failure::Toggle(rod) => format!(
+                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
+                rod.turns()
+            ),
+            Failure::Uncertified(reason) => format!("the pose is not proved: {reason}"),
+            Failure::DeadCentre => {
+                "theta takes the arm to its highest or lowest position or beyond, where this drive \
+                                    is singular"
+                    .to_owned()
+            }
+            Failure::PointCoordinates {
+                drive,
+                refusal: Refusal::Unreachable { value, limit },
+            } => match drive {
+                attia::Drive::Travel => format!("{}: {limit}", travel(*value)),
+                attia::Drive::ArmAngle => format!("{}: {limit}", angle("the arm turns", *value)),
+                attia::Drive::PaperTheta => format!("{}: {limit}", angle("theta gets", *value)),
+            },
+            Failure::PointCoordinates { refusal, .. } => refusal.to_string(),
         }
-        .to_string()
     }
 }
 
 /// Lengths are in the unit of the hardpoints, which a failure does not know: [`Failure::describe`] names it.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = None;
-        let failure = self;
-        Worded { failure, unit }.fmt(f)
+        f.write_str(&self.words(None))
     }
 }
 
 impl Error for Failure {}
-
-/// A failure in words.
-struct Worded<'a> {
-    failure: &'a Failure,
-    unit: Option<LengthUnit>,
-}
-
-impl Worded<'_> {
-    fn length(&self, value: f64) -> String {
-        match self.unit {
-            Some(unit) => format!("{value:.6} {}", unit.symbol()),
-            None => format!("{value:.6}"),
-        }
-    }
-}
-
-impl fmt::Display for Worded<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.failure {
-            Failure::Unreachable {
-                drive: Drive::Travel,
-                limit,
-                cause,
-            } => write!(
-                f,
-                "the wheel travel ends at {}: {cause}",
-                self.length(*limit)
-            ),
-            Failure::Unreachable {
-                drive: Drive::ArmAngle,
-                limit,
-                cause,
-            } => write!(
-                f,
-                "the arm turns no further than {:.6} deg: {cause}",
-                limit.to_degrees()
-            ),
-            Failure::RackUnreachable { limit, cause } => {
-                write!(
-                    f,
-                    "the rack moves no further than {}: {cause}",
-                    self.length(limit.abs())
-                )
-            }
-            Failure::Singular => write!(f, "the pose is singular: it has no derivatives"),
-            Failure::Toggle(rod) => write!(
-                f,
-                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
-                rod.turns()
-            ),
-            Failure::Uncertified(reason) => write!(f, "the pose is not proved: {reason}"),
-            Failure::DeadCentre => write!(
-                f,
-                "theta takes the arm to its highest or lowest position or beyond, where this drive \
-                 is singular"
-            ),
-            Failure::PointCoordinates {
-                drive,
-                refusal: Refusal::Unreachable { value, limit },
-            } => match drive {
-                attia::Drive::Travel => {
-                    write!(
-                        f,
-                        "the wheel travel ends at {}: {limit}",
-                        self.length(*value)
-                    )
-                }
-                attia::Drive::ArmAngle => {
-                    let value = value.to_degrees();
-                    write!(f, "the arm turns no further than {value:.6} deg: {limit}")
-                }
-                attia::Drive::PaperTheta => {
-                    let value = value.to_degrees();
-                    write!(f, "theta gets no further than {value:.6} deg: {limit}")
-                }
-            },
-            Failure::PointCoordinates { refusal, .. } => refusal.fmt(f),
-        }
-    }
-}

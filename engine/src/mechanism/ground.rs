@@ -21,6 +21,25 @@ pub struct Ground<T> {
     pub cosine: T,
 }
 
+impl Ground<f64> {
+    /// The ground under a left wheel where the body rolls by this angle.
+    pub fn rolled(roll: f64) -> Self {
+        let (sine, cosine) = roll.sin_cos();
+        Ground { sine, cosine }
+    }
+}
+
+impl<T> Ground<T> {
+    /// The same ground over another kind of number.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Ground<U> {
+        Ground {
+            sine: f(self.sine),
+            cosine: f(self.cosine),
+        }
+    }
+}
+
 impl<T: Real> Ground<T> {
     /// Level ground, in the shape of `like`.
     #[inline(always)]

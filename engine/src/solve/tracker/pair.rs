@@ -291,10 +291,7 @@ impl<'a> PairBatch<'a> {
                 PairDrive::Roll { radius, .. } => Some(radius),
             },
             visitor,
-            ground: Ground {
-                sine: like.zero(),
-                cosine: like.one(),
-            },
+            ground: Ground::level(like),
             is_near: like.everywhere(),
             rises: like.everywhere(),
         }

@@ -5,13 +5,10 @@ use super::axle;
 use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
-use crate::curves::curves;
 use crate::model::{Axis, LengthUnit, Suspension};
-use crate::plan::Plan;
-use crate::report::{
-    Compared, Comparison, CurveTable, Format, Tables, comparison_page, curves_csv, printable,
-};
+use crate::report::{Compared, Comparison, CurveTable, Format, Tables, comparison_page, printable};
 use crate::results::{Claim, RunDirectory};
+use crate::solved::Solved;
 use crate::study::{Drive, Study};
 use clap::Args;
 use std::io::Write;
@@ -62,19 +59,13 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
             ..Claim::default()
         };
         let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
-        let files: Vec<String> = arguments
-            .sources
-            .iter()
-            .map(|p| p.display().to_string())
-            .collect();
-        let page = comparison_page(&comparison, &topologies, &files);
-        for (name, contents) in [
-            ("comparison.csv", comparison.csv()),
-            ("report.html", page.into_bytes()),
-        ] {
-            directory.write(name, &contents).map_err(Stop::unwritten)?;
-        }
-        directory.finish().map_err(Stop::unwritten)?;
+        let files = arguments.sources.iter().map(|p| p.display().to_string());
+        let page = comparison_page(&comparison, &topologies, &files.collect::<Vec<_>>());
+        let csv = comparison.csv();
+        let written = directory.write("comparison.csv", &csv);
+        let written = written.and_then(|()| directory.write("report.html", page.as_bytes()));
+        let written = written.and_then(|()| directory.finish());
+        written.map_err(Stop::unwritten)?;
     }
     let format: Format = arguments.format.into();
     let mut tables = Tables::default();
@@ -107,29 +98,21 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
 fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
-        let name = if path.is_dir() {
-            path.file_name()
-        } else {
-            path.file_stem()
+        let name = match path.is_dir() {
+            true => path.file_name(),
+            false => path.file_stem(),
         };
-        let name = name.map_or_else(
-            || path.display().to_string(),
-            |n| n.to_string_lossy().into_owned(),
-        );
+        let whole = path.display().to_string();
+        let name = name.map_or(whole.clone(), |n| n.to_string_lossy().into_owned());
         // They become names of columns.
-        let name = printable(&name).replace(['\n', '\t'], " ");
-        let is_taken = labels.contains(&name);
-        let label = if is_taken {
-            printable(&path.display().to_string())
-        } else {
-            name
-        };
-        let taken = labels.iter().filter(|known| **known == label).count();
-        labels.push(if taken > 0 {
-            format!("{label} ({})", labels.len() + 1)
-        } else {
-            label
-        });
+        let mut label = printable(&name).replace(['\n', '\t'], " ");
+        if labels.contains(&label) {
+            label = printable(&whole);
+        }
+        if labels.contains(&label) {
+            label += &format!(" ({})", labels.len() + 1);
+        }
+        labels.push(label);
     }
     labels
 }
@@ -157,15 +140,10 @@ fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Comp
             }
         }
     }
-    let plan = Plan::of(&study);
-    let solved = curves(&study.suspension, &plan).map_err(|fault| {
-        let reason = fault.describe(&study.suspension.mechanism);
-        Stop::in_file(path, reason)
-    })?;
-    let csv = curves_csv(&solved, &plan, unit);
-    let table = CurveTable::read(&csv).expect("curves are written as they are read");
+    let solved = Solved::of(&study).map_err(|why| Stop::in_file(path, why))?;
+    let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
     let compared = compared(label, &study.suspension, table);
-    Ok((compared, solved.are_complete()))
+    Ok((compared, solved.is_complete()))
 }
 
 fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compared {

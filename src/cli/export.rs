@@ -3,15 +3,13 @@
 use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{note, width};
-use crate::curves::{Curves, curves};
 use crate::exchange::{
     Page, Rounded, csv, into_subsystem, page_of_csv, point_rows, rounded, subsystem, workbook,
 };
-use crate::model::Suspension;
 use crate::number::Vector3;
-use crate::plan::Plan;
-use crate::report::{Table, curves_csv};
+use crate::report::Table;
 use crate::results;
+use crate::solved::Solved;
 use crate::study::Study;
 use crate::sweep::SweepPlan;
 use clap::{Args, ValueEnum};
@@ -236,8 +234,8 @@ impl Source {
                 rows: point_rows(study, &self.design),
             });
             if self.tables.is_empty() {
-                let (curves, suspension) = solved(study, &self.design).map_err(refused)?;
-                let csv = curves_csv(&curves, &Plan::of(study), suspension.length_unit);
+                let study = study.at_design(self.design.clone());
+                let csv = Solved::of(&study).map_err(refused)?.csv();
                 pages.push(page_of_csv("curves", &csv).map_err(refused)?);
             }
         }
@@ -265,17 +263,6 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>
     Ok(plan.design(number))
 }
 
-/// The curves of a study with other points.
-fn solved(study: &Study, design: &[Vector3<f64>]) -> Result<(Curves, Suspension), String> {
-    let suspension = Suspension {
-        design: design.to_vec(),
-        ..study.suspension.clone()
-    };
-    let solved = curves(&suspension, &Plan::of(study));
-    let solved = solved.map_err(|fault| fault.describe(&suspension.mechanism))?;
-    Ok((solved, suspension))
-}
-
 /// What rounding costs: the misfit of the targets, and the largest change of every curve.
 fn say_loss(study: &Study, before: &[Vector3<f64>], rounded: &Rounded, grid: f64) {
     let unit = study.suspension.length_unit.symbol();
@@ -294,8 +281,11 @@ fn say_loss(study: &Study, before: &[Vector3<f64>], rounded: &Rounded, grid: f64
             ));
         }
     }
-    let [Ok((before, _)), Ok((after, _))] = [before, &rounded.design].map(|d| solved(study, d))
-    else {
+    let designs = [before, &rounded.design].map(|d| study.at_design(d.to_vec()));
+    let [Ok(before), Ok(after)] = designs.each_ref().map(Solved::of) else {
+        return;
+    };
+    let (Some(before), Some(after)) = (before.wheel(), after.wheel()) else {
         return;
     };
     let mut table = Table::new(["output", "largest change"]);

@@ -51,10 +51,8 @@ pub(super) fn run(
         ("that cannot be put together", Some(least.rejected)),
         ("that do not reach the study's motion", short),
     ] {
-        let known = |number: Option<u64>| number.map_or_else(|| Cell::from(""), Cell::from);
-        let number = known(found.map(|(number, _)| number));
-        let first = known(found.and_then(|(_, first)| first));
-        counts.push_row([what.into(), number, first]);
+        let (number, first) = found.unzip();
+        counts.push_row([Cell::from(what), number.into(), first.flatten().into()]);
     }
     counts.push_row([Cell::from("all"), count.get().into(), "".into()]);
     out.table("builds", counts)?;
@@ -99,10 +97,8 @@ impl Reach {
             }
             (row.quantity, row.at, ends)
         };
-        let mut rows: Vec<_> = ranges(study, &limits, &by_rack)
-            .into_iter()
-            .map(ends)
-            .collect();
+        let rows = ranges(study, &limits, &by_rack).into_iter();
+        let mut rows: Vec<_> = rows.map(ends).collect();
         let [lower, upper] = limits.travel.ends();
         for range in &limits.rockers {
             let ends = [
@@ -148,9 +144,7 @@ impl Least {
         let rows = reach.rows.iter();
         let is_short = reach.margin.is_some_and(|margin| margin < 0.0);
         Least {
-            rows: rows
-                .map(|(.., ends)| ends.map(|end| (end, build)))
-                .collect(),
+            rows: rows.map(|(.., ends)| ends.map(|e| (e, build))).collect(),
             margin: reach.margin.map(|margin| (margin, build)),
             rejected: (0, None),
             short: (u64::from(is_short), is_short.then_some(build)),
@@ -163,19 +157,13 @@ impl Least {
             self.rows = later.rows;
         } else {
             for (mine, theirs) in self.rows.iter_mut().zip(later.rows) {
-                let [[lower, upper], [their_lower, their_upper]] = [*mine, theirs];
-                *mine = [
-                    if their_lower.0 > lower.0 {
-                        their_lower
-                    } else {
-                        lower
-                    },
-                    if their_upper.0 < upper.0 {
-                        their_upper
-                    } else {
-                        upper
-                    },
-                ];
+                let [lower, upper] = theirs;
+                if lower.0 > mine[0].0 {
+                    mine[0] = lower;
+                }
+                if upper.0 < mine[1].0 {
+                    mine[1] = upper;
+                }
             }
         }
         self.margin = match (self.margin, later.margin) {
@@ -205,24 +193,13 @@ fn table(drawn: &Reach, least: &Least) -> Table {
     ]);
     let mut builds = least.rows.iter();
     for (quantity, at, [from, to]) in &drawn.rows {
-        let [lower, upper] = match builds.next() {
-            Some(ends) => ends.map(|(end, build)| [Cell::from(end), Cell::from(build)]),
-            None => [(); 2].map(|()| [Cell::from(""), Cell::from("")]),
-        };
-        let [lower, lower_build] = lower;
-        let [upper, upper_build] = upper;
-        let what = [quantity, at].map(|text| Cell::from(text.as_str()));
-        let [quantity, at] = what;
-        table.push_row([
-            quantity,
-            at,
-            Cell::from(*from),
-            lower,
-            lower_build,
-            Cell::from(*to),
-            upper,
-            upper_build,
-        ]);
+        let ends = builds.next().map_or([None; 2], |ends| ends.map(Some));
+        let mut row = [quantity, at].map(|text| text.as_str().into()).to_vec();
+        for (drawn, end) in [from, to].into_iter().zip(ends) {
+            let (least, build) = end.unzip();
+            row.extend([Cell::from(*drawn), least.into(), build.into()]);
+        }
+        table.push_row(row);
     }
     table
 }

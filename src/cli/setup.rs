@@ -4,9 +4,8 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
 use crate::build::{Assembler, NoSetUp, SetUp};
-use crate::curves::curves;
-use crate::plan::Plan;
-use crate::report::{SetUpSummary, curves_csv};
+use crate::report::SetUpSummary;
+use crate::solved::Solved;
 use crate::study::{Drive, Study};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
@@ -43,7 +42,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         Stop::not_met(format!("{}: {reason}", path.display()))
     })?;
     let output = Output::open(arguments, &study, "setup")?;
-    let length = study.suspension.length_unit;
     let summary = SetUpSummary::of(&study, setup, &found);
 
     // Curves about the new ride height, in every output of the study.
@@ -56,10 +54,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if by_theta {
         output.without("curves.csv")?;
     } else {
-        let plan = Plan::of(&adjusted);
-        let curves = curves(&adjusted.suspension, &plan).map_err(fault)?;
-        complete = curves.are_complete();
-        output.main_csv("curves.csv", &curves_csv(&curves, &plan, length))?;
+        let solved = Solved::of(&adjusted).map_err(|why| Stop::in_file(path, why))?;
+        complete = solved.is_complete();
+        output.main_csv("curves.csv", &solved.csv())?;
         files.insert(0, "curves.csv");
     }
     output.file("setup.csv", summary.steps_table().csv(None).as_bytes())?;

@@ -2,9 +2,8 @@
 
 use super::import::{Hardpoint, Imported};
 use crate::characteristics::Characteristic;
-use crate::curves::curves;
 use crate::model::LengthUnit;
-use crate::plan::Plan;
+use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
@@ -43,10 +42,7 @@ impl Imported {
         let runs = |travel: f64| {
             let text = with(travel, &available);
             let study = read(&text).map_err(|errors| errors.render(false))?;
-            let solved = curves(&study.suspension, &Plan::of(&study));
-            let mechanism = &study.suspension.mechanism;
-            let solved = solved.map_err(|fault| fault.describe(mechanism))?;
-            Ok::<_, String>(solved.are_complete().then_some(text))
+            Ok::<_, String>(Solved::of(&study)?.is_complete().then_some(text))
         };
         for travel in TRAVELS {
             if let Some(text) = runs(travel)? {
@@ -74,12 +70,8 @@ impl Imported {
             let _ = writeln!(text, "{key} = \"{value}\"");
         }
         text += "\n[suspension.hardpoints]          # design position\n";
-        let longest = self
-            .hardpoints
-            .iter()
-            .map(|h| h.name.len())
-            .max()
-            .unwrap_or(0);
+        let lengths = self.hardpoints.iter().map(|h| h.name.len());
+        let longest = lengths.max().unwrap_or(0);
         for hardpoint in &self.hardpoints {
             let [x, y, z] = hardpoint.position;
             let name = hardpoint.name;
@@ -123,15 +115,9 @@ impl Imported {
             "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
         );
         if !outputs.is_empty() {
-            let names: Vec<String> = outputs
-                .iter()
-                .map(|c| format!("\"{}\"", c.info().name))
-                .collect();
-            let _ = writeln!(
-                text,
-                "\n[outputs]\ncharacteristics = [{}]",
-                names.join(", ")
-            );
+            let names = outputs.iter().map(|c| format!("\"{}\"", c.info().name));
+            let names = names.collect::<Vec<_>>().join(", ");
+            let _ = writeln!(text, "\n[outputs]\ncharacteristics = [{names}]");
         }
         text
     }

@@ -46,7 +46,7 @@ impl Record {
             })
         };
         let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
-            curves.columns.iter().map(output).collect()
+            curves.columns.iter().map(OutputRecord::of_axle).collect()
         });
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         Ok(Record {
@@ -118,25 +118,28 @@ fn frames(
     Ok(frames.map(frame).collect())
 }
 
-fn output(column: &AxleColumn) -> OutputRecord {
-    let name = column.output().replace('_', " ");
-    let by = column.by.map(|motion| match motion {
-        Motion::Roll => "roll",
-        Motion::Heave => "heave",
-        Motion::Rack => "rack",
-        Motion::TravelLeft => "left travel",
-        Motion::TravelRight => "right travel",
-        Motion::OpposedTravels => "opposed travels",
-    });
-    OutputRecord {
-        column: column.name.clone(),
-        title: match (by, column.order) {
-            (None, _) => name,
-            (Some(by), 1) => format!("{name} by {by}"),
-            (Some(by), _) => format!("{name} by {by}, 2nd derivative"),
-        },
-        unit: readable_unit(&column.unit),
-        positive: column.positive().map(str::to_owned),
+impl OutputRecord {
+    /// Of a column of an axle's curves.
+    pub fn of_axle(column: &AxleColumn) -> Self {
+        let name = column.output().replace('_', " ");
+        let by = column.by.map(|motion| match motion {
+            Motion::Roll => "roll",
+            Motion::Heave => "heave",
+            Motion::Rack => "rack",
+            Motion::TravelLeft => "left travel",
+            Motion::TravelRight => "right travel",
+            Motion::OpposedTravels => "opposed travels",
+        });
+        OutputRecord {
+            column: column.name.clone(),
+            title: match (by, column.order) {
+                (None, _) => name,
+                (Some(by), 1) => format!("{name} by {by}"),
+                (Some(by), _) => format!("{name} by {by}, 2nd derivative"),
+            },
+            unit: readable_unit(&column.unit),
+            positive: column.positive().map(str::to_owned),
+        }
     }
 }
 

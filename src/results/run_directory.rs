@@ -208,6 +208,11 @@ impl RunDirectory {
         run.is_of(&self.command, &self.digest)
     }
 
+    /// Whether a file is recorded as this run's own.
+    fn wrote(&self, manifest: &Manifest, name: &str) -> bool {
+        manifest.author(name).is_some_and(|run| self.is_own(run))
+    }
+
     fn store(&self, state: &State) -> Result<(), WriteError> {
         self.put(manifest::NAME, state.manifest.text().as_bytes())
     }
@@ -228,17 +233,13 @@ impl RunDirectory {
         let before = state.manifest.clone();
         for name in names {
             if !self.force && self.path.join(name).symlink_metadata().is_ok() {
-                let is_own = |manifest: &Manifest| {
-                    let author = manifest.author(name);
-                    author.is_some_and(|run| self.is_own(run))
-                };
                 // Another shard of the same sweep may have recorded it meanwhile.
-                if !is_own(&state.manifest)
+                if !self.wrote(&state.manifest, name)
                     && let Ok(present) = Manifest::read(&self.path)
                 {
                     state.manifest = present;
                 }
-                if !is_own(&state.manifest) {
+                if !self.wrote(&state.manifest, name) {
                     let message =
                         "it is there already, and not from this run; --force overwrites it";
                     let error = io::Error::new(io::ErrorKind::AlreadyExists, message);
@@ -285,10 +286,7 @@ impl RunDirectory {
         let is_own = {
             let mut state = self.state();
             state.written.remove(name);
-            state
-                .manifest
-                .author(name)
-                .is_some_and(|run| self.is_own(run))
+            self.wrote(&state.manifest, name)
         };
         let path = self.path.join(name);
         match is_own.then(|| std::fs::remove_file(&path)) {
@@ -303,13 +301,8 @@ impl RunDirectory {
     pub fn remove_all(&self, patterns: &[&str]) -> Result<(), WriteError> {
         let state = self.state();
         for name in names(&self.path) {
-            let is_own = || {
-                state
-                    .manifest
-                    .author(&name)
-                    .is_some_and(|run| self.is_own(run))
-            };
-            if patterns.iter().any(|p| matches(p, &name)) && (self.force || is_own()) {
+            let is_own = self.force || self.wrote(&state.manifest, &name);
+            if is_own && patterns.iter().any(|p| matches(p, &name)) {
                 let path = self.path.join(&name);
                 std::fs::remove_file(&path).map_err(unwritten(&path))?;
             }

@@ -115,14 +115,8 @@ pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
 fn columns(found: &Curves) -> Vec<ColumnValues> {
     let columns = found.columns.iter().enumerate();
     let column = |(number, column): (usize, &crate::curves::Column)| {
-        let record = OutputRecord::of(column);
-        ColumnValues {
-            column: record.column,
-            title: record.title,
-            unit: record.unit,
-            positive: column.positive,
-            values: found.stations.iter().map(|s| s.values[number]).collect(),
-        }
+        let values = found.stations.iter().map(|s| s.values[number]);
+        ColumnValues::of(OutputRecord::of(column), values)
     };
     columns.map(column).collect()
 }

@@ -10,16 +10,16 @@ use super::message::{
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, Coordinate, Course, Placement, Quantity, WheelMotion, axle_curves,
+    Axle, AxleCurves, AxlePlan, Coordinate, Course, Quantity, WheelMotion, axle_curves,
 };
 use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
-use crate::report::{FailureRange, axle_doubts, doubts, readable_unit};
+use crate::report::{OutputRecord, axle_doubts, axle_failures, doubts};
 use crate::solve::StationOrder;
-use crate::study::{About, AxleStudy, Study, missing};
+use crate::study::{AxleStudy, Study, missing};
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
@@ -41,64 +41,52 @@ pub(super) fn main(course: &Course) -> Coordinate {
 }
 
 /// Values of a number over a course, as they are printed.
-fn values(course: &Course, coordinate: Coordinate, left: &Suspension) -> Vec<f64> {
-    let values = course
-        .clone()
-        .along(coordinate)
-        .map_or_else(Vec::new, |v| v.clone());
+fn values(course: &Course, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
+    let mut course = course.clone();
+    let values = course.along(coordinate).into_iter().flatten();
     values
-        .into_iter()
-        .map(|value| printed(coordinate, value, left))
+        .map(|value| printed(coordinate, *value, axle))
         .collect()
 }
 
-fn printed(coordinate: Coordinate, value: f64, left: &Suspension) -> f64 {
-    match coordinate {
-        Coordinate::Roll => value.to_degrees(),
-        Coordinate::Rack => value * left.frame.sign(Axis::Y) + 0.0,
-        _ => value,
-    }
+fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
+    coordinate.written(value, axle) + 0.0
 }
 
 /// Sliders, the main one, its values over the motion, and those of the rack.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
-    let (course, left) = (&both.plan.course, &both.axle.left);
+    let (course, axle) = (&both.plan.course, &both.axle);
+    let left = &axle.left;
     let all = coordinates(course);
     let length = left.length_unit;
     let far = 0.05 * length.per_metre();
     let slider = |coordinate: &Coordinate| {
-        let values = values(course, *coordinate, left);
+        let values = values(course, *coordinate, axle);
         let mut slider = match coordinate {
             Coordinate::Rack => return rack_slider(left, 0.0, &values),
             Coordinate::Roll => Slider::over("roll", "roll", "°", 0.0, &values),
-            Coordinate::Heave => Slider::over("heave", "heave", length.symbol(), 0.0, &values),
-            Coordinate::TravelLeft => {
-                Slider::over("travel_left", "left travel", length.symbol(), 0.0, &values)
+            other => {
+                let name = match other {
+                    Coordinate::Heave => "heave",
+                    Coordinate::TravelLeft => "left travel",
+                    _ => "right travel",
+                };
+                Slider::over(other.key(), name, length.symbol(), 0.0, &values)
             }
-            _ => Slider::over(
-                "travel_right",
-                "right travel",
-                length.symbol(),
-                0.0,
-                &values,
-            ),
         };
         // What the study holds may be tried all the same.
         if values.len() < 2 {
-            let reach = if *coordinate == Coordinate::Roll {
-                3.0
-            } else {
-                far
-            };
+            let is_roll = *coordinate == Coordinate::Roll;
+            let reach = if is_roll { 3.0 } else { far };
             (slider.low, slider.high) = (slider.low.min(-reach), slider.high.max(reach));
         }
         slider
     };
     let over = main(course);
     let number = all.iter().position(|c| *c == over).unwrap_or(0);
-    let racks = values(course, Coordinate::Rack, left);
+    let racks = values(course, Coordinate::Rack, axle);
     let sliders = all.iter().map(slider).collect();
-    (sliders, number, values(course, over, left), racks)
+    (sliders, number, values(course, over, axle), racks)
 }
 
 /// The name of a quantity's column.
@@ -108,14 +96,9 @@ pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
 
 /// What a study may ask of its axle.
 pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOverview> {
-    let AxleStudy { axle, plan } = both;
-    let targets = study.optimise.iter().flat_map(|o| &o.targets);
-    let mut asked = plan.quantities.clone();
-    for target in targets {
-        if let About::Axle(quantities) = &target.of.about {
-            asked.extend(quantities);
-        }
-    }
+    let axle = &both.axle;
+    let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
+    let asked = both.plan_with(targets).quantities;
     let overview = |name: &'static str| {
         let quantities = Quantity::named(name);
         let first = *quantities.first()?;
@@ -149,12 +132,8 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
         if named.is_empty() || !named.iter().all(|q| has_all(*q, axle)) {
             return Err(format!("this study has no {name}"));
         }
-        quantities.extend(
-            named
-                .iter()
-                .filter(|q| !quantities.contains(q))
-                .collect::<Vec<_>>(),
-        );
+        let new = named.into_iter().filter(|q| !quantities.contains(q));
+        quantities.extend(new.collect::<Vec<_>>());
     }
     Ok(AxlePlan {
         quantities,
@@ -191,7 +170,11 @@ pub(super) fn solved(
     let places: Vec<Vec<f64>> = found
         .stations
         .iter()
-        .map(|s| all.iter().map(|c| place(&s.placement, *c, left)).collect())
+        .map(|s| {
+            all.iter()
+                .map(|c| printed(*c, s.placement.along(*c), axle))
+                .collect()
+        })
         .collect();
     let main = all.iter().position(|c| *c == over).unwrap_or(0);
     let (groups, shown) = grouped(&places, main, &request.at);
@@ -207,7 +190,7 @@ pub(super) fn solved(
         shown,
         rack: rack.map_or(0.0, |station| places[station][all.len() - 1]),
         status: found.stations.iter().map(|s| s.status).collect(),
-        failures: failures(&found, &places, &all),
+        failures: axle_failures(axle, &plan, &found),
         frame: frame(axle, Side::Left),
         right: frame(axle, Side::Right),
         opened: match left.design == opened.study.suspension.design {
@@ -221,11 +204,6 @@ pub(super) fn solved(
         remarks: said,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
-}
-
-/// A number of a placement, as it is printed.
-fn place(placement: &Placement, coordinate: Coordinate, left: &Suspension) -> f64 {
-    printed(coordinate, placement.along(coordinate), left)
 }
 
 /// Stations that differ in the main number alone as groups, and the group nearest to a place.
@@ -254,46 +232,11 @@ fn grouped(places: &[Vec<f64>], main: usize, at: &[f64]) -> (Vec<usize>, usize) 
 
 fn columns(found: &AxleCurves) -> Vec<ColumnValues> {
     let columns = found.columns.iter().enumerate();
-    columns
-        .map(|(number, column)| ColumnValues {
-            column: column.name.clone(),
-            title: match column.by {
-                None => column.output().replace('_', " "),
-                Some(_) => column.name.replace('_', " "),
-            },
-            unit: readable_unit(&column.unit),
-            positive: column.positive(),
-            values: found.stations.iter().map(|s| s.value(number)).collect(),
-        })
-        .collect()
-}
-
-/// Stations without a position, those that follow each other for one reason as one stretch.
-fn failures(found: &AxleCurves, places: &[Vec<f64>], all: &[Coordinate]) -> Vec<FailureRange> {
-    let mut stretches: Vec<FailureRange> = Vec::new();
-    for (number, station) in found.stations.iter().enumerate() {
-        let Err(failure) = &station.placed else {
-            continue;
-        };
-        let reason = failure.to_string();
-        if let Some(last) = stretches.last_mut()
-            && last.last + 1 == number
-            && last.reason == reason
-        {
-            last.last = number;
-            continue;
-        }
-        let named = all.iter().zip(&places[number]);
-        let named = named.map(|(c, value)| format!("{} {value}", c.key().replace('_', " ")));
-        stretches.push(FailureRange {
-            first: number,
-            last: number,
-            status: station.status.to_owned(),
-            reason,
-            place: format!("from {}", named.collect::<Vec<_>>().join(", ")),
-        });
-    }
-    stretches
+    let column = |(number, column)| {
+        let values = found.stations.iter().map(|s| s.value(number));
+        ColumnValues::of(OutputRecord::of_axle(column), values)
+    };
+    columns.map(column).collect()
 }
 
 /// A wheel where the sliders are, or why it is not there.

@@ -2,7 +2,7 @@
 //! of the points; numbers are printed so that they read back as the same.
 
 use crate::curves::Frame;
-use crate::report::{FailureRange, Scene};
+use crate::report::{FailureRange, OutputRecord, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Coordinates of every point, in the study's axes.
@@ -176,8 +176,20 @@ pub(super) struct ColumnValues {
     pub column: String,
     pub title: String,
     pub unit: String,
-    pub positive: Option<&'static str>,
+    pub positive: Option<String>,
     pub values: Vec<Option<f64>>,
+}
+
+impl ColumnValues {
+    pub(super) fn of(record: OutputRecord, values: impl Iterator<Item = Option<f64>>) -> Self {
+        ColumnValues {
+            column: record.column,
+            title: record.title,
+            unit: record.unit,
+            positive: record.positive,
+            values: values.collect(),
+        }
+    }
 }
 
 /// The misfit in tolerances, with its derivatives by every coordinate.

@@ -1,7 +1,9 @@
 //! Studies of axles as a user runs them.
 
 use assert_cmd::Command;
+use hardpoint::Study;
 use hardpoint::axle::{AxleQuantity, Info, Need, WheelQuantity};
+use hardpoint::exchange::{Page, page_of_csv, point_rows, workbook};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -267,6 +269,26 @@ fn the_page_shows_both_wheels_on_the_ground() {
     }
 }
 
+/// What a workbook has of a study's curves is what `hardpoint solve` writes.
+#[test]
+fn the_workbook_of_an_axle_has_its_curves() {
+    let path = study("five_link_axle.toml");
+    let out = folder("workbook");
+    fs::create_dir_all(&out).unwrap();
+    let book = out.join("axle.xlsx");
+    let [path, book] = [&path, &book].map(|p| p.to_str().unwrap());
+    run(&["export", path, "--to", "xlsx", "--out", book], 0);
+    let (csv, _) = run(&["solve", path, "--out", "-", "-q"], 0);
+    let read = Study::read(Path::new(path), &[]).unwrap();
+    let points = Page {
+        name: "hardpoints".to_owned(),
+        rows: point_rows(&read, &read.suspension.design),
+    };
+    let curves = page_of_csv("curves", csv.as_bytes()).unwrap();
+    assert!(curves.rows.len() == 1 + 39 && curves.rows[0].len() > 20);
+    assert!(fs::read(book).unwrap() == workbook(&[points, curves]));
+}
+
 /// Tuned, an axle is written with its curves before and after and a study that other commands take.
 #[test]
 fn an_axle_is_tuned() {
@@ -280,11 +302,19 @@ fn an_axle_is_tuned() {
         "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
     ];
     let fewer = fewer.iter().flat_map(|set| ["--set", set]);
+    let front = "optimise.front=[\"roll_steer\", \"force_roll_centre_height\"]";
+    let fewer = fewer.chain(["--set", front, "--report"]);
     let arguments = ["optimise", path, "--out", directory].into_iter();
     let (said, _) = run(&arguments.chain(fewer).collect::<Vec<_>>(), 0);
     assert!(said.contains("roll_steer_deg_per_deg over roll"), "{said}");
+    assert!(said.contains("what moving further buys"), "{said}");
+    // The front is in the page, too, to pick from.
+    let record = fs::read_to_string(out.join("report.json")).unwrap();
+    assert!(record.contains("\"wishes\":[\"roll_steer\",\"force_roll_centre_height\"]"));
     for file in [
         "curves.csv",
+        "front.csv",
+        "report.html",
         "curves_before.csv",
         "history.csv",
         "summary.json",

@@ -308,11 +308,13 @@ fn a_tuning_is_that_of_optimise() {
 
 #[test]
 fn the_report_of_a_design_is_served() {
-    let served = Served::of(&sample("macpherson_solve.toml"));
-    let of = served.moved("strut_top", 2, 2.5);
-    let place = served.post("report", &of).json();
-    let page = served.get(place.as_str().unwrap());
-    assert_eq!(page.status, 200);
-    assert!(page.text().contains("Content-Security-Policy"));
-    assert_eq!(served.files(), ["study.toml"]);
+    for name in ["macpherson_solve.toml", "five_link_axle.toml"] {
+        let served = Served::of(&of_few_stations(&sample(name)));
+        let of = served.moved("wheel_centre", 2, 2.5);
+        let place = served.post("report", &of).json();
+        let page = served.get(place.as_str().unwrap());
+        assert_eq!(page.status, 200, "{name}");
+        assert!(page.text().contains("Content-Security-Policy"), "{name}");
+        assert_eq!(served.files(), ["study.toml"], "{name}");
+    }
 }

@@ -242,13 +242,8 @@ impl Quantity {
         if let Some(q) = WheelQuantity::ALL.iter().find(|q| q.info().name == name) {
             found.extend(sides.map(|side| Quantity::Wheel(side, *q)));
         }
-        let own = |q: &&AxleQuantity| q.info().name == name;
-        found.extend(
-            AxleQuantity::ALL
-                .iter()
-                .find(own)
-                .map(|q| Quantity::Axle(*q)),
-        );
+        let own = AxleQuantity::ALL.iter().find(|q| q.info().name == name);
+        found.extend(own.map(|q| Quantity::Axle(*q)));
         found
     }
 
@@ -273,36 +268,36 @@ impl Quantity {
         }
     }
 
+    /// The entry of the axle's own catalogue.
+    fn info(self) -> Result<&'static Info, Characteristic> {
+        match self {
+            Quantity::Corner(_, c) => Err(c),
+            Quantity::Wheel(_, q) => Ok(q.info()),
+            Quantity::Axle(q) => Ok(q.info()),
+        }
+    }
+
     /// Kind of quantity.
     pub fn unit(self) -> Unit {
-        match self {
-            Quantity::Corner(_, c) => Unit::Corner(c.info().unit),
-            Quantity::Wheel(_, q) => q.info().unit,
-            Quantity::Axle(q) => q.info().unit,
-        }
+        self.info()
+            .map_or_else(|c| Unit::Corner(c.info().unit), |info| info.unit)
     }
 
     /// When it is positive.
     pub fn positive(self) -> &'static str {
-        match self {
-            Quantity::Corner(_, c) => c.info().positive,
-            Quantity::Wheel(_, q) => q.info().positive,
-            Quantity::Axle(q) => q.info().positive,
-        }
+        self.info()
+            .map_or_else(|c| c.info().positive, |info| info.positive)
     }
 
     /// Derivatives by travel and rack that the value is made of.
     pub fn rate_order(self) -> usize {
-        match self {
-            Quantity::Corner(_, c) => c.info().reads_rates() as usize,
-            Quantity::Wheel(_, q) => q.info().rate_order,
-            Quantity::Axle(q) => q.info().rate_order,
-        }
+        let own = self.info().map(|info| info.rate_order);
+        own.unwrap_or_else(|c| c.info().reads_rates() as usize)
     }
 
     /// Whether derivatives by the rack are taken.
     pub fn takes_rack(self) -> bool {
-        matches!(self, Quantity::Axle(q) if q.info().by_rack)
+        self.info().is_ok_and(|info| info.by_rack)
     }
 
     /// What of each wheel it reads beside position and carrier.
@@ -324,11 +319,7 @@ impl Quantity {
 
     /// What a study must give for it, beside the needs of a wheel characteristic.
     pub fn needs(self) -> &'static [Need] {
-        match self {
-            Quantity::Corner(..) => &[],
-            Quantity::Wheel(_, q) => q.info().needs,
-            Quantity::Axle(q) => q.info().needs,
-        }
+        self.info().map_or(&[], |info| info.needs)
     }
 
     /// The value.
@@ -349,18 +340,7 @@ impl Quantity {
             Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
             Quantity::Axle(_) => true,
         };
-        let mut rockers = self.reads().iter().filter(|slot| {
-            matches!(
-                slot,
-                Slot::Spring
-                    | Slot::SpringLength
-                    | Slot::SpringLengthRate
-                    | Slot::RockerAngle
-                    | Slot::BarAngle
-                    | Slot::BarAngleRate
-            )
-        });
-        of_side && rockers.next().is_some()
+        of_side && self.reads().iter().any(|slot| slot.may_turn())
     }
 
     /// How far apart in height both contact points may be on one plane, in tracks.

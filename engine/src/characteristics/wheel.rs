@@ -168,6 +168,13 @@ impl Slot {
         )
     }
 
+    /// Whether the slot may move with a rocker: of springs, rockers and bars.
+    pub(crate) fn may_turn(self) -> bool {
+        use Slot::{BarAngle, BarAngleRate, RockerAngle, Spring, SpringLength, SpringLengthRate};
+        let of_springs = matches!(self, Spring | SpringLength | SpringLengthRate);
+        of_springs || matches!(self, RockerAngle | BarAngle | BarAngleRate)
+    }
+
     /// Whether the slot is a part of the steering axis.
     pub fn is_of_steering_axis(self) -> bool {
         Slots::default().with(&[self]).contain_steering_axis()

@@ -6,7 +6,7 @@
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
 use crate::model::{Axis, Mechanism, PointId};
 use crate::number::Vector3;
-use crate::sweep::{Slopes, place_of};
+use crate::sweep::{Jacobians, place_of};
 
 /// A measure, made of what lanes tell.
 #[derive(Clone)]
@@ -58,7 +58,7 @@ impl LanePart {
     /// The value of a station in a lane, its derivatives by the variables into `slopes`.
     pub(super) fn read(
         &self,
-        found: &Slopes<'_>,
+        found: &Jacobians<'_>,
         lane: usize,
         design: &Moving<'_>,
         slopes: &mut [f64],
@@ -122,7 +122,7 @@ impl Source {
         })
     }
 
-    fn value(&self, found: &Slopes<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
+    fn value(&self, found: &Jacobians<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
         let point = |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
         let designed = |PointId(id): PointId| moving.design[id];
         match *self {
@@ -143,7 +143,7 @@ impl Source {
     fn add_slopes(
         &self,
         by: Vector3<f64>,
-        found: &Slopes<'_>,
+        found: &Jacobians<'_>,
         lane: usize,
         moving: &Moving<'_>,
         slopes: &mut [f64],

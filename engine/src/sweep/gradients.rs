@@ -93,38 +93,11 @@ impl Found {
     }
 }
 
-/// The angles of several designs at a station, and their derivatives. Designs are numbered as they were given,
-/// angles as those that gradients were asked of.
+/// The angles of several designs at a station, and their derivatives by hardpoints and along directions. Designs are
+/// numbered as they were given, angles as those that gradients were asked of.
 pub struct Jacobians<'f> {
     station: usize,
     found: &'f Found,
-}
-
-/// The angles of several designs at a station, and their derivatives along directions, by the number of the design, of the
-/// angle and of the direction.
-pub struct Slopes<'f> {
-    station: usize,
-    found: &'f Found,
-}
-
-impl Slopes<'_> {
-    /// The station, as [`Stations::number`] has it.
-    pub fn station(&self) -> usize {
-        self.station
-    }
-
-    /// The value of an angle, in radians.
-    #[inline(always)]
-    pub fn value(&self, design: usize, angle: usize) -> f64 {
-        self.found.number(&self.found.angles, angle, design)
-    }
-
-    /// Its derivative along a direction.
-    #[inline(always)]
-    pub fn slope(&self, design: usize, angle: usize, direction: usize) -> f64 {
-        let row = angle * self.found.directions + direction;
-        self.found.number(&self.found.slopes, row, design)
-    }
 }
 
 /// Sums of weighted squared deviations, by the number of the design.
@@ -163,6 +136,13 @@ impl Jacobians<'_> {
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found
             .vector(&self.found.jacobian, angle, point, design)
+    }
+
+    /// Its derivative along a direction, where those are asked for.
+    #[inline(always)]
+    pub fn slope(&self, design: usize, angle: usize, direction: usize) -> f64 {
+        let row = angle * self.found.directions + direction;
+        self.found.number(&self.found.slopes, row, design)
     }
 }
 
@@ -228,7 +208,7 @@ impl<'a> Gradients<'a> {
         &mut self,
         designs: &[Vector3<f64>],
         along: &[f64],
-        mut visit: impl FnMut(&Slopes<'_>),
+        mut visit: impl FnMut(&Jacobians<'_>),
     ) {
         self.make_room(along.len(), self.at_once());
         let visit = &mut visit;
@@ -252,7 +232,7 @@ impl<'a> Gradients<'a> {
         &mut self,
         design: &[Vector3<f64>],
         along: &[f64],
-        mut visit: impl FnMut(&Slopes<'_>),
+        mut visit: impl FnMut(&Jacobians<'_>),
     ) -> bool {
         self.make_room(along.len(), 1);
         let at_once = self.at_once();
@@ -349,7 +329,7 @@ enum Task<'t> {
     /// Every angle's derivatives along directions, likewise.
     Slopes {
         along: &'t [f64],
-        visit: &'t mut dyn FnMut(&Slopes<'_>),
+        visit: &'t mut dyn FnMut(&Jacobians<'_>),
     },
     /// A sum of deviations, with its derivatives.
     Deviations(&'t [Wanted]),
@@ -624,8 +604,9 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
         let found = &*self.found;
         match &mut self.task {
-            Task::Jacobians(visit) => visit(&Jacobians { station, found }),
-            Task::Slopes { visit, .. } => visit(&Slopes { station, found }),
+            Task::Jacobians(visit) | Task::Slopes { visit, .. } => {
+                visit(&Jacobians { station, found });
+            }
             Task::Deviations(_) => {}
         }
     }

@@ -14,18 +14,7 @@ impl LaneReader<'_> {
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {
-            let is_of_wheel = |slot: &Slot| {
-                !matches!(
-                    slot,
-                    Slot::SpringLength
-                        | Slot::SpringLengthRate
-                        | Slot::Spring
-                        | Slot::RockerAngle
-                        | Slot::BarAngle
-                        | Slot::BarAngleRate
-                        | Slot::StrutUpper
-                )
-            };
+            let is_of_wheel = |slot: &Slot| !slot.may_turn() && *slot != Slot::StrutUpper;
             q.rate_order() == 0 || q.reads().iter().all(is_of_wheel)
         };
         self.quantities.iter().all(can_be_had)

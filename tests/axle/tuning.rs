@@ -41,7 +41,7 @@ pub(super) fn layout(study: &Study) -> TargetLayout {
 
 pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {
     let variables = &study.optimise.as_ref().unwrap().variables;
-    let mut objective = Objective::<1>::new(&study.suspension, variables, layout).unwrap();
+    let mut objective = Objective::new(&study.suspension, variables, layout).unwrap();
     let mut found = Evaluation::new(layout.residuals(), x.len());
     LeastSquares::evaluate(&mut objective, x, &mut found).unwrap();
     found

@@ -31,8 +31,7 @@ fn with_problem<R>(
     let scatter = optimise.scatter.as_ref().unwrap();
     let variables = &optimise.variables;
     let mut problem =
-        Objective::<2>::of_builds(suspension, assembled, variables, &layout, scatter, width)
-            .unwrap();
+        Objective::of_builds(suspension, assembled, variables, &layout, scatter, width).unwrap();
     let count = layout.residuals();
     f(&mut |x| {
         let mut at = Evaluation::new(count, x.len());
@@ -214,7 +213,7 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Evaluati
     };
     let suspension = &study.suspension;
     let layout = TargetLayout::of(&plain, &study.motion, suspension);
-    let problem = Objective::<2>::new(suspension, &plain.variables, &layout).unwrap();
+    let problem = Objective::new(suspension, &plain.variables, &layout).unwrap();
     let mut problem = problem.with_width(suspension, width);
     assert_eq!(problem.is_in_lanes(x), width.is_some());
     let mut at = Evaluation::new(layout.residuals(), x.len());

@@ -30,7 +30,7 @@ fn rows_in_lanes_are_those_of_station_by_station() {
     let layout = TargetLayout::of(optimise, &study.motion, suspension);
     let x = DVector::from_column_slice(&[4.0, -3.0, 6.0, -7.0]);
     let at = |width: Option<Width>| {
-        let problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
         let mut problem = problem.with_width(suspension, width);
         assert_eq!(problem.is_in_lanes(&x), width.is_some());
         let mut at = Assessment::new(&problem.shape());

@@ -272,7 +272,7 @@ fn derivatives_of_targets_and_constraints_are_exact() {
         let optimise = study.optimise.as_ref().unwrap();
         let suspension = &study.suspension;
         let layout = TargetLayout::of(optimise, &study.motion, suspension);
-        let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
         let n = optimise.variables.len();
         let x = nalgebra::DVector::from_fn(n, |j, _| 2.0 * ((j * 7 + 3) as f64).sin());
         check_derivatives(file, &mut problem, &layout, &x);
@@ -282,7 +282,7 @@ fn derivatives_of_targets_and_constraints_are_exact() {
 /// The derivatives of residuals and rows at `x`, against differences of sixth order.
 fn check_derivatives(
     name: &str,
-    problem: &mut Objective<'_, 2>,
+    problem: &mut Objective<'_>,
     layout: &TargetLayout,
     x: &nalgebra::DVector<f64>,
 ) {
@@ -450,7 +450,7 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
         let optimise = study.optimise.as_ref().unwrap();
         let suspension = &study.suspension;
         let layout = TargetLayout::of(optimise, &study.motion, suspension);
-        let mut problem = Objective::<2>::new(suspension, &optimise.variables, &layout).unwrap();
+        let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
         let mut seed = 0x9E37_79B9_7F4A_7C15;
         let n = optimise.variables.len();
         let x = nalgebra::DVector::from_fn(n, |_, _| 6.0 * noise(&mut seed));
@@ -509,7 +509,7 @@ fn a_front_of_two_targets_is_traced() {
     // What the table says of a point is what a tuning between such bounds finds there.
     let middle = &found.choices[found.choices.len() / 2];
     let layout = TargetLayout::of(&optimise, motion, suspension);
-    let mut problem = Objective::<1>::new(suspension, &optimise.variables, &layout).unwrap();
+    let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
     let x = nalgebra::DVector::from_column_slice(&middle.offsets);
     let mut at = Assessment::new(&Constrained::shape(&problem));
     problem.assess(&x, &mut at).unwrap();

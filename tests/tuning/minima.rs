@@ -250,7 +250,7 @@ impl Random {
         }
     }
 
-    fn problem(&self) -> Objective<'_, 1> {
+    fn problem(&self) -> Objective<'_> {
         let variables = &self.study.optimise.as_ref().unwrap().variables;
         Objective::new(&self.study.suspension, variables, &self.layout).unwrap()
     }
@@ -315,7 +315,7 @@ impl End {
 
 /// Values and gradients at the point looked at last.
 struct Looked<'p> {
-    problem: Objective<'p, 1>,
+    problem: Objective<'p>,
     half: Vec<f64>,
     at: Assessment,
     z: Vec<f64>,

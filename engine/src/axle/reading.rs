@@ -12,6 +12,9 @@ use std::ops::Range;
 
 /// Numbers that are read of a wheel.
 const PARTS: usize = 37;
+/// Lines that they are read along, and coefficients along each, at the most.
+const MOST_LINES: usize = 4;
+const MOST_POWERS: usize = 4;
 
 pub(super) const CENTRE: usize = 0;
 /// The columns of the carrier's rotation, one after the other.
@@ -172,7 +175,7 @@ impl Reading<f64> {
     /// From what was read along the lines.
     pub fn of<const N: usize>(lines: &[Snapshot<N>]) -> Self {
         let part = |part: usize| {
-            let mut series: [&[f64]; 4] = [&[]; 4];
+            let mut series: [&[f64]; MOST_LINES] = [&[]; MOST_LINES];
             for (series, line) in series.iter_mut().zip(lines) {
                 *series = &line.0[part].0;
             }
@@ -199,18 +202,29 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 impl<'t> Reading<Tracked<'t>> {
     /// The same with every number an input on the tape, line by line, part by part, power by power.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
-        let mut reading = [Taylor::unknown(Tracked::constant(0.0)); PARTS];
-        let mut series = [[[Tracked::constant(f64::NAN); N]; PARTS]; 4];
-        for (series, line) in series.iter_mut().zip(lines) {
-            for part in parts.indices() {
-                series[part] = line.0[part].0.map(|value| tape.input(value));
+        const { assert!(N <= MOST_POWERS) };
+        let mut inputs = [Tracked::constant(0.0); MOST_LINES * PARTS * MOST_POWERS];
+        let mut series = inputs.chunks_exact_mut(N);
+        for line in lines {
+            for (part, series) in parts.indices().zip(&mut series) {
+                for (input, value) in series.iter_mut().zip(line.0[part].0) {
+                    *input = tape.input(value);
+                }
             }
         }
-        for part in parts.indices() {
-            let along: [&[Tracked]; 4] = std::array::from_fn(|line| &series[line][part][..]);
+        Reading::of_inputs(&inputs, parts, lines.len(), N)
+    }
+
+    /// From the inputs along so many lines, of so many powers.
+    fn of_inputs(inputs: &[Tracked<'t>], parts: &Parts, lines: usize, powers: usize) -> Self {
+        let mut reading = [Taylor::unknown(Tracked::constant(0.0)); PARTS];
+        let count = parts.indices().count();
+        for (place, part) in parts.indices().enumerate() {
+            let series = |line: usize| &inputs[(line * count + place) * powers..][..powers];
+            let along: [&[Tracked]; MOST_LINES] = std::array::from_fn(series);
             reading[part] = match part {
                 DESIGN.. => Taylor::constant(along[0][0]),
-                _ => Taylor::through(&along[..lines.len()]),
+                _ => Taylor::through(&along[..lines]),
             };
         }
         Reading(reading)

@@ -45,8 +45,12 @@ struct Past {
 impl Toggles {
     /// Watches these rockers of a mechanism, and those that turn them.
     pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
+        Toggles::watching(mechanism, &rockers.into_iter().collect::<Vec<_>>())
+    }
+
+    fn watching(mechanism: &Mechanism, rockers: &[RockerId]) -> Self {
         let mut watched: Vec<RockerId> = Vec::new();
-        for rocker in rockers {
+        for rocker in rockers.iter().copied() {
             let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);
             watched.extend(before.chain([rocker]));
         }

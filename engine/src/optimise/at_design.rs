@@ -16,18 +16,11 @@ pub fn evaluated(
     layout: &TargetLayout,
     offsets: &[f64],
 ) -> Result<Result<Evaluation, Infeasible>, DesignFault> {
-    fn of<const N: usize>(
-        mut objective: Objective<'_, N>,
-        offsets: &[f64],
-    ) -> Result<Evaluation, Infeasible> {
-        let mut evaluation = Evaluation::new(objective.residuals(), offsets.len());
-        let x = DVector::from_column_slice(offsets);
-        objective.evaluate(&x, &mut evaluation).map(|()| evaluation)
-    }
-    Ok(match layout.rate_order() {
-        0 => of(Objective::<1>::new(suspension, variables, layout)?, offsets),
-        _ => of(Objective::<2>::new(suspension, variables, layout)?, offsets),
-    })
+    let mut objective = Objective::new(suspension, variables, layout)?;
+    let mut evaluation = Evaluation::new(objective.residuals(), offsets.len());
+    let x = DVector::from_column_slice(offsets);
+    let evaluated = objective.evaluate(&x, &mut evaluation);
+    Ok(evaluated.map(|()| evaluation))
 }
 
 /// Targets and constraints of the design itself, by these variables; or why it has none. An error says why the design itself
@@ -37,16 +30,10 @@ pub fn assessed(
     variables: &[Variable],
     layout: &TargetLayout,
 ) -> Result<Result<Assessment, Infeasible>, DesignFault> {
-    fn of<const N: usize>(mut objective: Objective<'_, N>) -> Result<Assessment, Infeasible> {
-        let shape = objective.shape();
-        let mut assessment = Assessment::new(&shape);
-        let here = DVector::zeros(shape.variables);
-        objective
-            .assess(&here, &mut assessment)
-            .map(|()| assessment)
-    }
-    Ok(match layout.rate_order() {
-        0 => of(Objective::<1>::new(suspension, variables, layout)?),
-        _ => of(Objective::<2>::new(suspension, variables, layout)?),
-    })
+    let mut objective = Objective::new(suspension, variables, layout)?;
+    let shape = objective.shape();
+    let mut assessment = Assessment::new(&shape);
+    let here = DVector::zeros(shape.variables);
+    let assessed = objective.assess(&here, &mut assessment);
+    Ok(assessed.map(|()| assessment))
 }

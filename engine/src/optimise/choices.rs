@@ -49,10 +49,7 @@ pub fn front(
     control: Control<'_>,
 ) -> Result<Front, DesignFault> {
     let asked = Asked::new(suspension, motion, optimise, control)?;
-    Ok(match asked.layout.rate_order() {
-        0 => Tuner::<1>::new(&asked)?.front(tuning),
-        _ => Tuner::<2>::new(&asked)?.front(tuning),
-    })
+    Ok(Tuner::new(&asked)?.front(tuning))
 }
 
 /// The least misfit by how far the design is moved: some ten designs from the study's own on, up to the one of
@@ -65,13 +62,10 @@ pub fn price_list(
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
     let asked = Asked::new(suspension, motion, optimise, control)?;
-    Ok(match asked.layout.rate_order() {
-        0 => Tuner::<1>::new(&asked)?.price_list(tuning),
-        _ => Tuner::<2>::new(&asked)?.price_list(tuning),
-    })
+    Ok(Tuner::new(&asked)?.price_list(tuning))
 }
 
-impl<const N: usize> Tuner<'_, N> {
+impl Tuner<'_> {
     fn choice(&self, found: Found) -> Choice {
         Choice {
             offsets: found.x.iter().map(|x| x + 0.0).collect(),

@@ -34,8 +34,8 @@ use crate::study::{Scatter, Variable};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
-/// The problem, with its workspace. `N` is one more than [`TargetLayout::rate_order`].
-pub struct Objective<'a, const N: usize> {
+/// The problem, with its workspace.
+pub struct Objective<'a> {
     frame: Frame,
     variables: &'a [Variable],
     layout: &'a TargetLayout,
@@ -52,19 +52,57 @@ pub struct Objective<'a, const N: usize> {
     follower: Option<(PointId, PointId)>,
     solver: Solver<'a>,
     toggles: Toggles,
-    reader: Reader<N>,
+    reader: Box<dyn ReadStations + 'a>,
     /// With the derivative by the drive of what is read: for extremes.
     sloped: Option<Reader<3>>,
     /// Where forces under loads are wanted or limited.
     moving: Option<AlongVariables>,
     /// Both wheels, where targets are of an axle.
     axle: Option<Box<dyn AxleRows + 'a>>,
-    /// Values of the parts of a leg, by part and station.
-    values: Vec<Vec<f64>>,
+    values: PartValues,
     searches: Vec<Search>,
 }
 
-/// Reads values and gradients off poses.
+/// Values of the parts of a leg, by part and station.
+type PartValues = Vec<Vec<f64>>;
+
+/// What is read at the stations of a leg, and with what.
+struct Visit<'v, 'a> {
+    leg: &'v Leg,
+    layout: &'v TargetLayout,
+    constants: Constants,
+    ways: &'v [Way],
+    toggles: &'v Toggles,
+    moving: Option<&'v AlongVariables>,
+    solver: &'v mut Solver<'a>,
+    values: &'v mut PartValues,
+    /// Where the residuals go, from a row on, and the rows of the constraints.
+    into: Option<(&'v mut Evaluation, usize)>,
+    rows: Option<&'v mut Evaluation>,
+}
+
+/// Reads values and gradients at stations, whatever rates are read there.
+trait ReadStations: Send {
+    /// Takes over a design.
+    fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
+    /// Visits the stations of a leg.
+    fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
+}
+
+/// A reader of points' sensitivities, for what a layout reads.
+fn reader(
+    suspension: &Suspension,
+    layout: &TargetLayout,
+    points: &[PointId],
+    variables: usize,
+) -> Box<dyn ReadStations> {
+    match layout.rate_order() {
+        0 => Box::new(Reader::<1>::new(suspension, layout, points, variables)),
+        _ => Box::new(Reader::<2>::new(suspension, layout, points, variables)),
+    }
+}
+
+/// Reads values and gradients off poses. `N` coefficients of every series are known.
 struct Reader<const N: usize> {
     series: DesignSeries<N>,
     slopes: Slopes<N>,
@@ -88,6 +126,79 @@ impl<const N: usize> Reader<N> {
                 by_variable: vec![0.0; variables],
             },
         }
+    }
+}
+
+impl<const N: usize> ReadStations for Reader<N> {
+    fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
+        self.series.prepare(mechanism, design);
+    }
+
+    fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible> {
+        let Visit {
+            leg,
+            layout,
+            constants,
+            ways,
+            toggles,
+            moving,
+            solver,
+            values,
+            mut into,
+            mut rows,
+        } = visit;
+        for values in values.iter_mut() {
+            values.clear();
+            values.resize(leg.order.values().len(), f64::NAN);
+        }
+        let mut failed = None;
+        read_poses(solver, leg, &leg.order, |solver, station, place, pose| {
+            let motion = place.along_drive::<N>();
+            let linearised = solver.linearised(&self.series, pose, &motion)?;
+            if let Some(rod) = toggles.note(Some(solver), &linearised.at, place.value) {
+                return Err(Failure::Toggle(rod));
+            }
+            let view = WheelReading::reading(&linearised.at, constants, layout.reads);
+            let reading = |measure| Reading {
+                measure,
+                view: &view,
+                linearised: &linearised,
+                solver,
+                motion: place,
+                ways,
+                moving,
+            };
+            let slopes = &mut self.slopes;
+            if let Some((into, first)) = &mut into {
+                for wish in &leg.targets[station] {
+                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                    let found = read(measure, &view, &linearised, solver.size())[0];
+                    failed = failed.take().or_else(|| uncarried(measure, found, place));
+                    let deviation = wish.wanted.deviation(found);
+                    into.residuals[row] = deviation * wish.scale;
+                    if wish.wanted.is_band() && deviation == 0.0 {
+                        // Within its band.
+                        into.jacobian.row_mut(row).fill(0.0);
+                        continue;
+                    }
+                    slopes.form(&reading(measure));
+                    into.write_slopes(row, &slopes.by_variable, wish.scale);
+                }
+            }
+            let Some(rows) = &mut rows else {
+                return Ok(());
+            };
+            for check in &leg.checks[station] {
+                let part = &layout.parts[check.part];
+                let found = read(&part.of, &view, &linearised, solver.size())[0];
+                failed = failed.take().or_else(|| uncarried(&part.of, found, place));
+                values[check.part][station] = found;
+                slopes.form(&reading(&part.of));
+                check.write(part, found, &slopes.by_variable, rows);
+            }
+            Ok(())
+        })?;
+        failed.map_or(Ok(()), Err)
     }
 }
 
@@ -216,7 +327,7 @@ fn uncarried(measure: &Measure, found: f64, place: &MotionPoint<f64>) -> Option<
     })
 }
 
-impl<'a, const N: usize> Objective<'a, N> {
+impl<'a> Objective<'a> {
     /// The problem of a suspension.
     pub fn new(
         suspension: &'a Suspension,
@@ -249,7 +360,7 @@ impl<'a, const N: usize> Objective<'a, N> {
             follower: None,
             solver: Solver::new(&suspension.mechanism, design)?,
             toggles: Toggles::of(mechanism, rockers),
-            reader: Reader::new(suspension, layout, &points, variables.len()),
+            reader: reader(suspension, layout, &points, variables.len()),
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
             moving: AlongVariables::new(suspension, variables.len(), all()),
             axle: layout.axle.as_ref().map(axle_rows).transpose()?,
@@ -271,7 +382,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         let mut objective = Objective::new(suspension, variables, layout)?;
         // A move of the drawing moves anything in a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
-        objective.reader = Reader::new(suspension, layout, &all, variables.len());
+        objective.reader = reader(suspension, layout, &all, variables.len());
         let builds = Builds::new(suspension, scatter)?;
         let points = suspension.design.len();
         // Constraints are on the drawing.
@@ -455,7 +566,18 @@ impl<'a, const N: usize> Objective<'a, N> {
         self.prepare()?;
         for leg in &self.layout.legs {
             self.begin(leg)?;
-            self.visit(leg, &mut into, &mut rows)?;
+            self.reader.visit(Visit {
+                leg,
+                layout: self.layout,
+                constants: self.constants,
+                ways: &self.ways,
+                toggles: &self.toggles,
+                moving: self.moving.as_ref(),
+                solver: &mut self.solver,
+                values: &mut self.values,
+                into: into.as_mut().map(|(into, first)| (&mut **into, *first)),
+                rows: rows.as_deref_mut(),
+            })?;
             if let Some(rows) = &mut rows {
                 self.list_searches(leg, rows);
                 self.find_extremes(leg, rows)?;
@@ -475,7 +597,7 @@ impl<'a, const N: usize> Objective<'a, N> {
         let mechanism = self.solver.mechanism();
         let prepared = self.solver.prepare(&self.moved);
         prepared.map_err(refused(mechanism))?;
-        self.reader.series.prepare(mechanism, &self.moved);
+        self.reader.prepare(mechanism, &self.moved);
         if let Some(moving) = &mut self.moving {
             moving.prepare(&self.solver, &self.moved, &self.ways);
         }
@@ -490,78 +612,6 @@ impl<'a, const N: usize> Objective<'a, N> {
         let mechanism = self.solver.mechanism();
         let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
         begun.map_err(refused(mechanism))
-    }
-
-    /// Visits the stations of a leg.
-    fn visit(
-        &mut self,
-        leg: &Leg,
-        into: &mut Option<(&mut Evaluation, usize)>,
-        rows: &mut Option<&mut Evaluation>,
-    ) -> Result<(), Infeasible> {
-        let Objective {
-            layout,
-            constants,
-            ways,
-            solver,
-            toggles,
-            reader,
-            values,
-            moving,
-            ..
-        } = self;
-        for values in values.iter_mut() {
-            values.clear();
-            values.resize(leg.order.values().len(), f64::NAN);
-        }
-        let mut failed = None;
-        read_poses(solver, leg, &leg.order, |solver, station, place, pose| {
-            let motion = place.along_drive::<N>();
-            let linearised = solver.linearised(&reader.series, pose, &motion)?;
-            if let Some(rod) = toggles.note(Some(solver), &linearised.at, place.value) {
-                return Err(Failure::Toggle(rod));
-            }
-            let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
-            let reading = |measure| Reading {
-                measure,
-                view: &view,
-                linearised: &linearised,
-                solver,
-                motion: place,
-                ways,
-                moving: moving.as_ref(),
-            };
-            let slopes = &mut reader.slopes;
-            if let Some((into, first)) = into {
-                for wish in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
-                    let found = read(measure, &view, &linearised, solver.size())[0];
-                    failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    let deviation = wish.wanted.deviation(found);
-                    into.residuals[row] = deviation * wish.scale;
-                    if wish.wanted.is_band() && deviation == 0.0 {
-                        // Within its band.
-                        into.jacobian.row_mut(row).fill(0.0);
-                        continue;
-                    }
-                    slopes.form(&reading(measure));
-                    into.write_slopes(row, &slopes.by_variable, wish.scale);
-                }
-            }
-            let Some(rows) = rows else {
-                return Ok(());
-            };
-            for check in &leg.checks[station] {
-                let part = &layout.parts[check.part];
-                let found = read(&part.of, &view, &linearised, solver.size())[0];
-                failed = failed.take().or_else(|| uncarried(&part.of, found, place));
-                values[check.part][station] = found;
-                slopes.form(&reading(&part.of));
-                check.write(part, found, &slopes.by_variable, rows);
-            }
-            Ok(())
-        })?;
-        failed.map_or(Ok(()), Err)
     }
 
     /// Seeks the extremes of a leg between its stations, where searches say that there are. Each takes the place of its station in the rows.
@@ -620,7 +670,7 @@ impl<'a, const N: usize> Objective<'a, N> {
     }
 }
 
-impl<const N: usize> LeastSquares for Objective<'_, N> {
+impl LeastSquares for Objective<'_> {
     fn variables(&self) -> usize {
         self.variables.len()
     }
@@ -634,7 +684,7 @@ impl<const N: usize> LeastSquares for Objective<'_, N> {
     }
 }
 
-impl<const N: usize> Constrained for Objective<'_, N> {
+impl Constrained for Objective<'_> {
     fn shape(&self) -> Shape {
         Shape {
             variables: self.variables.len(),

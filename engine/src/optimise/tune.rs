@@ -101,10 +101,7 @@ pub fn tune(
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
     let asked = Asked::new(suspension, motion, optimise, control)?;
-    match asked.layout.rate_order() {
-        0 => Tuner::<1>::new(&asked)?.run(),
-        _ => Tuner::<2>::new(&asked)?.run(),
-    }
+    Tuner::new(&asked)?.run()
 }
 
 /// A tuning that is asked for.
@@ -139,7 +136,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-pub(super) struct Tuner<'a, const N: usize> {
+pub(super) struct Tuner<'a> {
     pub suspension: &'a Suspension,
     assembled: Option<&'a Suspension>,
     motion: &'a Motion,
@@ -149,10 +146,10 @@ pub(super) struct Tuner<'a, const N: usize> {
     /// Where no variable has moved anything.
     pub design: DVector<f64>,
     pub control: Control<'a>,
-    problems: Pool<Objective<'a, N>>,
+    problems: Pool<Objective<'a>>,
 }
 
-impl<'a, const N: usize> Tuner<'a, N> {
+impl<'a> Tuner<'a> {
     pub(super) fn new(asked: &'a Asked<'a>) -> Result<Self, DesignFault> {
         let (suspension, optimise) = (asked.suspension, asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
@@ -172,12 +169,12 @@ impl<'a, const N: usize> Tuner<'a, N> {
         })
     }
 
-    pub(super) fn problem(&self) -> Lent<'_, Objective<'a, N>> {
+    pub(super) fn problem(&self) -> Lent<'_, Objective<'a>> {
         let make = || self.problem_of(self.optimise, self.layout);
         self.problems.lend(make)
     }
 
-    fn problem_of<'o>(&self, optimise: &'o Optimise, layout: &'o TargetLayout) -> Objective<'o, N>
+    fn problem_of<'o>(&self, optimise: &'o Optimise, layout: &'o TargetLayout) -> Objective<'o>
     where
         'a: 'o,
     {

@@ -9,7 +9,7 @@
 
 use super::Stations;
 use super::aligned::Aligned;
-use super::lanes::gather;
+use super::lanes::{Visitor, gather};
 use crate::characteristics::{
     ByDirections, Constants, LaneInputs, LaneReader, LaneWheels, Quantity,
 };
@@ -18,8 +18,7 @@ use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
-    Acceptance, AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
-    Visit,
+    AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
 };
 use std::ops::Range;
 
@@ -406,10 +405,11 @@ impl SimdTask for Evaluation<'_, '_, '_> {
                 let (here, rest) = history.split_at(batch.steps(rack));
                 *history = rest;
                 reading.first = groups;
-                batch.revisit(&design, rack, here, &mut reading);
+                batch.revisit(&design, rack, here, &mut Visitor::Gradients(&mut reading));
                 groups += batch.revisited(rack).count().div_ceil(B::LANES);
             } else {
-                let solved = batch.solve(&design, rack, &mut history, &mut reading);
+                let mut visitor = Visitor::Gradients(&mut reading);
+                let solved = batch.solve(&design, rack, &mut history, &mut visitor);
                 reading.right = reading.right & solved.everywhere();
             }
             rack += 1;
@@ -481,7 +481,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
 }
 
 /// Differentiates the angles in the poses of a group.
-struct Differentiating<'r, 't, B: SimdReal> {
+pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r LaneMembers<B>,
@@ -517,9 +517,9 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-impl<B: SimdReal> Visit<B> for Differentiating<'_, '_, B> {
+impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+    pub(super) fn differentiate(&mut self, station: usize, at: &impl LanePose<B>) {
         self.rack.outlined(AtPose {
             station: self.first + station,
             differentiating: self,
@@ -539,13 +539,14 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
     type Output = ();
     #[inline(always)]
     fn work(self) {
-        self.differentiating.differentiate(self.station, self.at);
+        self.differentiating
+            .differentiate_here(self.station, self.at);
     }
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
-    fn differentiate(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn differentiate_here(&mut self, station: usize, at: &impl LanePose<B>) {
         let reads_rates = self.reader.reads_rates();
         let right = self
             .reader

@@ -2,6 +2,7 @@
 
 use super::Stations;
 use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
@@ -140,7 +141,8 @@ impl SimdTask for Evaluation<'_, '_> {
                 reading.first = stations.number(rack, 0);
                 reading.inputs.begin();
                 reading.rack = like.lit(stations.racks[rack]);
-                let solved = batch.solve(&design, rack, &mut history, &mut reading);
+                let mut visitor = Visitor::Values(&mut reading);
+                let solved = batch.solve(&design, rack, &mut history, &mut visitor);
                 reading.right = reading.right & solved.everywhere();
                 rack += 1;
             }
@@ -205,8 +207,26 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
+/// What is done in the poses of a group: one type, so that the way to them is compiled once.
+pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
+    /// Values are read.
+    Values(&'v mut Reading<'r, B>),
+    /// Gradients are formed.
+    Gradients(&'v mut Differentiating<'r, 't, B>),
+}
+
+impl<B: SimdReal> Visit<B> for Visitor<'_, '_, '_, B> {
+    #[inline(always)]
+    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+        match self {
+            Visitor::Values(reading) => reading.read(station, at),
+            Visitor::Gradients(differentiating) => differentiating.differentiate(station, at),
+        }
+    }
+}
+
 /// Reads the quantities off the poses of a group.
-struct Reading<'r, B: SimdReal> {
+pub(super) struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     inputs: &'r mut LaneInputs<B>,
@@ -222,9 +242,9 @@ struct Reading<'r, B: SimdReal> {
     slopes: &'r mut [f64],
 }
 
-impl<B: SimdReal> Visit<B> for Reading<'_, B> {
+impl<B: SimdReal> Reading<'_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+    fn read(&mut self, station: usize, at: &impl LanePose<B>) {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();

@@ -339,6 +339,23 @@ impl<'a> Batch<'a> {
         history: &mut [B],
         visit: &mut impl Visit<B>,
     ) -> Tracked<B> {
+        outlined!(
+            [B: SimdReal, V: Visit<B>] design.origin.x;
+            batch: &'p Batch<'p> = self, design: &'p LaneDesign<'p, B> = design, rack: usize = rack,
+            history: &'p mut [B] = history, visit: &'p mut V = visit => Tracked<B> {
+                batch.solve_here(design, rack, history, visit)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn solve_here<B: SimdReal>(
+        &self,
+        design: &LaneDesign<'_, B>,
+        rack: usize,
+        history: &mut [B],
+        visit: &mut impl Visit<B>,
+    ) -> Tracked<B> {
         let places = &self.routes[rack].places;
         let mut accepted = Acceptance::everywhere(design.origin.x);
         accepted.require(design.distinct, Rejection::NoLength);

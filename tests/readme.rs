@@ -58,3 +58,31 @@ fn every_sample_study_is_listed() {
         );
     }
 }
+
+/// The README's first command prints what the README says that it prints.
+#[test]
+fn the_first_command_prints_what_the_readme_shows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let between = |from: &str, to: &str| {
+        let start = readme.find(from).unwrap() + from.len();
+        &readme[start..start + readme[start..].find(to).unwrap()]
+    };
+    let command = between("cargo run --release -- ", "\n");
+    let shown = between("```text\n", "```");
+    // In a directory of its own, where the command finds the study at the same path.
+    let directory = tempfile::tempdir().unwrap();
+    let study = command.split(' ').nth(1).unwrap();
+    fs::create_dir(directory.path().join("studies")).unwrap();
+    fs::copy(root.join(study), directory.path().join(study)).unwrap();
+    let printed = assert_cmd::Command::cargo_bin("hardpoint")
+        .unwrap()
+        .current_dir(directory.path())
+        .args(command.split(' '))
+        .assert()
+        .success()
+        .get_output()
+        .stdout
+        .clone();
+    assert_eq!(String::from_utf8(printed).unwrap(), shown);
+}

@@ -322,9 +322,13 @@ impl<T: Real> Configuration<'_, T> {
     /// The ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
-        let [first, second, inner, outer] =
-            [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| self.designed(id));
-        [first, second, inner, outer, now]
+        [
+            self.designed(rocker.first),
+            self.designed(rocker.second),
+            self.designed(rocker.inner),
+            self.designed(rocker.outer),
+            now,
+        ]
     }
 
     /// Present position of a point of a rocker. In a function of its own: it is rare, and large.

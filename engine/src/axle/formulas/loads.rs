@@ -28,8 +28,8 @@ fn spring_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> 
 /// Torque of the anti-roll bar.
 pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let rate = state.setup.bar_rate.unwrap_or(f64::NAN);
-    let [left, right] = state.wheels().map(|wheel| wheel.reading.bar_angle().0);
-    (left - right).scaled(rate)
+    let angle = |side| state.wheel(side).reading.bar_angle().0;
+    (angle(Side::Left) - angle(Side::Right)).scaled(rate)
 }
 
 /// Load of a wheel.
@@ -58,7 +58,10 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side:
 }
 
 fn loads<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
-    [Side::Left, Side::Right].map(|side| wheel_load(state, side))
+    [
+        wheel_load(state, Side::Left),
+        wheel_load(state, Side::Right),
+    ]
 }
 
 /// The sum of both.
@@ -117,7 +120,6 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -
 /// Natural frequency of the wheels between springs and tyres, the body held.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    let [left, right] = [Side::Left, Side::Right].map(|side| wheel_rate(state, side));
-    let rate = (left + right).scaled(0.5);
+    let rate = (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5);
     frequency(state, rate + rate.lit(tyre), state.setup.unsprung_mass)
 }

@@ -43,8 +43,8 @@ fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
 /// The way of the outer joint in a turn about the axis from rear to front.
 #[inline]
 fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
-    let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
-    (front - rear).cross(outer - rear)
+    let rear = design[arm.rear.0];
+    (design[arm.front.0] - rear).cross(design[arm.outer.0] - rear)
 }
 
 /// Whether an arm raises its outer joint in one direction of its turn and lowers it in the other. At dead

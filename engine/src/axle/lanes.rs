@@ -6,7 +6,7 @@ use super::reading::{
     SPRING_LENGTH, STEERING_DIRECTION, STEERING_POINT, STRUT_UPPER, WheelParts,
 };
 use super::state::{Hold, State};
-use super::{AxleQuantity, Need, Quantity, Void, WheelQuantity};
+use super::{Quantity, Void};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slots};
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
@@ -118,10 +118,13 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Whether it can be had in lanes: not what takes accelerations or the laws of springs.
+    /// Whether it can be had in lanes: every characteristic of a wheel, and what the axle's catalogue marks.
     pub fn is_for_lanes(self) -> bool {
-        let is_elastic = |need: &Need| matches!(need, Need::Spring | Need::AntiRollBar);
-        self.rate_order() < 2 && !self.needs().iter().any(is_elastic)
+        match self {
+            Quantity::Corner(..) => true,
+            Quantity::Wheel(_, q) => q.is_for_lanes(),
+            Quantity::Axle(q) => q.is_for_lanes(),
+        }
     }
 
     /// What it reads of a wheel in lanes.
@@ -161,35 +164,13 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
     type Output = B;
     #[inline(always)]
     fn work(self) -> B {
-        use AxleQuantity as A;
-        use WheelQuantity as W;
         let OfAxle { quantity, state } = self;
         let unknown = state.like().lit(f64::NAN);
         let value = match quantity {
-            Quantity::Wheel(side, W::Steer) => steering::steer(state, side),
-            Quantity::Wheel(side, W::CamberToRoad) => roll::camber_to_road(state, side),
-            Quantity::Wheel(side, W::JackingCoefficient) => roll::jacking_coefficient(state, side),
-            Quantity::Wheel(side, W::SideForceJacking) => roll::side_force_jacking(state, side),
-            Quantity::Wheel(side, W::RollCamber) => roll::roll_camber(state, side),
-            Quantity::Wheel(side, W::RollCamberToRoad) => roll::roll_camber_to_road(state, side),
-            Quantity::Wheel(side, W::WheelRollSteer) => steering::roll_steer(state, side),
-            Quantity::Axle(A::Track) => roll::track(state),
-            Quantity::Axle(A::TrackChange) => roll::track_change(state),
-            Quantity::Axle(A::RollAngle) => roll::roll_angle(state),
-            Quantity::Axle(A::RollCentreHeight) => roll::roll_centre_height(state),
-            Quantity::Axle(A::RollCentreLateral) => roll::roll_centre_lateral(state),
-            Quantity::Axle(A::ForceRollCentreHeight) => roll::force_roll_centre_height(state),
-            Quantity::Axle(A::JackingForceRatio) => roll::jacking_force_ratio(state),
-            Quantity::Axle(A::MeanSteer) => steering::mean_steer(state),
-            Quantity::Axle(A::AckermannError) => steering::ackermann_error(state),
-            Quantity::Axle(A::Ackermann) => steering::ackermann(state),
-            Quantity::Axle(A::AckermannByInner) => steering::ackermann_by_inner(state),
-            Quantity::Axle(A::AckermannByCotangents) => steering::ackermann_by_cotangents(state),
-            Quantity::Axle(A::TurningCircle) => steering::turning_circle(state),
-            Quantity::Axle(A::SteeringRatio) => steering::steering_ratio(state),
-            Quantity::Axle(A::RollSteer) => steering::axle_roll_steer(state),
-            // Not for lanes.
-            _ => unknown,
+            // Characteristics of a wheel are read of that wheel alone.
+            Quantity::Corner(..) => unknown,
+            Quantity::Wheel(side, q) => q.evaluate_in_lanes(state, side),
+            Quantity::Axle(q) => q.evaluate_in_lanes(state),
         };
         let mut has_value = unknown.everywhere();
         if quantity.is_of_the_plane() && state.hold == Hold::TravelsOnPads {

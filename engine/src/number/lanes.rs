@@ -11,6 +11,8 @@
 //! its own by [`Real::outlined`].
 
 use super::registers::{Plain, Registers, Single};
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2, Avx512};
 use super::{Outlined, Real, SimdReal, arc};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -206,9 +208,9 @@ impl Width {
         match self {
             Width::Scalar => true,
             #[cfg(target_arch = "x86_64")]
-            Width::Avx2 => pulp::x86::V3::try_new().is_some(),
+            Width::Avx2 => Avx2::detect().is_some(),
             #[cfg(target_arch = "x86_64")]
-            Width::Avx512 => pulp::x86::V4::try_new().is_some(),
+            Width::Avx512 => Avx512::detect().is_some(),
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         }
@@ -240,12 +242,12 @@ impl Width {
         #[cfg(target_arch = "x86_64")]
         match self {
             Width::Avx512 => {
-                if let Some(simd) = pulp::x86::V4::try_new() {
+                if let Some(simd) = Avx512::detect() {
                     return simd.apart(Task(task, simd));
                 }
             }
             Width::Avx2 => {
-                if let Some(simd) = pulp::x86::V3::try_new() {
+                if let Some(simd) = Avx2::detect() {
                     return simd.apart(Task(task, simd));
                 }
             }
@@ -259,7 +261,7 @@ impl Width {
     pub fn run_one<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if self != Width::Scalar
-            && let Some(simd) = pulp::x86::V3::try_new()
+            && let Some(simd) = Avx2::detect()
         {
             return simd.apart(Task(task, Single(simd)));
         }

@@ -11,14 +11,14 @@ mod arc;
 mod bundle;
 mod double_double;
 mod dual;
-#[cfg(target_arch = "x86_64")]
-mod instruction_set;
 mod interval;
 mod jet;
 mod lanes;
 mod registers;
 mod tape;
 mod vector;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use bundle::{MOST_LANES, SimdReal};
 pub use double_double::DoubleDouble;

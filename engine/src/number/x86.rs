@@ -1,0 +1,192 @@
+//! AVX2 and AVX-512 of x86 processors: functions compiled for them, and their registers of numbers. This is the one place
+//! where code runs that not every processor can run, and the one with `unsafe`.
+//!
+//! Each set has a token ([`Avx512`], [`Avx2`]). Tokens come from `detect` alone, which asks the processor: who holds one
+//! runs on a processor with these instructions. That is the argument for every `unsafe` here, since pieces of work and
+//! operations on registers take the token. Loads and stores go through pointers into slices whose length has been checked.
+//!
+//! Pieces are compiled as methods of themselves, so with what stands around them: a changed formula compiles the lanes
+//! of that formula and no others. What is done with registers is inlined into such a piece, where each operation is one
+//! instruction.
+
+#![allow(
+    unsafe_code,
+    reason = "instructions are used where a token proves that the processor has them"
+)]
+
+use super::Outlined;
+use super::registers::{Instructions, Pair, Registers};
+use std::arch::x86_64::*;
+
+/// A set of instructions: its token, and pieces of work compiled for it.
+macro_rules! instruction_set {
+    ($(#[$about:meta])* $set:ident, $compiled:ident: $($feature:tt),+) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct $set(());
+
+        impl $set {
+            /// Its token, if this processor has the instructions.
+            #[inline]
+            pub(super) fn detect() -> Option<Self> {
+                ($(is_x86_feature_detected!($feature))&&+).then_some($set(()))
+            }
+        }
+
+        /// Pieces of work, compiled for the set: all of them.
+        trait $compiled: Outlined {
+            /// In a function of its own.
+            ///
+            /// # Safety
+            /// The processor has the instructions.
+            unsafe fn own(self) -> Self::Output;
+            /// As the compiler likes it.
+            ///
+            /// # Safety
+            /// The processor has the instructions.
+            unsafe fn small(self) -> Self::Output;
+        }
+
+        impl<P: Outlined> $compiled for P {
+            #[target_feature($(enable = $feature),+)]
+            unsafe fn own(self) -> P::Output {
+                self.work()
+            }
+            #[inline]
+            #[target_feature($(enable = $feature),+)]
+            unsafe fn small(self) -> P::Output {
+                self.work()
+            }
+        }
+
+        impl Instructions for $set {
+            #[inline(always)]
+            fn compiled<P: Outlined>(self, piece: P) -> P::Output {
+                // SAFETY: the token proves that the processor has the instructions.
+                unsafe {
+                    match P::IS_SMALL {
+                        true => $compiled::small(piece),
+                        false => $compiled::own(piece),
+                    }
+                }
+            }
+        }
+    };
+}
+
+instruction_set!(
+    /// AVX-512 as of Skylake-X.
+    Avx512, CompiledForAvx512:
+    "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"
+);
+instruction_set!(
+    /// AVX2 with fused products and sums.
+    Avx2, CompiledForAvx2: "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"
+);
+
+/// The operations of a set with registers of `$width` numbers, from what they are on one register.
+macro_rules! registers {
+    ($set:ty, $width:literal, $register:ty, $mask:ty, $load:ident, $store:ident, {
+        fn splat($value:ident) $splat:block
+        fn bits($one_mask:ident) $bits:block
+    $(
+        fn $operation:ident($($operand:ident: $kind:ident),*) -> $result:ident $body:block
+    )*}) => {
+        // SAFETY, of every operation: the token proves that the processor has the instructions.
+        #[allow(unused_unsafe, reason = "masks of AVX-512 are integers, on which operations are safe")]
+        impl Registers for $set {
+            const LANES: usize = 2 * $width;
+            type Numbers = Pair<$register>;
+            type Truths = Pair<$mask>;
+
+            #[inline(always)]
+            fn apart<P: Outlined>(self, piece: P) -> P::Output {
+                self.compiled(piece)
+            }
+            $(
+                #[inline(always)]
+                fn $operation(self, $($operand: Self::$kind),*) -> Self::$result {
+                    unsafe {
+                        Pair(
+                            { $(let $operand = $operand.0;)* $body },
+                            { $(let $operand = $operand.1;)* $body },
+                        )
+                    }
+                }
+            )*
+
+            #[inline(always)]
+            fn splat(self, $value: f64) -> Self::Numbers {
+                let register = unsafe { $splat };
+                Pair(register, register)
+            }
+            #[inline(always)]
+            fn bits(self, a: Self::Truths) -> u32 {
+                let low: u32 = { let $one_mask = a.0; unsafe { $bits } };
+                let high: u32 = { let $one_mask = a.1; unsafe { $bits } };
+                low | (high << $width)
+            }
+            #[inline(always)]
+            fn load(self, from: &[f64]) -> Self::Numbers {
+                let from = from[..Self::LANES].as_ptr();
+                // SAFETY: there are two registers of numbers.
+                unsafe { Pair($load(from), $load(from.add($width))) }
+            }
+            #[inline(always)]
+            fn store(self, a: Self::Numbers, to: &mut [f64]) {
+                let to = to[..Self::LANES].as_mut_ptr();
+                // SAFETY: there is room for two registers of numbers.
+                unsafe {
+                    $store(to, a.0);
+                    $store(to.add($width), a.1);
+                }
+            }
+        }
+    };
+}
+
+registers!(Avx512, 8, __m512d, __mmask8, _mm512_loadu_pd, _mm512_storeu_pd, {
+    fn splat(value) { _mm512_set1_pd(value) }
+    fn bits(mask) { u32::from(mask) }
+    fn add(a: Numbers, b: Numbers) -> Numbers { _mm512_add_pd(a, b) }
+    fn sub(a: Numbers, b: Numbers) -> Numbers { _mm512_sub_pd(a, b) }
+    fn mul(a: Numbers, b: Numbers) -> Numbers { _mm512_mul_pd(a, b) }
+    fn div(a: Numbers, b: Numbers) -> Numbers { _mm512_div_pd(a, b) }
+    fn neg(a: Numbers) -> Numbers { _mm512_xor_pd(a, _mm512_set1_pd(-0.0)) }
+    fn mul_add(a: Numbers, b: Numbers, c: Numbers) -> Numbers { _mm512_fmadd_pd(a, b, c) }
+    fn negate_mul_add(a: Numbers, b: Numbers, c: Numbers) -> Numbers { _mm512_fnmadd_pd(a, b, c) }
+    fn sqrt(a: Numbers) -> Numbers { _mm512_sqrt_pd(a) }
+    fn abs(a: Numbers) -> Numbers { _mm512_andnot_pd(_mm512_set1_pd(-0.0), a) }
+    fn copysign(a: Numbers, b: Numbers) -> Numbers {
+        let minus = _mm512_set1_pd(-0.0);
+        _mm512_or_pd(_mm512_andnot_pd(minus, a), _mm512_and_pd(minus, b))
+    }
+    fn less(a: Numbers, b: Numbers) -> Truths { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b) }
+    fn select(holds: Truths, yes: Numbers, no: Numbers) -> Numbers { _mm512_mask_blend_pd(holds, no, yes) }
+    fn and(a: Truths, b: Truths) -> Truths { a & b }
+    fn or(a: Truths, b: Truths) -> Truths { a | b }
+    fn not(a: Truths) -> Truths { !a }
+});
+
+registers!(Avx2, 4, __m256d, __m256d, _mm256_loadu_pd, _mm256_storeu_pd, {
+    fn splat(value) { _mm256_set1_pd(value) }
+    fn bits(mask) { _mm256_movemask_pd(mask) as u32 }
+    fn add(a: Numbers, b: Numbers) -> Numbers { _mm256_add_pd(a, b) }
+    fn sub(a: Numbers, b: Numbers) -> Numbers { _mm256_sub_pd(a, b) }
+    fn mul(a: Numbers, b: Numbers) -> Numbers { _mm256_mul_pd(a, b) }
+    fn div(a: Numbers, b: Numbers) -> Numbers { _mm256_div_pd(a, b) }
+    fn neg(a: Numbers) -> Numbers { _mm256_xor_pd(a, _mm256_set1_pd(-0.0)) }
+    fn mul_add(a: Numbers, b: Numbers, c: Numbers) -> Numbers { _mm256_fmadd_pd(a, b, c) }
+    fn negate_mul_add(a: Numbers, b: Numbers, c: Numbers) -> Numbers { _mm256_fnmadd_pd(a, b, c) }
+    fn sqrt(a: Numbers) -> Numbers { _mm256_sqrt_pd(a) }
+    fn abs(a: Numbers) -> Numbers { _mm256_andnot_pd(_mm256_set1_pd(-0.0), a) }
+    fn copysign(a: Numbers, b: Numbers) -> Numbers {
+        let minus = _mm256_set1_pd(-0.0);
+        _mm256_or_pd(_mm256_andnot_pd(minus, a), _mm256_and_pd(minus, b))
+    }
+    fn less(a: Numbers, b: Numbers) -> Truths { _mm256_cmp_pd::<_CMP_LT_OQ>(a, b) }
+    fn select(holds: Truths, yes: Numbers, no: Numbers) -> Numbers { _mm256_blendv_pd(no, yes, holds) }
+    fn and(a: Truths, b: Truths) -> Truths { _mm256_and_pd(a, b) }
+    fn or(a: Truths, b: Truths) -> Truths { _mm256_or_pd(a, b) }
+    fn not(a: Truths) -> Truths { _mm256_xor_pd(a, _mm256_set1_pd(f64::from_bits(u64::MAX))) }
+});

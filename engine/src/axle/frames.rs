@@ -118,7 +118,8 @@ fn drawn(
         if has_ground {
             let contact = wheel.contact_point();
             let [_, turn] = wheel.reading.by_travel();
-            let [front, view] = instant_centres_of(contact, wheel.contact_velocity(), turn);
+            let (velocity, size) = (wheel.contact_velocity(), state.setup.constants.size);
+            let [front, view] = instant_centres_of(contact, velocity, turn, size);
             other.contact = Some(place(side, contact));
             other.front_view_centre = front.map(|v| place(side, v));
             other.side_view_centre = view.map(|v| place(side, v));

@@ -191,7 +191,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
                 let sum = (left + right).abs();
                 let across = (left - right).abs();
                 let meet = across.less(sum.scaled(roll::FARTHEST_MEETING));
-                has_value & meet
+                has_value & meet & sum.lit(roll::UPRIGHT).less(sum)
             }
             _ => has_value,
         };

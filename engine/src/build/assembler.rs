@@ -517,7 +517,10 @@ fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
         let centre = suspension.design[suspension.mechanism.wheel_centre.0];
-        let length = suspension.wheel_radius.unwrap_or(0.25 * suspension.size());
+        let size = suspension.size();
+        let length = suspension.wheel_radius.unwrap_or(0.25 * size);
+        // A radius out of all proportion would put it where the wheel centre is, or where rounding turns the axis.
+        let length = length.clamp(0.01 * size, 100.0 * size);
         let id = PointId(suspension.design.len());
         suspension.design.push(centre - direction * length);
         suspension.mechanism.points.push(Point {

@@ -6,6 +6,8 @@ use crate::model::{AxlePosition, Suspension, TorquePath};
 /// sees to it that no formula is asked for without its [`super::Need`]s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constants {
+    /// Size of the mechanism as drawn.
+    pub size: f64,
     /// Loaded radius of the wheel.
     pub wheel_radius: f64,
     /// Distance between the axles.
@@ -39,6 +41,7 @@ impl Constants {
             _ => 0.0,
         };
         Constants {
+            size: suspension.size(),
             wheel_radius: suspension.wheel_radius.unwrap_or(0.0),
             wheelbase: vehicle.wheelbase.unwrap_or(0.0),
             cg_height: vehicle.cg_height.unwrap_or(0.0),

@@ -5,14 +5,49 @@
 //! component, so it lies w_x (y_C - y_ic) = C_z' inboard of C; in side view w_y (x_ic - x_C) = C_z'.
 //! All are taken from the true velocities, tie rod included; the construction with arm planes leaves
 //! the tie rod out and can differ by tens of millimetres.
+//!
+//! A wheel that does not turn in a view has its centre at infinity. What is computed of its angular velocity is rounding
+//! then, and a centre made of it would be anywhere: [`turning`] tells the two apart.
 
-use super::{Constants, Formula, Need, Slot, Slots, Unit, WheelReading, formulas};
+use super::{Constants, Formula, Inputs, Need, Slot, Slots, Unit, WheelReading, formulas};
 use crate::mechanism::Configuration;
 use crate::model::Suspension;
-use crate::number::{Jet, Vector3};
+use crate::number::{Jet, Real, Vector3};
 
 /// What the velocity of the contact point depends on.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
+
+/// How far away an instantaneous centre is told from one at infinity, in sizes of the mechanism. Rounding leaves a wheel
+/// that does not turn about 1e-16 of a turn over that size, and in badly conditioned poses up to a million times as much.
+const FARTHEST_CENTRE: f64 = 1e10;
+
+/// The angular velocity in one view, in which the contact point has these velocities. It is zero, by which nothing can be
+/// divided, where the instantaneous centre would be farther than [`FARTHEST_CENTRE`].
+#[inline(always)]
+fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
+    let [first, second] = velocity;
+    let speeds = first * first.sign() + second * second.sign();
+    let is_near = ((turn * turn.sign()).scaled(FARTHEST_CENTRE * size) - speeds).sign();
+    turn * (turn.one() + is_near).scaled(0.5)
+}
+
+impl<T: Real> Inputs<T> {
+    /// Velocity of the contact point, and the angular velocity about x that has a centre in front view.
+    #[inline(always)]
+    fn in_front_view(&self) -> (Vector3<T>, T) {
+        let velocity = self.contact_velocity();
+        let turn = turning(self.turn.x, [velocity.y, velocity.z], self.constants.size);
+        (velocity, turn)
+    }
+
+    /// Velocity of the contact point, and the angular velocity about y that has a centre in side view.
+    #[inline(always)]
+    fn in_side_view(&self) -> (Vector3<T>, T) {
+        let velocity = self.contact_velocity();
+        let turn = turning(self.turn.y, [velocity.x, velocity.z], self.constants.size);
+        (velocity, turn)
+    }
+}
 
 formulas! {
     /// Kinematic roll centre.
@@ -38,7 +73,10 @@ formulas! {
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    } = |inputs| inputs.contact_velocity().z / inputs.turn.x;
+    } = |inputs| {
+        let (velocity, turn) = inputs.in_front_view();
+        velocity.z / turn
+    };
 
     /// Side-view swing arm.
     SideViewSwingArm {
@@ -49,7 +87,10 @@ formulas! {
         source: "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    } = |inputs| -(inputs.contact_velocity().z / inputs.turn.y);
+    } = |inputs| {
+        let (velocity, turn) = inputs.in_side_view();
+        -(velocity.z / turn)
+    };
 
     /// Where the instantaneous centre in front view is across the car.
     FrontViewCentreLateral {
@@ -71,7 +112,10 @@ formulas! {
         source: "the point at which the wheel carrier stands still, seen from the front",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    } = |inputs| inputs.contact_velocity().y / inputs.turn.x;
+    } = |inputs| {
+        let (velocity, turn) = inputs.in_front_view();
+        velocity.y / turn
+    };
 
     /// Where the instantaneous centre in side view is along the car.
     SideViewCentreLongitudinal {
@@ -93,7 +137,10 @@ formulas! {
         source: "the point at which the wheel carrier stands still, seen from the side",
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius],
-    } = |inputs| -(inputs.contact_velocity().x / inputs.turn.y);
+    } = |inputs| {
+        let (velocity, turn) = inputs.in_side_view();
+        -(velocity.x / turn)
+    };
 }
 
 /// The centres as points, for drawings; in the kernel's frame. Empty is what is at infinity, or unknown as the
@@ -133,7 +180,8 @@ impl<const N: usize> WheelReading<N> {
         let (contact, velocity) = (now(inputs.contact_point()), now(inputs.contact_velocity()));
         let turn = now(inputs.turn);
         let height = RollCentreHeight::evaluate(inputs)[0];
-        let [front_view, side_view] = instant_centres_of(contact, velocity, turn);
+        let [front_view, side_view] =
+            instant_centres_of(contact, velocity, turn, inputs.constants.size);
         InstantCentres {
             contact: Some(contact),
             roll_centre: finite(contact, Vector3::new(0.0, -contact.y, height)),
@@ -144,14 +192,17 @@ impl<const N: usize> WheelReading<N> {
 }
 
 /// The instantaneous centres in front and side view, from the contact point, its velocity and the knuckle's angular
-/// velocity; none at infinity.
+/// velocity; none at infinity. `size` is that of the mechanism.
 pub fn instant_centres_of(
     contact: Vector3<f64>,
     velocity: Vector3<f64>,
     turn: Vector3<f64>,
+    size: f64,
 ) -> [Option<Vector3<f64>>; 2] {
-    let front = Vector3::new(0.0, -velocity.z / turn.x, velocity.y / turn.x);
-    let side = Vector3::new(velocity.z / turn.y, 0.0, -velocity.x / turn.y);
+    let about_x = turning(turn.x, [velocity.y, velocity.z], size);
+    let about_y = turning(turn.y, [velocity.x, velocity.z], size);
+    let front = Vector3::new(0.0, -velocity.z / about_x, velocity.y / about_x);
+    let side = Vector3::new(velocity.z / about_y, 0.0, -velocity.x / about_y);
     [finite(contact, front), finite(contact, side)]
 }
 

@@ -342,6 +342,7 @@ pub(super) mod tests {
             turn: Vector3::new(5e-4, -1e-4, 8e-5),
             design: wheel(0.0),
             constants: Constants {
+                size: 800.0,
                 wheel_radius: 300.0,
                 wheelbase: 2600.0,
                 cg_height: 500.0,

@@ -129,10 +129,15 @@ pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &Sta
 /// tracks they are so nearly parallel that their meeting point says nothing.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Whether they meet farther.
+/// Sum of the jacking coefficients at which both normals are upright: their meeting point is made of the rounding of both,
+/// about 1e-15, and would be anywhere along the ground.
+pub(crate) const UPRIGHT: f64 = 1e-8;
+
+/// Whether they meet farther, or are upright.
 pub(crate) fn normals_are_parallel(state: &State<f64>) -> bool {
     let [left, right] = jacking(state);
-    let meet = (left - right).abs() < FARTHEST_MEETING * (left + right).abs();
+    let sum = (left + right).abs();
+    let meet = sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum;
     // NaN is parallel.
     !meet
 }

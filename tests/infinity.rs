@@ -1,0 +1,108 @@
+//! Instantaneous centres and roll centres that lie at infinity: they have no value, however rounding falls; where they are
+//! far away they have the value of the closed form.
+
+use hardpoint::{
+    Axis, Characteristic, Motion, Order, Sampling, Study, Suspension, SweepControl, Variable,
+};
+use std::ops::ControlFlow;
+
+const IN_SIDE_VIEW: [Characteristic; 2] = [
+    Characteristic::SideViewSwingArm,
+    Characteristic::SideViewCentreHeight,
+];
+const IN_FRONT_VIEW: [Characteristic; 2] = [
+    Characteristic::FrontViewSwingArm,
+    Characteristic::FrontViewCentreHeight,
+];
+
+/// Values at every station.
+fn values(suspension: Suspension, asked: &[Characteristic]) -> Vec<Vec<Option<f64>>> {
+    let study = Study::of(suspension)
+        .over(Motion::travel(-30.0..=30.0, 13).unwrap())
+        .asking(asked, Order::Position)
+        .unwrap();
+    let curves = study.curves().unwrap();
+    assert_eq!(curves.failed(), 0);
+    curves.stations.into_iter().map(|s| s.values).collect()
+}
+
+/// Arms that turn about axes along x, and a tie rod in their plane: the wheel moves in the plane x = 0.
+fn planar_double_wishbone() -> Suspension {
+    Suspension::builder("double_wishbone")
+        .hardpoint("upper_arm_front", [150.0, 250.0, 330.0])
+        .hardpoint("upper_arm_rear", [-150.0, 250.0, 330.0])
+        .hardpoint("upper_ball_joint", [0.0, 545.0, 365.0])
+        .hardpoint("lower_arm_front", [150.0, 215.0, 142.0])
+        .hardpoint("lower_arm_rear", [-150.0, 215.0, 142.0])
+        .hardpoint("lower_ball_joint", [0.0, 575.0, 130.0])
+        .hardpoint("tie_rod_inner", [-90.0, 215.0, 142.0])
+        .hardpoint("tie_rod_outer", [-90.0, 575.0, 130.0])
+        .hardpoint("wheel_centre", [0.0, 620.0, 255.0])
+        .wheel_radius(255.0)
+        .static_angles_deg(-1.0, 0.0)
+        .build()
+        .unwrap()
+}
+
+/// An arm about a pivot that runs `ahead` further forward at its outer end than at its inner one.
+fn trailing_arm(ahead: f64, rise: f64) -> Suspension {
+    Suspension::builder("semi_trailing_arm")
+        .hardpoint("arm_pivot_inner", [400.0, 200.0, 260.0])
+        .hardpoint("arm_pivot_outer", [400.0 + ahead, 550.0, 260.0 + rise])
+        .hardpoint("wheel_centre", [0.0, 740.0, 310.0])
+        .wheel_radius(310.0)
+        .static_angles_deg(-1.0, 0.0)
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn a_wheel_that_does_not_turn_in_a_view_has_no_centre_in_it() {
+    for (suspension, asked) in [
+        (planar_double_wishbone(), IN_SIDE_VIEW),
+        (trailing_arm(0.0, 20.0), IN_FRONT_VIEW),
+        (trailing_arm(0.0, 0.0), IN_FRONT_VIEW),
+    ] {
+        for station in values(suspension, &asked) {
+            assert_eq!(station, [None, None]);
+        }
+    }
+}
+
+/// Nor in sweeps, which solve their designs in SIMD lanes.
+#[test]
+fn sweeps_have_no_centre_there_either() {
+    let suspension = trailing_arm(0.0, 20.0);
+    let height = Variable::offset(&suspension, "wheel_centre", Axis::Z, -10.0..=10.0).unwrap();
+    let study = Study::of(suspension)
+        .over(Motion::travel(-30.0..=30.0, 13).unwrap())
+        .asking(&IN_FRONT_VIEW, Order::Position)
+        .unwrap()
+        .sampling(Sampling::Random, 64, 1, &[height]);
+    let mut designs = 0;
+    let columns = study.sweep(SweepControl::default(), |rows| {
+        for design in 0..rows.designs() {
+            designs += 1;
+            let outputs = rows.outputs(design);
+            assert!(outputs.iter().all(|v| !v.is_finite()), "{outputs:?}");
+        }
+        ControlFlow::Continue(())
+    });
+    assert!(columns.unwrap().len() > 2);
+    assert_eq!(designs, 64);
+}
+
+/// An arm turns about u: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)) with C the contact point and P on the pivot, so that the
+/// swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). Of w, w_x is a ten-millionth at the least: nine of its
+/// sixteen digits are left.
+#[test]
+fn far_centres_are_those_of_the_closed_form() {
+    for ahead in [1e-3, 1e-4, -1e-4] {
+        let found = values(trailing_arm(ahead, 20.0), &IN_FRONT_VIEW)[6][0].unwrap();
+        // The wheel leans by a degree in the design position; its contact point is as much further out.
+        let contact = 740.0 + 310.0 * 1.0_f64.to_radians().sin();
+        let slope = 350.0 / ((400.0 + ahead) - 400.0);
+        let expected = (contact - 200.0) + slope * 400.0;
+        assert!((found / expected - 1.0).abs() < 1e-8, "{found} {expected}");
+    }
+}

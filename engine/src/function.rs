@@ -339,8 +339,8 @@ type Values<'f> = (Evaluator<'f>, Block);
 /// What finds values with derivatives, and room for them.
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
-/// Of an axle: whether derivatives are found, what finds them, and design and ways of a right wheel with hardpoints of
-/// its own.
+/// Evaluator of an axle. `differentiates` says whether it forms derivatives; `right` and `right_ways` are the design
+/// and point rates of a right wheel that has its own hardpoints.
 struct OfAxle<'f> {
     differentiates: bool,
     evaluator: Box<dyn AxleEvaluator + 'f>,

@@ -51,7 +51,7 @@ pub struct Record {
     pub designs: Vec<DesignRecord>,
     /// The drawing.
     pub scene: Scene,
-    /// Of the last design.
+    /// Influences of the last design.
     pub influences: Vec<Influence>,
     /// What could be chosen instead of the last design.
     #[serde(default)]

@@ -19,8 +19,7 @@ pub struct Scene {
     pub wheel_radius: Option<f64>,
     /// Signs of the study's axes: forward, outboard and up.
     pub signs: [f64; 3],
-    /// Of an axle, index of the right wheel's centre; points and bodies of the right wheel follow those of the left
-    /// one.
+    /// For an axle: index of the right wheel's centre; the right wheel's points and bodies follow the left wheel's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right_wheel_centre: Option<usize>,
 }

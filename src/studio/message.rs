@@ -12,7 +12,7 @@ pub(super) type Coordinates = Vec<[f64; 3]>;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Designed {
-    /// Of the text.
+    /// SHA-256 of the study text.
     pub digest: String,
     pub design: Coordinates,
 }

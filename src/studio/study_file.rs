@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 
 /// A text of the study that was read, and what it means.
 pub(super) struct Opened {
-    /// Of the text.
+    /// SHA-256 of the study text.
     pub digest: String,
-    /// As it is in the file.
+    /// The text as it is in the file.
     pub text: String,
     pub study: Study,
     /// Every coordinate as something that can move.

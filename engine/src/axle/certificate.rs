@@ -56,14 +56,15 @@ const WIDEST_ROLL: f64 = 0.1;
 
 /// A root that is proved.
 struct Root {
-    /// It is within this of the number that was found,
+    /// Bound on the distance between the root and the number found.
     off: f64,
-    /// and there is no other within this.
+    /// Half-width of the interval in which this is proved to be the only root.
     alone: f64,
 }
 
 impl Root {
-    /// Of a function that is given with its derivative over intervals; `None` where nothing is proved.
+    /// Proves a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None`
+    /// if nothing can be proved.
     fn near(
         at: f64,
         widest: f64,

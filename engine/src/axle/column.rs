@@ -14,7 +14,7 @@ use crate::number::Jet;
 pub struct AxleColumn {
     /// Name with unit.
     pub name: String,
-    /// Of what.
+    /// What the column contains.
     pub of: Of,
     /// Along which motion it is a derivative, if it is one.
     pub by: Option<Motion>,
@@ -26,7 +26,7 @@ pub struct AxleColumn {
     pub factor: f64,
 }
 
-/// Of what a column is.
+/// What a column of an axle's curves contains.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Of {
     /// A quantity.

@@ -116,7 +116,7 @@ pub struct AxleStation {
     pub status: &'static str,
     /// A value for each column, or why there is none.
     pub values: Vec<Result<f64, Void>>,
-    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    /// For each wheel: the rod that is at or beyond a toggle, if any.
     pub toggles: [Option<Rod>; 2],
     /// Condition number of the worse wheel.
     pub condition: Option<f64>,
@@ -253,7 +253,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
 }
 
 /// Proves every position: that it is right, and that the pose of each wheel lies on the branch of its design position.
-/// Those that are not proved are lost.
+/// A station that cannot be proved becomes a failed station.
 fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &mut [AxleStation]) {
     let certifier = AxleCertifier::new(axle);
     let rack = |station: &AxleStation| station.placement.rack();

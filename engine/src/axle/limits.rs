@@ -100,8 +100,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 }
 
-/// Of an end of the left and one of the right wheel, each with the sign that makes its value the axle's, the one nearer
-/// to the design position.
+/// Returns whichever of the two wheels' ends is nearer to the design position. Each end comes with the sign that
+/// converts the wheel's value to the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = match left.1.abs() <= right.1.abs() {

@@ -447,7 +447,7 @@ pub trait WheelParts<T: Real>: Copy {
     }
 }
 
-/// Of the corner's catalogue, a wheel or its derivatives.
+/// The wheel as the characteristics catalogue reads it: values for powers [0, 0], derivatives for other powers.
 #[inline(always)]
 fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
     Wheel {

@@ -17,9 +17,9 @@ pub struct Setup {
     pub c_factor: Option<f64>,
     /// The springs of left and right wheel.
     pub springs: Option<[SpringLaw; 2]>,
-    /// Torque of the anti-roll bar per angle between its levers.
+    /// Anti-roll bar rate: torque per angle between its two levers.
     pub bar_rate: Option<f64>,
-    /// Force of a tyre per deflection; rigid where it is not given.
+    /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
     /// Mass that the axle carries, kg.
     pub sprung_mass: Option<f64>,

@@ -224,7 +224,7 @@ struct Corner<'a, const N: usize> {
     toggles: Toggles,
     /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
     begun: Option<f64>,
-    /// Where the travels of the design have ended so far.
+    /// Travels at which this design was found to end, per rack position.
     ends: Vec<End>,
     side: Side,
     /// Points that are read with the wheel.
@@ -578,7 +578,7 @@ pub struct Read<'a> {
     pub state: State<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
-    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    /// For each wheel: the rod that is at or beyond a toggle, if any.
     pub toggles: [Option<Rod>; 2],
     /// Of each wheel, where the points of [`AxleSolver::read_points`] are as functions of its own travel and rack, in
     /// the frame of its side.
@@ -725,7 +725,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found.swap_remove(0)
     }
 
-    /// Where the ground would put the wheels if they rose straight.
+    /// First guess for half the difference of the travels: each wheel centre is taken to move straight up.
     fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {

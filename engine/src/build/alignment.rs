@@ -29,11 +29,11 @@ const MOST_ROUNDS: usize = 30;
 /// Corrections below this, in parts of the size, are rounding.
 pub(super) const ROUNDING: f64 = 1e-14;
 
-/// What is held by what.
+/// Adjustments that keep toe and camber at their drawn values.
 #[derive(Clone, Debug)]
 pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
-    /// What keeps the values that the drawing has.
+    /// Characteristics that keep their drawn values.
     held: Vec<Characteristic>,
     /// M, a row for each adjustment.
     inverse: DMatrix<f64>,

@@ -21,7 +21,7 @@ pub struct Built {
     pub suspension: Suspension,
     /// The parts.
     pub parts: Parts<f64>,
-    /// What it rests on.
+    /// What defines the resting height.
     pub rest: Rest,
     /// Height of the wheel centre above its drawn height.
     pub height: f64,

@@ -76,8 +76,8 @@ pub enum Measure {
     FromSpinAxisAt([PointId; 2], f64),
     /// The distance of two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
-    /// Of a ball joint between wheel carrier and arm: 1 less the cosine of the angle by which the stud
-    /// has left its direction in the arm.
+    /// Ball joint between wheel carrier and arm: 1 minus the cosine of the angle between the stud and its design
+    /// direction as carried by the arm.
     BallJoint {
         /// The joint.
         joint: PointId,
@@ -86,17 +86,18 @@ pub enum Measure {
         /// The stud.
         stud: Stud,
     },
-    /// Of a rod's joint on the wheel carrier: the change of the angle between stud and rod.
+    /// Rod end on the wheel carrier: change of the angle between stud and rod since the design position, in rad.
     RodEnd {
         /// The joint, and the rod's other end.
         rod: [PointId; 2],
         /// The stud.
         stud: Stud,
     },
-    /// Of the joint at the outer end of a drive shaft, from its inner to its outer end: 1 less the cosine of the angle
-    /// between shaft and spin axis.
+    /// Joint at the outer end of a drive shaft, given by the shaft's inner and outer end: 1 minus the cosine of the
+    /// angle between shaft and spin axis.
     OuterShaftJoint([PointId; 2]),
-    /// Of the joint at its inner end, likewise: of the angle between shaft and y axis.
+    /// Joint at the inner end of a drive shaft, given likewise: 1 minus the cosine of the angle between shaft and y
+    /// axis.
     InnerShaftJoint([PointId; 2]),
     /// By how much two points are further apart than in the design position.
     Plunge([PointId; 2]),

@@ -17,7 +17,7 @@ pub(crate) struct Loads<'a> {
 }
 
 impl<'a> Loads<'a> {
-    /// Of a mechanism whose own frame the study's axes have as `frame`.
+    /// Prepares loads on a mechanism. `frame` gives the study's axes as seen from the mechanism's own frame.
     pub(crate) fn of(mechanism: &'a Mechanism, frame: Frame, loads: &'a [Load]) -> Self {
         let support = Support::of(mechanism);
         Loads {

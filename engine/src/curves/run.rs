@@ -40,13 +40,13 @@ pub(super) struct Run<'a, const N: usize> {
     sensitivities: Vec<Sensitivity>,
     /// Stations by the guard that left them to the continuation.
     left_to_continuation: BTreeMap<Rejection, usize>,
-    /// Of the solver.
+    /// Work counted by the solver.
     pub(super) work: Work,
-    /// Of reading.
+    /// Work counted while reading characteristics.
     tally: WorkCounter,
 }
 
-/// What is found at one station.
+/// What was computed at one station before it is stored in `stations`.
 pub(super) struct Findings {
     pub(super) travel: f64,
     pub(super) values: Vec<Option<f64>>,

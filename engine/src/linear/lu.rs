@@ -22,8 +22,8 @@ pub(crate) struct Lu<T, const N: usize> {
 pub(crate) type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Of a Jacobian, whose last three columns (moments) are lengths; `size` is the one they are compared with, so that
-    /// the determinant is free of scale: +-1 for six orthogonal unit lines, 0 at a singularity.
+    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths; the determinant is divided by
+    /// `size`^3, so that it is dimensionless: +-1 for six orthogonal unit lines, 0 at a singularity.
     #[inline]
     pub(crate) fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))

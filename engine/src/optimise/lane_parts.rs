@@ -33,7 +33,8 @@ pub(super) enum Source {
 }
 
 impl LanePart {
-    /// Of a measure; `quantities` are those read so far, to which it adds what it takes. `None` where lanes do not tell it.
+    /// Expresses a measure by quantities that lanes provide, appending those it needs to `quantities`. `None` if lanes
+    /// cannot provide it.
     pub(super) fn of(
         measure: &Measure,
         mechanism: &Mechanism,

@@ -43,9 +43,10 @@ pub struct Objective<'a> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     ways: Vec<Way>,
-    /// In lanes, where that can be: the residuals of a design that is plain sailing, and of such builds.
+    /// Lane evaluation of designs (and builds) that the tracker accepts; `None` if a target cannot be read in lanes, or
+    /// if lanes are switched off.
     lanes: Option<LaneRows<'a>>,
-    /// Of a robust tuning, whose residuals are those of builds.
+    /// Only for a robust tuning: the builds that the residuals belong to.
     builds: Option<Builds<'a>>,
     lane_builds: Option<LaneBuilds>,
     built: Vec<Vector3<f64>>,
@@ -53,7 +54,7 @@ pub struct Objective<'a> {
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// With the derivative by the drive of what is read: for extremes.
+    /// Reader with one more derivative by the drive, needed to search for extremes.
     sloped: Option<Reader<3>>,
     /// Where forces under loads are wanted or limited.
     moving: Option<AlongVariables>,

@@ -107,7 +107,7 @@ pub fn tune(
 /// A tuning that is asked for.
 pub(super) struct Asked<'a> {
     suspension: &'a Suspension,
-    /// As builds have it, where the tuning is robust.
+    /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
     assembled: Option<Suspension>,
     motion: &'a Motion,
     optimise: &'a Optimise,

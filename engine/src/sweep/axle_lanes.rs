@@ -212,12 +212,12 @@ struct Reading<'r, 'a, B: SimdReal> {
     wheels: [&'r LaneWheels<B>; 2],
     left_inputs: &'r mut LaneInputs<B>,
     right_inputs: &'r mut LaneInputs<B>,
-    /// Of the block's stations, those of the batch.
+    /// For each station of this group, its number in the block.
     numbers: &'r [usize],
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
-    /// Where to, as [`Block::from`] has it.
+    /// Destination of the values, laid out as [`Block::from`] returns it.
     values: &'r mut [f64],
 }
 

@@ -59,7 +59,7 @@ pub struct Effect {
 }
 
 impl Effects {
-    /// Of every output; `None` where no design has them all.
+    /// Effects on every output. Returns `None` if no design has a value for all outputs.
     pub fn all(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<Effects>> {
         let count = tally.moments.count;
         if count == 0 {

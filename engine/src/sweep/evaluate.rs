@@ -231,9 +231,8 @@ pub(super) trait FindsSlopes: Send {
 
 /// Evaluates blocks of designs, of a wheel or of an axle. One for each thread.
 ///
-/// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
-/// sailing, and everything else, one by one. Which of the two depends on the design
-/// alone.
+/// Designs are solved in SIMD lanes where everything asked for can be read there. Designs that the tracker rejects, and
+/// all designs otherwise, are solved one by one by the scalar path. The choice depends on the design alone.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,

@@ -68,7 +68,7 @@ struct Found {
 }
 
 impl Found {
-    /// Where the derivatives of an angle go, or those of the sum.
+    /// The memory row that receives the derivatives of this angle, or of the sum of deviations.
     #[inline(always)]
     fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
@@ -146,8 +146,8 @@ impl Jacobians<'_> {
 }
 
 impl<'a> Gradients<'a> {
-    /// Of these quantities; `None` where they, or the mechanism, cannot be differentiated in lanes
-    /// ([`LaneReader::has_gradients`]; the drive must be the travel).
+    /// Prepares gradients of these quantities. Returns `None` if a quantity or the mechanism cannot be differentiated
+    /// in lanes ([`LaneReader::has_gradients`]), or if the drive is not the travel.
     pub fn new(
         suspension: &'a Suspension,
         stations: &Stations,
@@ -336,7 +336,7 @@ enum Task<'t> {
 
 struct Evaluation<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
-    /// One in each lane; or a single one, in all of them.
+    /// One design per lane, or a single design repeated in all lanes.
     designs: &'s [Vector3<f64>],
     /// The unknowns of the single design: its stations are side by side in the lanes.
     tracked: Option<&'s [f64]>,
@@ -496,7 +496,7 @@ pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     count: usize,
     first: usize,
     task: Task<'t>,
-    /// Of the deviations so far.
+    /// Weighted sum of squared deviations of the poses visited so far.
     sum: B,
     found: &'r mut Found,
 }

@@ -237,7 +237,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     count: usize,
     first: usize,
     design_station: usize,
-    /// Where to, as [`Block::from`] has it.
+    /// Destination of the values, laid out as [`Block::from`] returns it.
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }

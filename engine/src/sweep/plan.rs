@@ -34,7 +34,7 @@ pub struct SweepPlan<'s> {
     /// By quantity: the derivative by the drive of one that is none itself; of an axle the derivatives that are asked
     /// for.
     gains: Vec<Vec<Gain>>,
-    /// Of an axle, instead of the quantities.
+    /// For an axle: its stations and quantities; `quantities` above is then unused.
     axle: Option<AxleStations<'s>>,
     targets: Vec<SweptTarget>,
     samples: Samples,

@@ -29,8 +29,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Of the quantities for which there `is_wanted` a slope; `None` where none of these is made of velocities. An
-    /// error says why the suspension's own design cannot be solved.
+    /// Prepares the slopes of those velocity-dependent quantities for which `is_wanted` is true. Returns `None` if
+    /// there are none. Errors if the suspension's own design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,

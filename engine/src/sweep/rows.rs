@@ -52,7 +52,8 @@ impl Rows {
 }
 
 impl Failing {
-    /// Of stations without a pose; this is the one nearest to the design position.
+    /// Describes a design that has stations without a pose; `failure` and `at` are those of the station nearest to the
+    /// design position.
     pub(super) fn stations(failure: &StationFailure, at: f64) -> Self {
         Failing {
             status: failure.word().to_owned(),

@@ -21,9 +21,9 @@ pub struct SweepDirectory {
 /// What there is of a sweep.
 #[derive(Clone, Debug)]
 pub struct Done {
-    /// Of all parts that are whole, in their order.
+    /// Merged statistics of all complete parts, in order.
     pub statistics: SweepStatistics,
-    /// The parts that are not, by number.
+    /// Numbers of the parts that are missing or incomplete.
     pub missing: Vec<u64>,
 }
 

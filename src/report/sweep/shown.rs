@@ -16,7 +16,7 @@ pub struct Choice {
     always: BTreeSet<u64>,
     /// Designs of the front that are among them.
     pub front: Vec<u64>,
-    /// Of all designs, those whose numbers are multiples of this.
+    /// Designs whose number is a multiple of this are shown, too.
     pub every: u64,
 }
 

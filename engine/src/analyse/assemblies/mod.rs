@@ -288,7 +288,8 @@ impl<'a> Search<'a> {
         self.all.traits.iter().map(alike).collect()
     }
 
-    /// Something that has a trait's sign.
+    /// A number whose sign tells the two variants of `of` apart. `None` if the mechanism has no such mode, or if the
+    /// equations cannot be factorised there.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);

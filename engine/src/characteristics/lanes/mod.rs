@@ -32,10 +32,11 @@ pub struct LaneReader<'a> {
     slots: Slots,
     /// The points whose coordinates are read.
     points: Vec<PointId>,
-    /// Of all points that are read, those that the knuckle carries, and the place of each in that list.
+    /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of the point `id` of the
+    /// mechanism, or `None` if that point is not among them.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
-    /// Whether there are others.
+    /// Whether anything off the knuckle is read: another body's point, or a rocker.
     reads_others: bool,
     /// The rockers that what is read moves with, and those that turn them: their places take velocities.
     rockers: Vec<RockerId>,

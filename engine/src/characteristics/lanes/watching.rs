@@ -22,7 +22,7 @@ impl<B> RodsOnTheirWay<B> {
 }
 
 impl<B: SimdReal> RodsOnTheirWay<B> {
-    /// Of so many rockers; `nothing` is not a number.
+    /// Starts with no rod seen yet for this number of rockers; `nothing` is a NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         RodsOnTheirWay {

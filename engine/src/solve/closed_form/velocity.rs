@@ -32,15 +32,15 @@ use crate::number::Vector3;
 /// How a pose changes, at a rate of its own.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Velocity<T> {
-    /// Of the lower ball joint.
+    /// Velocity of the lower ball joint.
     pub ball_joint: Vector3<T>,
     /// Angular velocity of the knuckle.
     pub turn: Vector3<T>,
-    /// Of the vector along the steering axis.
+    /// Rate of the vector along the steering axis.
     pub steering_axis: Vector3<T>,
-    /// Of the height of the wheel centre.
+    /// Vertical velocity of the wheel centre.
     pub rise: T,
-    /// Of the arm's angle.
+    /// Angular rate of the arm.
     pub arm_angle: T,
 }
 

@@ -299,7 +299,7 @@ pub(super) struct ArmCorner<'w, 'd, B, V> {
     visitor: &'w mut V,
     /// The tangent by the drive, by which corrections go.
     slope: B,
-    /// Of the last correction: the state it came to, its step, and how far from the travel wanted it was before and after.
+    /// Result of the last correction: new state, step taken, and travel error before and after it.
     state: State<B>,
     step: B,
     missed: [B; 2],
@@ -456,7 +456,8 @@ pub(super) struct ArmWheel<'w, 'd, B> {
     tolerance: f64,
     /// The last state looked at.
     state: State<B>,
-    /// Of the last linearisation: how far it was from the travel wanted, and the tangent by the travel.
+    /// From the last linearisation: remaining travel error, and the derivative of the unknown (the half-angle tangent)
+    /// by travel.
     missed: B,
     by_travel: B,
 }

@@ -717,7 +717,7 @@ struct NewtonSteps<'w, 'd, B> {
     tolerance: f64,
     /// The equations about the last unknowns they were formed at.
     linear: RefCell<Linear<B>>,
-    /// Of the linearisation with which each lane settled.
+    /// Determinants of A and S in the linearisation with which each lane converged.
     determinants: [B; 2],
 }
 
@@ -897,7 +897,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_,
 pub(super) struct LinkageWheel<'w, 'd, B> {
     steps: NewtonSteps<'w, 'd, B>,
     on_knuckle: WheelOnKnuckle<B>,
-    /// Of the last linearisation: the way to the travel wanted, and that by the travel.
+    /// From the last linearisation: the remaining step to the wanted travel, and the derivative of the pose by travel.
     rest: Twist<B>,
     by_travel: Twist<B>,
 }

@@ -283,7 +283,7 @@ impl<'a> Batch<'a> {
         self.unknowns() * self.routes[rack].places.len()
     }
 
-    /// Of one wheel.
+    /// Number of unknowns per station of one wheel.
     fn unknowns(&self) -> usize {
         match self.way {
             Method::Arm(_) => 1,

@@ -229,8 +229,8 @@ impl Visited {
         numbers
     }
 
-    /// Of the weights prod (x - x_m)/(x_j - x_m) and their derivatives by x one `part`; `first` is the number
-    /// of the place at zero.
+    /// For each neighbour j: `part` of the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative by x. `first`
+    /// is the index of the place at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,

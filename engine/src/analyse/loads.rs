@@ -327,7 +327,7 @@ pub enum Carried {
     Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
-    /// Of the support.
+    /// The force with which the support keeps the suspension from moving.
     Support(Support),
     /// Tension of the rod of the spring's rocker.
     Rod,

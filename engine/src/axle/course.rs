@@ -27,16 +27,17 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// Whether the mean travel follows: held is the load of the axle that stands level at this heave.
+        /// Whether the mean travel follows from the load: it then is such that the axle carries what it carries when it
+        /// stands level at this heave.
         at_load: bool,
     },
     /// Travels of both wheels: every combination.
     Travels {
-        /// Of the left wheel.
+        /// Travels of the left wheel.
         left: Vec<f64>,
-        /// Of the right wheel.
+        /// Travels of the right wheel.
         right: Vec<f64>,
-        /// Whether the ground is a plane.
+        /// Whether both wheels stand on one plane, rather than each on a level pad.
         on_plane: bool,
     },
 }

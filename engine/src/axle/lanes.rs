@@ -19,7 +19,7 @@ pub struct LaneWheel<'i, B> {
 }
 
 impl<'i, B> LaneWheel<'i, B> {
-    /// Of what has been read.
+    /// The wheel as its inputs in lanes describe it.
     #[inline(always)]
     pub fn of(read: &'i LaneInputs<B>) -> Self {
         LaneWheel {

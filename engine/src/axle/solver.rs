@@ -31,9 +31,10 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The same, but that the mean travel follows: the axle carries what it carries level, with the rack in the middle.
+    /// The body rolled on a plane ground, with a mean travel that follows from the load: the axle carries what it
+    /// carries when it stands level at `heave`, with the rack in the middle.
     AtLoad {
-        /// Mean travel of the wheel centres there.
+        /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
         /// Roll angle in radians.
         roll: f64,
@@ -42,11 +43,11 @@ pub enum Placement {
     },
     /// Both travels.
     Travels {
-        /// Of left and right wheel.
+        /// Travels of left and right wheel.
         travels: [f64; 2],
         /// Displacement of the rack.
         rack: f64,
-        /// Whether the ground is a plane, the body level otherwise.
+        /// Whether both wheels stand on one plane; otherwise the body is level, and each wheel stands on a level pad.
         on_plane: bool,
     },
 }
@@ -94,10 +95,10 @@ impl std::fmt::Display for Placement {
 /// Why an axle has no position.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AxleFailure {
-    /// A wheel does not get there.
+    /// A wheel cannot reach its travel.
     #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
     Wheel {
-        /// Which.
+        /// Which wheel.
         side: Side,
         /// Its travel.
         travel: f64,
@@ -199,7 +200,7 @@ pub struct Placed {
     pub rack: f64,
     /// What was held.
     pub hold: Hold,
-    /// Where the mean travel followed from a load: that at which the level axle has it.
+    /// Only if the mean travel followed from a load: the heave at which the level axle carries that load.
     pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
@@ -216,13 +217,13 @@ impl Placed {
 struct Corner<'a, const N: usize> {
     mechanism: &'a Mechanism,
     solver: Solver<'a>,
-    /// For heights along the travel.
+    /// Series of poses along the travel, for heights of contact points.
     slopes: DesignSeries<TERMS>,
     series: DesignSeries<N>,
     /// 1, or -1 at the right wheel, whose own frame has the rack move the other way.
     rack_sign: f64,
     toggles: Toggles,
-    /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
+    /// Rack displacement, in this wheel's own frame, that `toggles` has begun with; `None` before the first.
     begun: Option<f64>,
     /// Travels at which this design was found to end, per rack position.
     ends: Vec<End>,
@@ -231,8 +232,8 @@ struct Corner<'a, const N: usize> {
     points: Vec<PointId>,
 }
 
-/// Where a travel ended, with the rack in one place of the wheel's own frame: to find that out takes as long as a hundred
-/// poses, and whoever looks for a roll angle that there is not comes there again and again.
+/// The end of the travel at one rack displacement, both in the wheel's own frame. It is remembered because finding it
+/// takes as long as a hundred poses, and a search for a roll angle that does not exist comes there again and again.
 #[derive(Clone, Copy, Debug)]
 struct End {
     rack: f64,
@@ -261,7 +262,7 @@ pub struct AxleSolver<'a, const N: usize> {
 const MOST_STEPS: usize = 80;
 /// Terms of the series of heights.
 const TERMS: usize = 4;
-/// As many times the curves of both wheels are solved before what is left is solved one by one.
+/// Rounds in which all open placements are solved together; placements still open after them are solved one by one.
 const MOST_ROUNDS: usize = 4;
 /// Relative to the size, how far a pose is moved along its series: four terms then leave less than rounding.
 const NEAR: f64 = 1e-4;
@@ -580,8 +581,8 @@ pub struct Read<'a> {
     pub condition: f64,
     /// For each wheel: the rod that is at or beyond a toggle, if any.
     pub toggles: [Option<Rod>; 2],
-    /// Of each wheel, where the points of [`AxleSolver::read_points`] are as functions of its own travel and rack, in
-    /// the frame of its side.
+    /// For each wheel: the positions of the points of [`AxleSolver::read_points`] as power series in its own travel and
+    /// rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 

@@ -115,7 +115,7 @@ pub struct InstantCentres {
 }
 
 impl InstantCentres {
-    /// Of a suspension in a configuration with its rates.
+    /// Instant centres of a suspension in a configuration with its first derivatives by the drive.
     pub fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 2>>) -> Self {
         if suspension.wheel_radius.is_none() {
             return InstantCentres::default();

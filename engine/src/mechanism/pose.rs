@@ -53,9 +53,9 @@ pub struct Configuration<'a, T> {
 /// A velocity of the knuckle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<T> {
-    /// Of its origin.
+    /// Velocity of the knuckle's origin.
     pub shift: Vector3<T>,
-    /// Angular.
+    /// Angular velocity of the knuckle.
     pub turn: Vector3<T>,
 }
 

@@ -69,7 +69,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Of two places the one that is nearer to this.
+    /// Returns whichever of two places of the rod is nearer to this one.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();

@@ -218,7 +218,7 @@ impl Real for Interval {
     fn lit(self, value: f64) -> Self {
         Interval::point(value)
     }
-    /// Of the part that is not negative.
+    /// Square root of the part of the interval that is not negative.
     #[inline]
     fn sqrt(self) -> Self {
         if self.high < 0.0 {

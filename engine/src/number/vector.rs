@@ -47,7 +47,7 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// Of a few registers, sums are shorter than calls.
+    /// Nested numbers add in calls, but those held in a few registers in place, where a sum is shorter than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
 }
 

@@ -437,7 +437,7 @@ fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
     Some(null)
 }
 
-/// Of six rows and a last one below them; `None` where that is singular.
+/// Factorises the square matrix of six rows with a last one below them. `None` if it is singular.
 fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
     let square = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
     Lu::of(square, 1.0)

@@ -1,11 +1,10 @@
 //! Main effects: which variable matters for which output.
 //!
-//! Of designs that have every output. Two views are given. The *change* is that of the plane of least
-//! squares through all designs, from the low end of a variable's range to its high end: it has a sign
-//! and a unit, and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index
-//! S = Var(E[y|x]) / Var(y): the part of the output's variance that goes when this variable is known;
-//! it sees curved responses too. Shares need variables that are sampled independently, so there are
-//! none of designs from a file.
+//! Only designs that have a value for every output count. Two views are given. The *change* is that of the plane of
+//! least squares through all designs, from the low end of a variable's range to its high end: it has a sign and a unit,
+//! and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y):
+//! the part of the output's variance that goes when this variable is known; it sees curved responses too. Shares need
+//! variables that are sampled independently, so there are none of designs from a file.
 //!
 //! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken
 //! together). From other samples the plane's part of it is known, and only what is left of the output when
@@ -185,13 +184,14 @@ fn exchanged(tally: &SweepStatistics, variable: usize, k: usize) -> (Option<f64>
 /// The plane of least squares through all designs.
 struct Plane {
     mean: DVector<f64>,
-    /// Of the scaled variables.
+    /// Variances of the scaled variables.
     variances: DVector<f64>,
     factors: nalgebra::Cholesky<f64, nalgebra::Dyn>,
 }
 
 impl Plane {
-    /// `None` where the designs do not determine it.
+    /// The plane through the designs that a tally has summed up. `None` if they do not determine it: too few designs,
+    /// or variables that depend on each other.
     fn of(tally: &SweepStatistics) -> Option<Self> {
         let moments = &tally.moments;
         let (n, d) = (moments.count as f64, moments.u.len());

@@ -69,7 +69,7 @@ impl Failing {
         }
     }
 
-    /// Of a design that cannot be solved at all.
+    /// Describes a design that cannot be solved at all; all its `stations` fail.
     pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),

@@ -67,7 +67,7 @@ pub struct OutputRange {
 }
 
 impl SweepStatistics {
-    /// Of no designs.
+    /// Statistics of no designs.
     pub fn empty(record: &SweepRecord) -> Self {
         SweepStatistics {
             designs: 0,
@@ -83,7 +83,7 @@ impl SweepStatistics {
         }
     }
 
-    /// Of the rows of a block.
+    /// Statistics of the rows of one block.
     pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
         let mut tally = SweepStatistics::empty(record);
         let (misfit, deviations) = (record.misfit(), record.deviations());

@@ -147,7 +147,7 @@ impl<'a> LaneReader<'a> {
         LaneReader::reading(mechanism, batch, constants, slots, Vec::new(), rates)
     }
 
-    /// Of slots and points.
+    /// A reader of these slots and of the coordinates of these points. `None` if one of them cannot be read in lanes.
     fn reading(
         mechanism: &'a Mechanism,
         batch: &Batch<'_>,

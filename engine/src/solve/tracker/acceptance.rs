@@ -69,7 +69,7 @@ pub struct Acceptance<B: SimdReal> {
 }
 
 impl<B: SimdReal> Acceptance<B> {
-    /// Of every lane.
+    /// Accepts every lane.
     #[inline(always)]
     pub fn everywhere(like: B) -> Self {
         Acceptance {

@@ -51,9 +51,9 @@ use crate::number::{Outlined, SimdReal};
 use std::array::from_fn;
 use std::cell::{Cell, Ref, RefCell};
 
-/// Of displacement and rotation.
+/// Unknowns of a pose: three of the displacement of the knuckle's origin, three of its rotation (a Rodrigues vector).
 pub(crate) const UNKNOWNS: usize = 6;
-/// The least determinant of a block, in those of the base design.
+/// The least determinant of a block, as a share of the base design's.
 const LEAST: f64 = 0.25;
 /// The least pivot of the base design.
 const LEAST_PIVOT: f64 = 1e-3;
@@ -184,7 +184,7 @@ fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B>
 }
 
 impl<B: Real> Blocks<B> {
-    /// Of a Jacobian of which nothing is known yet.
+    /// Blocks of zeros, to be filled in before they are used.
     #[inline(always)]
     fn unformed(order: Order, inverse_size: B) -> Self {
         let zero = inverse_size.zero();
@@ -382,7 +382,7 @@ impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
 }
 
 impl<B: SimdReal> Linear<B> {
-    /// Of which nothing is known yet.
+    /// Equations of zeros, to be formed before they are used.
     #[inline(always)]
     fn unformed(way: &ByLinkage, like: B) -> Self {
         let zero = like.zero();

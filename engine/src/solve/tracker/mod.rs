@@ -70,7 +70,7 @@ enum Method {
     Linkage(ByLinkage),
 }
 
-/// What is read off the poses.
+/// Receives the poses that the tracker solves.
 pub trait Visit<B: SimdReal> {
     /// A pose. Lanes that are not accepted hold anything, NaN included. Stations that no lane is accepted at
     /// are not visited.
@@ -107,7 +107,7 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
-/// What the gradients in all poses of a design have in common, where there is something.
+/// What the gradients in all poses of a design have in common; `None` for a mechanism without a closed form.
 pub struct LaneMembers<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
@@ -141,14 +141,15 @@ pub trait LanePose<B: SimdReal> {
     /// Velocity of the knuckle's origin and angular velocity by the rack's displacement, the travel held, from the
     /// rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
-    /// Where velocities are well known: the knuckle does not turn fast, as it does beside a fold.
+    /// Lanes in which velocities are well known: those in which the knuckle does not turn fast, as it does beside a
+    /// fold.
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
     /// The same as a configuration, with the rack where it is.
     fn configuration(&self, rack: B) -> Configuration<'_, B>;
-    /// What gradients take, driven by the travel; from the configuration and the rates of this pose.
+    /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
         &'p self,
         members: &'p LaneMembers<B>,
@@ -175,18 +176,18 @@ pub trait LaneAdjoint<B: SimdReal> {
 pub struct LaneRates<B> {
     origin: Vector3<B>,
     turn: Vector3<B>,
-    /// Of the vector along the steering axis, where it runs through two joints.
+    /// Rate of the vector along the steering axis; it has a meaning only where the axis runs through two joints.
     steering_axis: Vector3<B>,
 }
 
 impl<B: SimdReal> LaneRates<B> {
-    /// Of a vector of the knuckle that points here now.
+    /// Rate of a vector fixed to the knuckle, from the vector in this pose.
     #[inline(always)]
     pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
         self.turn.cross(now)
     }
 
-    /// Of a point of the knuckle that is here now.
+    /// Velocity of a point fixed to the knuckle, from its position in this pose.
     #[inline(always)]
     pub fn point(&self, at: &impl LanePose<B>, now: Vector3<B>) -> Vector3<B> {
         self.origin + self.turn.cross(now - at.origin())
@@ -254,7 +255,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Whether it visits every station: two may not coincide, and none be out of all reach.
+    /// Whether the tracker visits every station. It does not if two stations coincide, or if one is out of all reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -264,7 +265,7 @@ impl<'a> Batch<'a> {
         self.drive
     }
 
-    /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
+    /// Whether `axis` is the steering axis that [`LanePose::steering_axis`] returns.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
         match &self.way {
             Method::Arm(way) => axis == Some(way.steering_axis()),
@@ -278,7 +279,8 @@ impl<'a> Batch<'a> {
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
     }
 
-    /// How many unknowns a single design has on its way with the rack at its `rack`-th place.
+    /// Length of the history of a single design along the route at the `rack`-th rack displacement: unknowns times
+    /// places.
     pub(crate) fn steps(&self, rack: usize) -> usize {
         self.unknowns() * self.routes[rack].places.len()
     }

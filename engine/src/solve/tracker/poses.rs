@@ -41,7 +41,7 @@ pub(crate) struct TrackedPoses {
 }
 
 impl TrackedPoses {
-    /// Of nothing tracked yet.
+    /// Forgets all poses: until they are tracked, the stations count as not visited.
     pub(crate) fn clear(&mut self, station_order: &StationOrder) {
         self.poses.clear();
         let nowhere = Err(Rejection::NotOnTheWay);

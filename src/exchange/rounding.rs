@@ -37,13 +37,13 @@ pub struct Rounded {
 /// Misfits, in tolerances; `None` where a design cannot be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
-    /// Of the design as it is.
+    /// Misfit of the design before rounding.
     pub exact: f64,
-    /// With each coordinate rounded by itself.
+    /// Misfit with each coordinate rounded to the nearest multiple by itself.
     pub ordinary: Option<f64>,
-    /// Of the rounding chosen.
+    /// Misfit with the chosen rounding.
     pub best: f64,
-    /// Coordinates that are rounded the other way.
+    /// Number of coordinates that the chosen rounding does not round to the nearest multiple.
     pub otherwise: usize,
 }
 

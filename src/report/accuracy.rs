@@ -81,7 +81,7 @@ pub(super) struct ConditionSummary {
 }
 
 impl ConditionSummary {
-    /// Of curves with a pose at least.
+    /// Conditioning of curves. `None` if no station has a pose.
     pub(super) fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition
@@ -132,7 +132,7 @@ pub(super) struct CertificateSummary<L = StationLabel> {
 }
 
 impl CertificateSummary {
-    /// Of curves that were to be proved.
+    /// Summary of the proofs of curves. `None` if the study does not ask for them.
     pub(super) fn of(study: &Study, curves: &Curves) -> Option<Self> {
         if !study.outputs.certify {
             return None;
@@ -149,7 +149,7 @@ impl CertificateSummary {
 }
 
 impl<L> CertificateSummary<L> {
-    /// Of the proofs there are, among so many stations, where so many could not be proved.
+    /// Summary of the proofs of a motion with this number of `stations`, of which `unproved` could not be proved.
     pub(super) fn of_proofs(
         proofs: impl Iterator<Item = (L, Proof)>,
         unproved: usize,

@@ -148,18 +148,18 @@ pub struct FrontRecord {
 /// A point of a front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontPoint {
-    /// Of each wish, in tolerances.
+    /// Misfit of each wish, in tolerances.
     pub misfits: Vec<f64>,
-    /// Of each wish.
+    /// Weight of each wish.
     pub weights: Vec<f64>,
-    /// Of each variable.
+    /// Offset of each variable, in the study's axes.
     pub offsets: Vec<f64>,
     /// What differs from the study of the first point: number of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
 }
 
 impl FrontRecord {
-    /// Of a front.
+    /// The record of a front that a tuning found.
     pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
         let unit = study.suspension.length_unit.symbol();
         let text = |choice: &Choice| -> Vec<String> {

@@ -48,7 +48,7 @@ impl Completeness {
         table
     }
 
-    /// Of some curves.
+    /// Counts stations and empty cells of the curves of one wheel.
     pub fn of(curves: &Curves) -> Self {
         let is_solved = |s: &&Station| matches!(s.status, Status::Ok | Status::IllConditioned);
         let solved = || curves.stations.iter().filter(is_solved);
@@ -77,7 +77,7 @@ impl Completeness {
         Completeness::with(words, empty)
     }
 
-    /// Of the curves of an axle: column by column.
+    /// Counts stations and empty cells of the curves of an axle, column by column.
     pub fn of_axle(curves: &AxleCurves) -> Self {
         let solved = curves.stations.iter().filter(|s| s.placed.is_ok()).count();
         let mut empty: Vec<EmptyCells> = Vec::new();

@@ -56,7 +56,7 @@ pub struct Clearance {
 }
 
 impl Places {
-    /// Of a study's constraints.
+    /// What the constraints of a study keep to, as the drawing shows it.
     pub fn of(study: &Study) -> Self {
         let mut places = Places::default();
         let suspension = &study.suspension;

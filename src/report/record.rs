@@ -34,7 +34,7 @@ pub struct Record {
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, where it moves.
     pub rack: Option<String>,
-    /// Of an axle: columns of what moves beside the drive value.
+    /// For an axle: columns of what moves beside the drive value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
     /// What the columns of the curves are.
@@ -80,7 +80,7 @@ pub struct TargetRecord {
     pub tolerance: f64,
     /// Drive values and wanted values, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
-    /// Of an axle: the column that it is over in place of the drive value.
+    /// For an axle: the column that takes the place of the drive value in `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
 }
@@ -189,7 +189,7 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
 }
 
 impl TargetRecord {
-    /// Of a target compared at these stations, which are `printed` so.
+    /// The record of a target that is compared at these stations; `printed` turns their drive values into printed ones.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();
@@ -223,8 +223,8 @@ fn bands(study: &Study) -> Vec<BandCurve> {
     bands.map(record).collect()
 }
 
-/// Of a target at stations: the drive value, the least and the most that is wanted there, as printed; none where there is
-/// no limit.
+/// The limits of a target at stations: for each the drive value, the least and the most that is wanted there, as
+/// printed, by rising drive value; `None` where there is no limit.
 pub(crate) fn wanted_between(
     target: &Target,
     stations: &[f64],
@@ -247,7 +247,7 @@ pub(crate) fn wanted_between(
 }
 
 impl OutputRecord {
-    /// Of a column of the curves.
+    /// Describes a column of the curves of one wheel.
     pub fn of(column: &Column) -> Self {
         let name = column.output.replace('_', " ");
         OutputRecord {

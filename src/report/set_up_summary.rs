@@ -54,7 +54,7 @@ pub struct AdjustmentRecord {
 }
 
 impl SetUpSummary {
-    /// Of a set-up.
+    /// Summary of the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
         let finite = |v: f64| v.is_finite().then_some(v + 0.0);

@@ -23,13 +23,13 @@ pub struct ToleranceSummary {
     pub aligned: bool,
     /// Builds that could not be put together.
     pub rejected: u64,
-    /// Why, and the first of each kind.
+    /// How many were rejected for which reason, with the first of each.
     pub rejects: Vec<RejectRecord>,
     /// Builds without a pose somewhere in the motion.
     pub incomplete: u64,
     /// Number of the first of these.
     pub first_incomplete: Option<u64>,
-    /// Of an axle: the numbers that say where a value is, by their columns.
+    /// For an axle: columns of the numbers that say at which position of the motion a value is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<String>,
     /// Every value that was looked at.
@@ -53,7 +53,7 @@ pub struct RejectRecord {
     pub builds: u64,
     /// Number of the first.
     pub first: u64,
-    /// What of it.
+    /// What was wrong with the first, in words.
     pub what: String,
 }
 
@@ -68,14 +68,14 @@ pub struct ValueRecord {
     /// Rack displacement, in the study's axes, of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rack: Option<f64>,
-    /// Of an axle: the numbers of [`ToleranceSummary::places`].
+    /// For an axle: the numbers of [`ToleranceSummary::places`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub place: Vec<f64>,
-    /// Builds that have it.
+    /// Number of builds that have the value.
     pub builds: u64,
-    /// As drawn.
+    /// Value of the drawn design.
     pub drawn: Option<f64>,
-    /// Of the builds.
+    /// Mean over the builds.
     pub mean: Option<f64>,
     /// Standard error of the mean.
     pub mean_error: Option<f64>,
@@ -103,7 +103,7 @@ pub struct ValueRecord {
     pub remainder_second_order: Option<f64>,
     /// Whether this is the drawn position.
     at_rest: bool,
-    /// Of the values.
+    /// Unit of the values.
     unit: String,
 }
 
@@ -159,7 +159,7 @@ impl ValueRecord {
 }
 
 impl ToleranceSummary {
-    /// Of what was found.
+    /// Summary of the first-order answer, the Monte Carlo and the yields; `drawn` has the values of the drawn design.
     pub fn of(
         problem: &Problem,
         drawn: &[f64],
@@ -483,7 +483,7 @@ pub(super) fn in_words(band: &Band) -> String {
     }
 }
 
-/// Of an axle, the columns that say where its values are.
+/// Columns that say at which position of the motion an axle's values are; empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle.as_ref();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {

@@ -8,14 +8,14 @@ use std::time::{Duration, Instant};
 pub struct Timing {
     /// Half of the samples are faster.
     pub median: f64,
-    /// A quarter of the samples is faster,
+    /// A quarter of the samples is faster.
     pub lower: f64,
-    /// and a quarter slower.
+    /// A quarter of the samples is slower.
     pub upper: f64,
 }
 
 impl Timing {
-    /// Of some samples, of which there must be one.
+    /// Median and quartiles of samples, in ns per item; there must be at least one.
     fn of(mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let at = |share: f64| samples[((samples.len() - 1) as f64 * share).round() as usize];

@@ -166,7 +166,7 @@ struct Problem<'a> {
     rest: Rest,
     statics: Vec<Static>,
     wanted: Vec<Option<f64>>,
-    /// Of a miss of each as it is printed.
+    /// Weight of each value's miss, per unit in which it is printed: 10 per degree, 1 per millimetre.
     weights: Vec<f64>,
 }
 

@@ -69,7 +69,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Returns whichever of two places of the rod is nearer to this one.
+    /// Returns, lane by lane, whichever of two places of the rod is nearer to this one.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();

@@ -47,7 +47,8 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// Nested numbers add in calls, but those held in a few registers in place, where a sum is shorter than a call.
+    /// Whether sums are calls: those of nested numbers are, but for numbers in a few registers, whose sum is shorter
+    /// than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
 }
 

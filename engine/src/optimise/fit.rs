@@ -72,9 +72,9 @@ pub enum Termination {
     Stationary,
     /// Every step that would lower the cost, however short, leads where there are no residuals.
     NoFeasibleStep(Infeasible),
-    /// Of all designs that are good enough, no other nearby moves less.
+    /// The design is good enough, and no other one nearby that is moves less.
     NearestGoodEnough,
-    /// No design is good enough; of those that are as good as the best, no other nearby moves less.
+    /// No design is good enough. This one is as good as the best, and no other one nearby that is moves less.
     NearestOfTheBest,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,

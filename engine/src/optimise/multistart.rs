@@ -101,14 +101,14 @@ pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
 }
 
-/// The least misfit of those that keep the constraints.
+/// The least misfit of the starts that keep the constraints.
 pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     let kept = fits(starts).filter(|(_, fit)| fit.is_feasible());
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Of those that keep the constraints with a misfit up to `good`, the nearest; the earliest of those that are as near up
-/// to a share of the distance.
+/// Chooses the start that moves least among those that keep the constraints with a misfit up to `good`. Of several
+/// whose distance is the least one up to the part `share` of it, the earliest is taken.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,

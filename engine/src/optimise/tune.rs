@@ -143,7 +143,7 @@ pub(super) struct Tuner<'a> {
     pub optimise: &'a Optimise,
     pub layout: &'a TargetLayout,
     pub bounds: Bounds,
-    /// Where no variable has moved anything.
+    /// Offsets of the study's own design: all zero.
     pub design: DVector<f64>,
     pub control: Control<'a>,
     problems: Pool<Objective<'a>>,
@@ -354,8 +354,9 @@ impl<'a> Tuner<'a> {
         Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
-    /// Of the starts that keep the constraints and are good enough, the nearest; of others the best; of
-    /// those that keep none the least violated.
+    /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
+    /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
+    /// `least` is the least misfit of those that keep them.
     fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
         let Some(least) = least else {
             let by_violation =

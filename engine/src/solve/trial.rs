@@ -60,7 +60,7 @@ pub(crate) struct OneEquation<T> {
 }
 
 impl<T: Scalar> OneEquation<T> {
-    /// Of a design whose mechanism has a closed form.
+    /// The equation of a design with the rack at `rack`. `None` if its mechanism has no closed form.
     pub(crate) fn new(mechanism: &Mechanism, design: &[Vector3<T>], rack: T) -> Option<Self> {
         let form = ClosedForm::new(&Roles::of(mechanism)?, design);
         Some(OneEquation {

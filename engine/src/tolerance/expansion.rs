@@ -40,7 +40,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Of a study's tolerances.
+    /// Expands every value of a study about the drawn design. Errors if that cannot be built or aligned.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
@@ -125,7 +125,8 @@ pub struct Remainder {
     pub second: f64,
 }
 
-/// Of one wheel: how fast every value changes with each source, and what second order adds.
+/// For a study of one wheel: how fast every value changes with each source (`[cell][source]`), and what second order
+/// adds to its mean and variance (`[cell]`).
 fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;

@@ -75,7 +75,7 @@ enum Looked {
 }
 
 impl<'a> Problem<'a> {
-    /// Of a study. An error says why its own design cannot be solved, or not be aligned.
+    /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
         match &study.axle {
             None => Problem::of_wheel(study, tolerance),
@@ -197,7 +197,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Of one wheel, what is looked at.
+    /// The characteristics of a study of one wheel, in the order of [`Problem::outputs`]; empty for an axle.
     fn characteristics(&self) -> &[Characteristic] {
         match &self.looked {
             Looked::Wheel {
@@ -217,14 +217,14 @@ impl<'a> Problem<'a> {
         output * self.stations.count() + station
     }
 
-    /// By band, the values that are to keep to it, by number.
+    /// For each band, the numbers ([`Problem::cell`]) of the values that are to keep to it.
     pub fn cells_of_bands(&self) -> impl Iterator<Item = Vec<usize>> + '_ {
         let cell = |[output, station]: &[usize; 2]| self.cell(*output, *station);
         let bands = self.bands.iter();
         bands.map(move |(places, _)| places.iter().map(cell).collect())
     }
 
-    /// Of an axle, the position of every station; empty of one wheel.
+    /// The position of every station of an axle; empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
         match &self.looked {
             Looked::Wheel { .. } => &[],

@@ -86,7 +86,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Of the builds of a block that go together.
+    /// Sums over the builds of one block; powers are of the deviations from the values as `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {

@@ -1,8 +1,8 @@
 //! Percentiles: of n values the smallest that so many percent of them do not exceed, exactly, in bounded memory.
 //!
-//! Of every value a few *windows* are kept, within which percentiles can still lie; outside only counts are. Whenever the
-//! number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds lies between those order
-//! statistics of the n that are
+//! For every value a few *windows* are kept, within which percentiles can still lie; outside them values are only
+//! counted. Whenever the number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds
+//! lies between those order statistics of the n that are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
@@ -64,7 +64,7 @@ struct Cell {
 }
 
 impl Order {
-    /// Of so many cells; every value is kept at first.
+    /// An order of this many cells with nothing gathered; at first every value is kept.
     pub(super) fn of(cells: usize) -> (Order, Gathered) {
         let mut all = [NONE; MOST];
         all[0] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -258,7 +258,7 @@ struct Ranks<'c> {
 }
 
 impl<'c> Ranks<'c> {
-    /// Of a cell that is compact.
+    /// Ranks of the values of a cell that is compact: values rise, each there once.
     fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
         let mut before = Vec::with_capacity(cell.kept.len() + 1);
         let mut sum = 0;

@@ -10,12 +10,12 @@ pub(super) struct Workshop {
     /// Puts builds together.
     pub(super) assembler: Assembler,
     pub(super) alignment: Option<Alignment>,
-    /// Of an axle, whose parts these are.
+    /// For an axle: the wheel whose parts these are.
     pub(super) side: Option<Side>,
 }
 
 impl Workshop {
-    /// Of a wheel as drawn.
+    /// Prepares to build a wheel from its drawing.
     pub(super) fn of(
         study: &Study,
         tolerance: &Tolerance,
@@ -34,7 +34,7 @@ impl Workshop {
         })
     }
 
-    /// The dimensions that a source changes in this wheel: none where it is of the other.
+    /// The dimensions that a source changes in this wheel; none if the source belongs to the other wheel.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
         match source.side == self.side {
             true => &source.changes,

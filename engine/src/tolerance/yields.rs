@@ -16,18 +16,18 @@ const SMALL: f64 = 0.05;
 /// The yield of a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
-    /// Of the builds.
+    /// Share of the builds that keep to the band.
     pub monte_carlo: f64,
-    /// By the first-order answer, over a sample of draws.
+    /// The same share by the first-order answer, over a sample of draws.
     pub linear: f64,
 }
 
 /// Yields, and what each contributor is worth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yields {
-    /// Of each band.
+    /// Yield of each band.
     pub bands: Vec<BandYield>,
-    /// Of all bands together.
+    /// Yield of all bands together: of builds that keep to every one.
     pub all: BandYield,
     /// Contributors, the one first whose halving gains most.
     pub ranking: Vec<Ranking>,

@@ -110,7 +110,7 @@ enum UpperJoint<T> {
 }
 
 impl<T: Real> Legs<T> {
-    /// Of an arm, its joint on a circle.
+    /// Legs of an arm whose outer joint moves on this circle.
     #[inline(always)]
     fn of(arm: Arm, design: &[Vector3<T>], circle: &Circle<T>) -> Self {
         let [outer, front, rear] = [design[arm.outer.0], design[arm.front.0], design[arm.rear.0]];
@@ -184,8 +184,8 @@ impl<T: Real> Members<T> {
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
-    /// Of a state, that is the configuration `at`, moving by the travel with the ball joint's velocity and a turn
-    /// of the knuckle.
+    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and
+    /// `turn` are the velocity of the lower ball joint and the angular velocity of the knuckle by the travel.
     #[inline(always)]
     pub(crate) fn of(
         roles: &'a Roles,

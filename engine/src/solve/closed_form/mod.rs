@@ -330,7 +330,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// The same state by a better value of ga^2 G than it was formed with.
+    /// The state with a better value of ga^2 G than it was formed with.
     pub(crate) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
         State {
             ga: self.side * (square / state.gram).sqrt(),
@@ -339,7 +339,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Of what holds the upper end, at an arm angle: negative where the mechanism cannot be assembled.
+    /// The square under the root of whatever holds the upper end, at the arm angle with this cosine and sine; negative
+    /// where the mechanism cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
     }

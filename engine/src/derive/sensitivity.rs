@@ -297,7 +297,7 @@ pub struct DesignedSpinAxis<T> {
 }
 
 impl<T: Real> DesignedSpinAxis<T> {
-    /// Of a design.
+    /// The spin axis of a design.
     #[inline(always)]
     pub fn of(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let centre = design[mechanism.wheel_centre.0];

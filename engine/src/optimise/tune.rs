@@ -38,7 +38,7 @@ const TRIED_OUT: usize = 8;
 /// So many starts are tried before constraints are said to exclude one another.
 const STARTS_BEFORE_REFUSAL: usize = 4;
 
-/// What came of a tuning.
+/// The result of a tuning.
 #[derive(Clone, Debug)]
 pub struct Tuning {
     /// Misfit and deviations of the design the study gives, or why it has none.
@@ -72,28 +72,28 @@ pub struct Best {
     pub design: Vec<Vector3<f64>>,
     /// How well it meets the targets.
     pub after: Fulfilment,
-    /// What the targets tell of the variables there.
+    /// Which directions of the variables the targets see at that design.
     pub identifiability: Identifiability,
-    /// How it keeps the constraints, one by one.
+    /// How it keeps each constraint.
     pub constraints: Vec<ConstraintOutcome>,
-    /// What is known of the variables, where the targets are measurements.
+    /// Standard errors of the variables; only if the targets are measurements.
     pub errors: Option<StandardErrors>,
 }
 
 /// How a constraint is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
-    /// What is left to the limit that is nearest, in the constraint's unit; negative where it is violated.
+    /// Room to the nearest limit, in the constraint's unit; negative if it is violated.
     pub room: f64,
-    /// The drive value of the station where that is or that is next to it; none for what does not change along the
-    /// motion.
+    /// Drive value of the station with the least room, or next to it; `None` if the constraint does not change along
+    /// the motion.
     pub at: Option<f64>,
-    /// By how much, in tolerances, the misfit would fall for a limit one unit further; none where it does not
-    /// bind or the misfit is good enough anyway.
+    /// By how much, in tolerances, the misfit would fall if the limit were one unit further; `None` if the limit does
+    /// not bind, or if the misfit is good enough anyway.
     pub price: Option<f64>,
 }
 
-/// Tunes a suspension. An error says why the design itself cannot be solved.
+/// Tunes a suspension. Errors if the design itself cannot be solved.
 pub fn tune(
     suspension: &Suspension,
     motion: &Motion,
@@ -389,7 +389,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// When a run ends.
+    /// The options that say when a run ends.
     pub(super) fn options(&self) -> Options {
         Options {
             max_iterations: self.optimise.max_iterations,

@@ -1,4 +1,4 @@
-//! What a sweep computes of each design, and the workers that do it.
+//! What a sweep computes for each design, and the workers that do it.
 
 use super::axle::AxleStations;
 use super::in_order;
@@ -20,19 +20,19 @@ use crate::study::{
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
-/// What a sweep computes of each design.
+/// What a sweep computes for each design.
 #[derive(Clone, Debug)]
 pub struct SweepPlan<'s> {
-    /// What the results are.
+    /// Describes the results, as `sweep.json` has it.
     pub record: SweepRecord,
-    /// Where each design is solved.
+    /// The stations at which each design is solved.
     pub stations: Stations,
-    /// What is read off each pose, targets' characteristics included.
+    /// The quantities that are read off each pose, those of targets included.
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    /// By quantity: the derivative by the drive of one that is none itself; of an axle the derivatives that are asked
-    /// for.
+    /// For each quantity: its derivative by the drive, unless it is a derivative itself; for an axle the derivatives
+    /// that are asked for.
     gains: Vec<Vec<Gain>>,
     /// For an axle: its stations and quantities; `quantities` above is then unused.
     axle: Option<AxleStations<'s>>,
@@ -47,21 +47,21 @@ struct Gain {
     column: String,
     unit: String,
     factor: f64,
-    /// Its number among the slopes of a block.
+    /// Index among the slopes of a block.
     slope: usize,
 }
 
-/// A target over the stations.
+/// A target with what it wants at each station.
 #[derive(Clone, Debug)]
 struct SweptTarget {
-    /// What it is called in columns.
+    /// Its name in the names of columns.
     name: String,
     tolerance: f64,
     weight: f64,
     wishes: Vec<SweptWish>,
 }
 
-/// What is wanted of a quantity, by number, at a station.
+/// What is wanted of a quantity at a station, both by number.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,

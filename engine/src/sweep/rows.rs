@@ -10,7 +10,7 @@ use crate::model::{Drive, Mechanism};
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// What became of each design; `None` where every station was solved.
+    /// Why each design was not solved at every station; `None` if it was.
     pub failing: Vec<Option<Failing>>,
     /// `[design][variable]`
     pub variables: Vec<f64>,

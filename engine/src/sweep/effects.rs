@@ -42,7 +42,7 @@ pub struct Effects {
     pub deviation: f64,
     /// The part of the variance that the plane of least squares explains.
     pub r2: Option<f64>,
-    /// By variable.
+    /// The effect of each variable.
     pub of: Vec<Effect>,
 }
 
@@ -127,8 +127,8 @@ impl Effects {
     }
 }
 
-/// The sum of squares of an output between the levels of a variable, and the number of levels met. With a plane,
-/// of what is left when that is taken away.
+/// The sum of squares of an output between the levels of a variable, and the number of levels that designs meet. With a
+/// plane, the sum of squares of what is left of the output when the plane is taken away.
 fn between_levels(
     tally: &SweepStatistics,
     variable: usize,

@@ -27,8 +27,8 @@ pub struct Failing {
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,
-    /// The drive value of the one nearest to the design position, as printed. None where the design
-    /// cannot be solved at all.
+    /// The drive value, as printed, of that one which is nearest to the design position. `None` if the design cannot be
+    /// solved at all.
     pub at: Option<f64>,
 }
 
@@ -38,13 +38,13 @@ impl Rows {
         self.failing.len()
     }
 
-    /// The variables of a design, by its place.
+    /// The variables of a design, by its index in the rows.
     pub fn variables(&self, place: usize) -> &[f64] {
         let width = self.variables.len() / self.designs();
         &self.variables[place * width..][..width]
     }
 
-    /// The outputs of a design, by its place.
+    /// The outputs of a design, by its index in the rows.
     pub fn outputs(&self, place: usize) -> &[f64] {
         let width = self.outputs.len() / self.designs();
         &self.outputs[place * width..][..width]

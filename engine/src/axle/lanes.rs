@@ -11,7 +11,7 @@ use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slot
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// What is read of a wheel in lanes: its parts and their first derivatives, by the rack those of the carrier alone.
+/// A wheel read in lanes: its parts and their first derivatives by travel; by the rack only those of the carrier.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -118,13 +118,13 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Whether it can be had in lanes: not what takes accelerations or the laws of springs.
+    /// Whether lanes can provide the quantity. They cannot if it needs accelerations or the laws of springs.
     pub fn is_for_lanes(self) -> bool {
         let is_elastic = |need: &Need| matches!(need, Need::Spring | Need::AntiRollBar);
         self.rate_order() < 2 && !self.needs().iter().any(is_elastic)
     }
 
-    /// What it reads of a wheel in lanes.
+    /// The slots of a wheel that it reads in lanes.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),

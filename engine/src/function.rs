@@ -446,7 +446,7 @@ impl<'f> Evaluation<'f> {
         self.gradients = Some((evaluator, found));
     }
 
-    /// The same of an axle, with derivatives where there is room for them.
+    /// Evaluates designs of an axle, with derivatives if there is a `jacobian` to write them to.
     fn evaluate_axles(
         &mut self,
         course: &'f AxleCourse,
@@ -496,7 +496,7 @@ impl<'f> Evaluation<'f> {
         self.of_axle = Some(of_axle);
     }
 
-    /// Puts so many designs in place.
+    /// Forms the `count` designs whose variables are `x`.
     fn place(&mut self, x: &[f64], count: usize) {
         let (width, points) = (self.offsets.len(), self.function.suspension.design.len());
         self.designs.resize(count * points, Vector3::default());
@@ -516,7 +516,8 @@ impl<'f> Evaluation<'f> {
         ways(design, frame, &f.variables, &self.offsets, &mut self.ways);
     }
 
-    /// Copies what was found of a design by its place, derivatives by the variables in place of those by points.
+    /// Copies the values of design `number`, and its derivatives by the variables, which are formed from those by
+    /// points.
     fn read(
         &self,
         found: &Evaluated,
@@ -565,14 +566,14 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// The offsets from the design among `x`; those of coordinates are 0.
+    /// Writes the offsets from the design into `into`; those of variables that are coordinates are 0.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
         }
     }
 
-    /// The design of a right wheel with hardpoints of its own, moved as the left one is.
+    /// Writes the design of a right wheel with hardpoints of its own, which moves as the left one does, into `into`.
     fn right_design(
         &self,
         own: &Suspension,
@@ -592,7 +593,7 @@ impl DesignFunction {
         }
     }
 
-    /// The design at offsets and, where a variable is one, coordinates.
+    /// Writes the design at `x` into `into`: variables are offsets, or coordinates for those that are absolute.
     fn design(&self, x: &[f64], offsets: &DVector<f64>, into: &mut [Vector3<f64>]) {
         let Suspension { design, frame, .. } = &*self.suspension;
         moved_design(design, frame, &self.variables, offsets, into);

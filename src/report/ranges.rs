@@ -1,4 +1,4 @@
-//! How far columns go over a motion.
+//! Least and greatest values of columns over a motion.
 
 use super::table::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// The form of the file. A reader takes no other.
 pub(super) const FORM: u32 = 2;
 
-/// What the report needs beyond the other files of a run.
+/// The data that the report needs beyond the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// `FORM`.
@@ -37,9 +37,9 @@ pub struct Record {
     /// For an axle: columns of what moves beside the drive value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
-    /// What the columns of the curves are.
+    /// Descriptions of the columns of the curves.
     pub outputs: Vec<OutputRecord>,
-    /// What was wanted.
+    /// The targets that were wanted.
     pub targets: Vec<TargetRecord>,
     /// Bands that were wanted.
     #[serde(default)]
@@ -53,7 +53,7 @@ pub struct Record {
     pub scene: Scene,
     /// Influences of the last design.
     pub influences: Vec<Influence>,
-    /// What could be chosen instead of the last design.
+    /// Designs that could be chosen instead of the last one.
     #[serde(default)]
     pub front: Option<FrontRecord>,
 }
@@ -63,9 +63,9 @@ pub struct Record {
 pub struct OutputRecord {
     /// Its name in the CSV files.
     pub column: String,
-    /// For reading: `camber`, `camber, 1st derivative`.
+    /// Title for reading: `camber`, `camber, 1st derivative`.
     pub title: String,
-    /// For reading: `deg/mm`; empty for a plain number.
+    /// Unit for reading: `deg/mm`; empty for a plain number.
     pub unit: String,
     /// When it is positive.
     pub positive: Option<String>,
@@ -76,7 +76,7 @@ pub struct OutputRecord {
 pub struct TargetRecord {
     /// The column it is about.
     pub column: String,
-    /// In the column's unit.
+    /// Tolerance, in the column's unit.
     pub tolerance: f64,
     /// Drive values and wanted values, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
@@ -107,7 +107,7 @@ pub struct DesignRecord {
     pub curves: String,
     /// Number of stations.
     pub stations: usize,
-    /// What has to be said of the accuracy.
+    /// Remarks on the accuracy.
     #[serde(default)]
     pub remarks: Vec<String>,
     /// The stations that failed.
@@ -118,7 +118,7 @@ pub struct DesignRecord {
 
 /// A design to be recorded.
 pub struct DrawnDesign<'a> {
-    /// What it is called.
+    /// Name of the design.
     pub label: &'a str,
     /// The file with its curves.
     pub file: &'a str,

@@ -1,4 +1,4 @@
-//! Where on the motion a station is.
+//! Labels that say where on the motion a station is.
 
 use super::figure::as_written;
 use super::table::Cell;

@@ -1,4 +1,4 @@
-//! What scatter comes to, in tables and files.
+//! The results of scatter, in tables and files.
 
 use super::axle::Place;
 use super::files::csv_of_rows;
@@ -49,9 +49,9 @@ pub struct ToleranceSummary {
 pub struct RejectRecord {
     /// A word for it.
     pub reason: String,
-    /// How many.
+    /// Number of builds that were rejected for it.
     pub builds: u64,
-    /// Number of the first.
+    /// Number of the first of these builds.
     pub first: u64,
     /// What was wrong with the first, in words.
     pub what: String,
@@ -81,7 +81,7 @@ pub struct ValueRecord {
     pub mean_error: Option<f64>,
     /// Standard deviation of the builds.
     pub sigma: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the standard deviation.
     pub sigma_error: Option<f64>,
     /// First-order standard deviation.
     pub sigma_linear: Option<f64>,
@@ -97,9 +97,9 @@ pub struct ValueRecord {
     pub shares: Vec<Option<f64>>,
     /// The part of the builds' variance that first order leaves: curvature and interaction.
     pub remainder: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
-    /// What second order says it is.
+    /// The same part by second order.
     pub remainder_second_order: Option<f64>,
     /// Whether this is the drawn position.
     at_rest: bool,
@@ -114,7 +114,7 @@ pub struct BandRecord {
     pub band: String,
     /// The share of builds in it.
     pub kept: f64,
-    /// The same by the first-order answer.
+    /// The share of builds in it by the first-order answer.
     pub kept_linear: f64,
 }
 
@@ -146,7 +146,7 @@ pub fn rejected(side: Option<Side>, why: &Reject) -> String {
 }
 
 impl ValueRecord {
-    /// Where it is, as the columns of a table have it.
+    /// The numbers that say where the value is, as columns of a table.
     fn place(&self) -> impl Iterator<Item = String> + '_ {
         let of_wheel = self.travel.into_iter().chain(self.rack);
         of_wheel.chain(self.place.iter().copied()).map(shortest)
@@ -235,7 +235,7 @@ impl ToleranceSummary {
         line
     }
 
-    /// What was rejected, and what has no pose somewhere, in words.
+    /// In words, which builds were rejected and which have no pose somewhere.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .rejects
@@ -346,7 +346,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// What to hold tighter and what may be looser.
+    /// A table of the tolerances to hold tighter and of those that may be looser.
     pub fn ranking_table(&self) -> Table {
         let mut table = Table::new([
             "contributor",

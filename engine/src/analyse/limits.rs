@@ -31,7 +31,7 @@ use std::ops::ControlFlow;
 pub struct Limit {
     /// The value, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Why it goes no further.
+    /// Why the mechanism goes no further.
     pub cause: LimitCause,
     /// The part that is nearest to being singular by itself, where the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,

@@ -240,7 +240,7 @@ pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
     B::select(a.less(b), b, a)
 }
 
-/// The same pose in every lane.
+/// This pose in every lane.
 #[inline(always)]
 fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
     let shape = Vector3::new(like, like, like);

@@ -15,28 +15,28 @@
 use super::Outlined;
 use pulp::x86::{V3, V4};
 
-/// Pieces of work, compiled for instruction sets: all of them.
+/// A piece of work that is compiled for every instruction set; all pieces are.
 pub(super) trait ForInstructionSet: Outlined {
-    /// Does it with AVX-512.
+    /// Does the work with AVX-512.
     fn with_avx512(self, proof: V4) -> Self::Output;
-    /// Does it with AVX2.
+    /// Does the work with AVX2.
     fn with_avx2(self, proof: V3) -> Self::Output;
-    /// In a function of its own.
+    /// Does the work with AVX-512 in a function of its own.
     ///
     /// # Safety
     /// The processor has the features of [`V4`].
     unsafe fn avx512(self) -> Self::Output;
-    /// As the compiler likes it.
+    /// Does the work with AVX-512, inlined or not as the compiler decides.
     ///
     /// # Safety
     /// The processor has the features of [`V4`].
     unsafe fn small_avx512(self) -> Self::Output;
-    /// In a function of its own.
+    /// Does the work with AVX2 in a function of its own.
     ///
     /// # Safety
     /// The processor has the features of [`V3`].
     unsafe fn avx2(self) -> Self::Output;
-    /// As the compiler likes it.
+    /// Does the work with AVX2, inlined or not as the compiler decides.
     ///
     /// # Safety
     /// The processor has the features of [`V3`].

@@ -187,7 +187,7 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// One real number, perhaps with derivatives: where it lies can be asked.
+/// One real number, perhaps with derivatives, whose value can be compared.
 pub trait Scalar: Real {
     /// The value without its derivatives.
     fn value(self) -> f64;

@@ -146,7 +146,7 @@ impl<T: Real> Vector3<T> {
         )
     }
 
-    /// What is left of it across a unit vector.
+    /// The part of the vector that is normal to a unit vector.
     #[inline(always)]
     pub fn across(self, axis: Self) -> Self {
         self - axis * axis.dot(self)

@@ -14,9 +14,9 @@ use crate::sweep::{Gradients, Stations};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// By leg; none where a leg has nothing that is read.
+    /// For each leg what evaluates it; `None` if nothing is read there.
     legs: Vec<Option<Leg<'a>>>,
-    /// The parts of constraints; none where lanes do not tell all of them.
+    /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
     /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
     along: Vec<f64>,
@@ -24,7 +24,7 @@ pub(super) struct LaneRows<'a> {
     slopes: Vec<f64>,
 }
 
-/// A motion with the rack in one place.
+/// The stations of one motion at one rack displacement.
 #[derive(Clone)]
 struct Leg<'a> {
     gradients: Gradients<'a>,
@@ -39,8 +39,8 @@ pub(super) struct Checked<'r> {
 }
 
 impl<'a> LaneRows<'a> {
-    /// For the targets of a layout, with its constraints if they are wanted; `None` where targets cannot be differentiated in
-    /// lanes.
+    /// Prepares the targets of a layout, and its constraints if `with_constraints`. `None` if targets cannot be
+    /// differentiated in lanes.
     pub(super) fn new(
         suspension: &'a Suspension,
         layout: &TargetLayout,

@@ -11,12 +11,12 @@ use std::ops::Range;
 /// in it to about [`Options::reduction_below`].
 const SAME_MISFIT: f64 = 1e-9;
 
-/// One start and what became of it.
+/// One start and its outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Where it began.
     pub x: DVector<f64>,
-    /// Where it ended, or why there were no residuals where it began.
+    /// The fit at which it ended, or why there are no residuals at its beginning.
     pub outcome: Result<Fit, Infeasible>,
 }
 
@@ -95,7 +95,7 @@ pub fn starting_point(
     })
 }
 
-/// What starts came to that had residuals, with their numbers.
+/// The fits of those starts that have one, with the numbers of the starts.
 pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     let fits = starts.iter().enumerate();
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))

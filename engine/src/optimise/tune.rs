@@ -26,16 +26,16 @@ use rayon::prelude::*;
 /// A direction in which a move across the whole range changes the misfit by less than this (in
 /// tolerances) is one that the targets do not see.
 const UNSEEN: f64 = 0.01;
-/// Where no design is good enough, designs are as good as the best up to this ratio of misfits.
+/// If no design is good enough, designs count as being as good as the best up to this ratio of misfits.
 const AS_GOOD: f64 = 1.01;
-/// Moves shorter than this share of the range are none.
+/// Moves shorter than this share of the range do not count as moves.
 const NO_MOVE: f64 = 1e-9;
 /// A target that a move across the range of any variable changes by less than this (in tolerances) is one
 /// that nothing moves.
 const UNMOVED: f64 = 1e-9;
-/// So many of the directions that targets do not see are tried out.
+/// The most directions that targets do not see that are tried out.
 const TRIED_OUT: usize = 8;
-/// So many starts are tried before constraints are said to exclude one another.
+/// Number of starts that are tried before constraints are said to exclude one another.
 const STARTS_BEFORE_REFUSAL: usize = 4;
 
 /// The result of a tuning.
@@ -416,7 +416,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// What the targets tell apart, directions they do not see tried out.
+    /// Which directions the targets see at a fit. Directions that they do not see are tried out by moving along them.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();

@@ -180,7 +180,7 @@ impl Outputs {
 /// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// What the names of its columns begin with.
+    /// Beginning of the names of its columns.
     pub name: String,
     /// Where the force acts.
     pub at: LoadPoint,
@@ -191,7 +191,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// The same load in the kernel's axes of the other side, which are the mirror image.
+    /// The load in the kernel's axes of the other side, which are the mirror image.
     pub(crate) fn on_other_side(self) -> Load {
         let (force, moment) = (self.force, self.moment);
         Load {
@@ -209,7 +209,7 @@ pub struct Sweep {
     pub designs: Designs,
     /// Whether the curves of every design are kept.
     pub curves: bool,
-    /// What the results are written as.
+    /// The file format of the results.
     pub format: FileFormat,
 }
 
@@ -242,7 +242,7 @@ pub struct Sampled {
 pub enum Sampling {
     /// Every combination of evenly spaced values, the last variable running fastest.
     Grid,
-    /// As many equal strata of every variable as there are samples, each met once.
+    /// Every variable has as many equal strata as there are samples, and a sample in each.
     LatinHypercube,
     /// A low-discrepancy sequence.
     Sobol,
@@ -254,7 +254,7 @@ pub enum Sampling {
     Saltelli,
 }
 
-/// What the results of a sweep are written as.
+/// The file format of a sweep's results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// Comma-separated values.
@@ -542,7 +542,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// What it is called: the characteristic, or the column without its unit.
+    /// Name of the target: the characteristic's, or the column's without its unit.
     pub fn name(&self, length: LengthUnit) -> String {
         match self.of.as_characteristic() {
             Some(characteristic) => characteristic.info().name.to_owned(),
@@ -754,7 +754,7 @@ pub enum Law {
     },
 }
 
-/// What something is to keep to, in radians or length units.
+/// A band that a quantity of builds is to keep to, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     /// What must keep to the band: a characteristic, or a quantity of an axle (of both wheels if no side is named).

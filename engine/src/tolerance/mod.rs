@@ -1,4 +1,4 @@
-//! What manufacturing scatter does to curves and figures.
+//! The effect of manufacturing scatter on curves and figures.
 //!
 //! Parts scatter by independent numbers z with mean m and variance s^2 ([`crate::study::Source`]). Whatever is read off a
 //! build is, about the drawing,
@@ -49,13 +49,13 @@ pub struct Problem<'a> {
     pub study: &'a Study,
     /// Its tolerances.
     pub tolerance: &'a Tolerance,
-    /// What is looked at: the study's outputs, then those of bands.
+    /// Columns of the values: the study's outputs, then those of bands.
     pub outputs: Vec<Column>,
-    /// Where: the stations of the motion, the drawn position, the places of bands.
+    /// Stations at which they are read: those of the motion, the drawn position, those of bands.
     pub stations: Stations,
     /// By band: the output and the station of each value, and between what they are to be.
     bands: Vec<Banded>,
-    /// What builds each wheel: left, then right.
+    /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
     looked: Looked,
 }
@@ -63,7 +63,7 @@ pub struct Problem<'a> {
 /// The values of a band: output and station of each, and between what they are to be.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// What is looked at.
+/// The quantities whose scatter is computed.
 enum Looked {
     /// Characteristics of one wheel.
     Wheel {

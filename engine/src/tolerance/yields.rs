@@ -10,7 +10,7 @@ use super::{Expansion, MonteCarlo, Problem};
 const SAMPLE: u64 = 20_000;
 /// A tolerance may be looser where doubling it costs less than this of the yield.
 const LITTLE: f64 = 0.001;
-/// Where hardly a build keeps to the bands, or the contributor is more than this of a variance, nothing is called loose.
+/// Nothing is called loose if the yield is below this, or if the contributor has more than this share of a variance.
 const SMALL: f64 = 0.05;
 
 /// The yield of a band.

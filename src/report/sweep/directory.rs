@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct SweepDirectory {
     path: PathBuf,
-    /// What the sweep is.
+    /// Description of the sweep.
     pub record: SweepRecord,
 }
 
-/// What there is of a sweep.
+/// The parts of a sweep that are done.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Merged statistics of all complete parts, in order.
@@ -125,7 +125,7 @@ impl SweepDirectory {
         })
     }
 
-    /// Where it is.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

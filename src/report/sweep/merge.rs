@@ -87,7 +87,7 @@ impl Parts {
         })
     }
 
-    /// Where they are.
+    /// Paths of the directories that hold them.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
         self.directories.iter().map(SweepDirectory::path)
     }

@@ -74,7 +74,7 @@ pub(super) struct SubsystemParameter {
     pub line: usize,
 }
 
-/// What a subsystem file says of geometry.
+/// The geometry in a subsystem file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Subsystem {
     /// The unit of length, where the file gives one.
@@ -246,7 +246,7 @@ impl Field<'_> {
 struct Row<'a> {
     name: String,
     symmetry: Symmetry,
-    /// What stands behind the symmetry.
+    /// The fields after the symmetry.
     fields: Vec<Field<'a>>,
 }
 
@@ -290,7 +290,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
     fields
 }
 
-/// What a file becomes with other coordinates.
+/// A file rewritten with other coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rewritten {
     /// Its text; all but the coordinates is as it was.

@@ -30,7 +30,7 @@ const SPRING: f64 = 1e-3;
 pub struct Rounded {
     /// Its points, in the kernel's frame.
     pub design: Vec<Vector3<f64>>,
-    /// What it costs, where the study has targets.
+    /// Loss by rounding, if the study has targets.
     pub loss: Option<Loss>,
 }
 
@@ -51,7 +51,7 @@ pub struct Loss {
 ///
 /// # Errors
 ///
-/// That the design cannot be solved.
+/// If the design cannot be solved.
 pub fn rounded(study: &Study, design: &[Vector3<f64>], grid: f64) -> Result<Rounded, String> {
     let grid = Grid { grid };
     let ordinary: Vec<f64> = coordinates(study, design)
@@ -122,7 +122,7 @@ impl Grid {
         length / self.grid
     }
 
-    /// So many steps, as the shortest decimal where the grid is one: 3 x 0.1 is 0.3.
+    /// The length of this number of steps; a decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
         let parts = (1.0 / self.grid).round();
         match parts >= 1.0 && 1.0 / parts == self.grid {

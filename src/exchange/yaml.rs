@@ -22,7 +22,7 @@ pub(super) fn is_named(path: &Path) -> bool {
 /// A list or a table that is not yet complete.
 enum Open {
     List(Vec<Node>),
-    /// With the key whose value comes next.
+    /// A table with its entries so far, and the key whose value comes next.
     Table(Vec<(String, Node)>, Option<String>),
 }
 

@@ -38,7 +38,7 @@ pub struct ToleranceSummary {
     pub bands: Vec<BandRecord>,
     /// The share of builds in all bands; none without bands.
     pub yield_of_all: Option<f64>,
-    /// The same by the first-order answer.
+    /// The share of builds in all bands by the first-order answer.
     pub yield_of_all_linear: Option<f64>,
     /// Contributors, the one first whose halving gains most.
     pub ranking: Vec<RankingRecord>,

@@ -31,7 +31,7 @@ const FEW: usize = 16;
 /// One way to so many poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What is asked for at each pose.
+    /// The quantities that are computed at each pose.
     pub asked: &'static str,
     /// How it is found.
     pub method: String,
@@ -237,7 +237,7 @@ impl Throughput {
 
 const PAPER: &str = "point coordinates (paper)";
 
-/// Those of the characteristics that the suspension has.
+/// Those of these characteristics that the suspension has the parts and figures for.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
     let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
     let possible = characteristics.iter().filter(possible);
@@ -270,7 +270,7 @@ fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     designs
 }
 
-/// What is solved.
+/// The designs and stations that are solved.
 #[derive(Clone, Copy)]
 struct Sweep<'a> {
     suspension: &'a Suspension,

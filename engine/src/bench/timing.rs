@@ -92,7 +92,7 @@ impl Clock {
 pub struct Job<'a> {
     /// How many items it does.
     pub items: usize,
-    /// What it does.
+    /// The work that is timed.
     pub work: Box<dyn FnMut() + 'a>,
 }
 

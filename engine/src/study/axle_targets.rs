@@ -130,7 +130,8 @@ impl<'w> Where<'w> {
     }
 }
 
-/// What a band of an axle is about, and where it is looked at; everywhere in the motion without a place.
+/// Reads the quantities that a band of an axle is about, and where it is looked at; `None` in place of a site means
+/// everywhere in the motion.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,

@@ -18,7 +18,7 @@ pub(super) struct Context<'a> {
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
-    /// What acts on the wheel.
+    /// The loads on the wheel.
     pub loads: &'a [Load],
     /// Both wheels, if the study is of an axle.
     pub axle: Option<&'a AxleStudy>,

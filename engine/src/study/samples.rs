@@ -1,4 +1,4 @@
-//! What a target wants where: its curve read between its points.
+//! What a target wants at each drive value: its curve is read between its points.
 
 use super::{About, Interpolation, Limit, Target, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
@@ -35,7 +35,7 @@ pub struct AxleSample {
     pub placement: Placement,
     /// The quantity.
     pub quantity: Quantity,
-    /// What is wanted of it; the place on the target's curve as the study writes it.
+    /// What is wanted of the quantity. Its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
 }
 

@@ -122,7 +122,7 @@ impl Imported {
         text
     }
 
-    /// A round travel of about so many millimetres.
+    /// A round travel in the file's unit, of about this number of millimetres.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => millimetres,

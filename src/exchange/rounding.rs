@@ -141,7 +141,7 @@ fn coordinates(study: &Study, design: &[Vector3<f64>]) -> Vec<f64> {
         .collect()
 }
 
-/// The design with its coordinates at so many steps.
+/// The design with its coordinates at these numbers of steps.
 fn moved(study: &Study, design: &[Vector3<f64>], grid: &Grid, steps: &[f64]) -> Vec<Vector3<f64>> {
     let frame = study.suspension.frame;
     let before = coordinates(study, design);

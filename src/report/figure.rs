@@ -81,7 +81,7 @@ pub(super) fn power_of_ten(power: i32) -> String {
     "10".chars().chain(digits.chars().map(raised)).collect()
 }
 
-/// A figure with so many decimals, and no negative zero.
+/// A figure with this number of decimals, without a negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

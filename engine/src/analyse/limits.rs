@@ -109,9 +109,9 @@ pub struct Limits {
 pub struct RockerRange {
     /// The rocker.
     pub rocker: RockerId,
-    /// In droop; `None` where the wheel's own travel ends first.
+    /// The toggle in droop; `None` if the wheel's own travel ends first.
     pub lower: Option<Toggle>,
-    /// In jounce, likewise.
+    /// The toggle in jounce; `None` if the wheel's own travel ends first.
     pub upper: Option<Toggle>,
 }
 

@@ -52,7 +52,7 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// The time of `work`, which does so many items.
+    /// The time per item of `work`, which does `items` items.
     pub fn time<R>(&self, items: usize, mut work: impl FnMut() -> R) -> Timing {
         let work = Job {
             items,

@@ -132,8 +132,8 @@ impl Assembler {
         design
     }
 
-    /// The built design of parts over a derivative number with so many orders, whose values are the build's own; its
-    /// height is held.
+    /// The built design of parts over a derivative number with this number of orders. The values of the parts must be
+    /// the build's own; its height is held.
     pub fn design_of<T: Real>(
         &self,
         built: &Built,

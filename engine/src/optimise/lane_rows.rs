@@ -92,7 +92,7 @@ impl<'a> LaneRows<'a> {
         self.parts.is_some()
     }
 
-    /// Takes over how a design of so many points moves with so many variables.
+    /// Takes the ways in which `variables` variables move a design of `points` points.
     pub(super) fn begin(&mut self, points: usize, ways: &[Way], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
@@ -109,8 +109,8 @@ impl<'a> LaneRows<'a> {
         }
     }
 
-    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their derivatives.
-    /// Returns whether all of it was plain sailing; if not, what is written is not to be used.
+    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their
+    /// derivatives. Returns whether the tracker accepted every station; if not, what is written must not be used.
     pub(super) fn of_leg(
         &mut self,
         number: usize,
@@ -156,7 +156,7 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals of builds and their derivatives, as far as they are plain sailing.
+    /// Writes the residuals of those builds that the tracker accepts, with their derivatives.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,

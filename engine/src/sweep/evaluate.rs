@@ -83,7 +83,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Room for so many outputs at so many stations.
+    /// Room for this number of outputs and stations, with a slope for each output.
     pub fn new(outputs: usize, stations: usize) -> Self {
         Block::with_gains(outputs, stations, outputs)
     }
@@ -104,7 +104,7 @@ impl Block {
         }
     }
 
-    /// Makes ready for so many designs. Their values are still those of another block.
+    /// Makes ready for this number of designs. Values are still those of the block before.
     pub(super) fn clear(&mut self, designs: usize) {
         assert!(designs <= BLOCK);
         self.designs = designs;
@@ -298,7 +298,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::of(suspension.design.len(), one_by_one)
     }
 
-    /// One by one alone, of wheels of so many points.
+    /// An evaluator that solves designs one by one, of wheels with this number of points.
     pub(super) fn of(points: usize, one_by_one: Box<dyn SolvesOneByOne + 'a>) -> Self {
         Evaluator {
             points,
@@ -311,7 +311,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Why no design is solved in lanes; `None` where most are.
+    /// Why no design is solved in lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.lanes.as_ref().err().copied()
     }

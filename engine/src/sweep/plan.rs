@@ -436,7 +436,7 @@ impl Worker<'_> {
         self.evaluator.one_by_one()
     }
 
-    /// Why no design is solved in SIMD lanes; `None` where most are.
+    /// Why no design is solved in SIMD lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.evaluator.not_in_lanes()
     }

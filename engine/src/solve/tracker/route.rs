@@ -51,14 +51,13 @@ pub(crate) struct RouteStep {
     pub leg: Leg,
     /// Change of the drive from the place before on this leg.
     pub step: f64,
-    /// Predicts the value here...
+    /// Predicts the unknowns here, together with the three steps along slopes of the base design that follow.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// ... together with this much of the drive along the slope of the base design: the first step has
-    /// nothing else to go by.
+    /// Step of the drive along the slope by the drive: the first step has nothing else to be predicted from.
     pub along_slope: f64,
-    /// ... and this much of the rack along the slope by the rack,
+    /// Step of the rack along the slope by the rack.
     pub along_rack: f64,
-    /// and of the heave along that by the travel.
+    /// Step of the heave along the slope by the travel.
     pub along_heave: f64,
     /// Predicts the slope by the drive here; `None` if there is only one place to predict it from.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,

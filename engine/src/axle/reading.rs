@@ -449,7 +449,7 @@ pub trait WheelParts<T: Real>: Copy {
     }
 }
 
-/// The wheel as the characteristics catalogue reads it: values for powers [0, 0], derivatives for other powers.
+/// The wheel as the characteristics catalogue reads it: values for powers `[0, 0]`, derivatives for others.
 #[inline(always)]
 fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
     Wheel {

@@ -37,7 +37,7 @@ pub enum FunctionError {
     /// The design itself cannot be solved.
     #[error("{0}")]
     Design(String),
-    /// There is nothing of this name that could move.
+    /// No variable has this name.
     #[error(
         "there is no variable {0:?}; expected a hardpoint and how it moves, as in tie_rod_inner_dz for an offset \
          or tie_rod_inner_z for a coordinate{1}"
@@ -51,15 +51,16 @@ pub struct DesignVariable {
     /// Unique: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` of a coordinate,
     /// `lower_arm_front+lower_arm_rear_turn_x` of a turn.
     pub name: String,
-    /// What it moves and over which range: an offset from the design in the study's length unit and axes, degrees
-    /// of a turn.
+    /// The points it moves and its range: an offset from the design in the study's length unit and axes, or degrees of
+    /// a turn.
     moved: Variable,
-    /// Whether it is the coordinate itself.
+    /// Whether the number is the coordinate itself rather than an offset.
     absolute: bool,
 }
 
 impl DesignVariable {
-    /// Those of a study: of `[optimise]`, else of `[sweep]`, else every coordinate of every hardpoint.
+    /// The variables of a study: those of `[optimise]`, else those of `[sweep]`, else every coordinate of every
+    /// hardpoint.
     pub fn of(study: &Study) -> Vec<Self> {
         if let Some(optimise) = &study.optimise {
             return optimise.variables.iter().map(Self::tuned).collect();
@@ -71,10 +72,11 @@ impl DesignVariable {
         }
     }
 
-    /// The one of this name: of `[optimise]`, of `[sweep]`, or any coordinate of a hardpoint.
+    /// The variable of this name: one of `[optimise]` or `[sweep]`, or the offset or the coordinate of any hardpoint
+    /// along an axis.
     ///
     /// # Errors
-    /// [`FunctionError::UnknownVariable`], with the name that comes nearest.
+    /// [`FunctionError::UnknownVariable`] if there is none, with the name that comes nearest.
     pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
         let mut known = Self::of(study);
         if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
@@ -114,14 +116,15 @@ impl DesignVariable {
         }
     }
 
-    /// Every coordinate of every hardpoint, by up to ten millimetres.
+    /// An offset of every coordinate of every hardpoint by up to ten millimetres.
     fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
         let far = 0.01 * suspension.length_unit.per_metre();
         let all = Variable::every_coordinate(suspension, [-far, far]);
         all.iter().map(Self::tuned).collect()
     }
 
-    /// The coordinate itself in place of the offset.
+    /// A variable that is the coordinate itself in place of its offset. A variable that moves more than one coordinate
+    /// stays as it is.
     fn as_coordinate(&self, suspension: &Suspension) -> Self {
         let [m] = self.moved.moves[..] else {
             return self.clone();
@@ -137,12 +140,12 @@ impl DesignVariable {
         }
     }
 
-    /// Lowest and highest value, in the study's axes and length unit; degrees of a turn.
+    /// Lowest and highest value, in the study's axes and length unit, or in degrees for a turn.
     pub fn range(&self) -> [f64; 2] {
         self.moved.range
     }
 
-    /// As a column of a table of designs; `None` of a turn, which is none.
+    /// The variable as a column of a table of designs. `None` for a turn, which cannot be one.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         self.moved.turn.is_none().then(|| SweepVariable {
             name: self.name.clone(),
@@ -159,20 +162,20 @@ impl DesignVariable {
 pub struct DesignFunction {
     suspension: Arc<Suspension>,
     names: Vec<DesignVariable>,
-    /// What they move.
+    /// The points that the variables of `names` move.
     variables: Vec<Variable>,
     outputs: Vec<Output>,
     quantities: Vec<Quantity>,
     stations: Stations,
-    /// The stations of the motion, in the order of the results.
+    /// Numbers of the motion's stations among `stations`, in the order of the results.
     of_motion: Vec<usize>,
-    /// The points that move.
+    /// The points that any variable moves.
     moved: Vec<PointId>,
-    /// Of an axle, instead of outputs, quantities and stations.
+    /// For an axle: its outputs and stations; `outputs`, `quantities` and `stations` above are then unused.
     axle: Option<Arc<AxleCourse>>,
 }
 
-/// What came of a design.
+/// Whether a design could be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum DesignStatus {
@@ -185,12 +188,13 @@ pub enum DesignStatus {
 }
 
 impl DesignFunction {
-    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]).
+    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]). Errors as
+    /// [`FunctionError`] says.
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// As [`DesignFunction::of`], as a function of these variables.
+    /// The outputs of a study over its motion, as a function of these variables.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,
@@ -243,7 +247,7 @@ impl DesignFunction {
         Ok(function)
     }
 
-    /// What moves, with names and ranges.
+    /// The variables, with names and ranges, in the order of a row of `x`.
     pub fn variables(&self) -> &[DesignVariable] {
         &self.names
     }
@@ -257,7 +261,8 @@ impl DesignFunction {
         self.outputs.iter().map(name).collect()
     }
 
-    /// Drive value (of an axle, of what moves first) and rack displacement of each station, as results print them.
+    /// Drive value and rack displacement of each station in the units and axes of the results. For an axle the drive
+    /// value is that of the first number that moves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
         if let Some(course) = &self.axle {
             return course.motion();
@@ -333,14 +338,14 @@ pub struct Evaluation<'f> {
     ways: Vec<Way>,
 }
 
-/// What finds values, and room for them.
+/// The evaluator of values, and the block it fills.
 type Values<'f> = (Evaluator<'f>, Block);
 
-/// What finds values with derivatives, and room for them.
+/// The evaluator of values with derivatives, and room for what it finds.
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
-/// Of an axle: whether derivatives are found, what finds them, and design and ways of a right wheel with hardpoints of
-/// its own.
+/// Evaluator of an axle. `differentiates` says whether it forms derivatives; `right` and `right_ways` are the design
+/// and point rates of a right wheel that has its own hardpoints.
 struct OfAxle<'f> {
     differentiates: bool,
     evaluator: Box<dyn AxleEvaluator + 'f>,
@@ -441,7 +446,7 @@ impl<'f> Evaluation<'f> {
         self.gradients = Some((evaluator, found));
     }
 
-    /// The same of an axle, with derivatives where there is room for them.
+    /// Evaluates designs of an axle, with derivatives if there is a `jacobian` to write them to.
     fn evaluate_axles(
         &mut self,
         course: &'f AxleCourse,
@@ -491,7 +496,7 @@ impl<'f> Evaluation<'f> {
         self.of_axle = Some(of_axle);
     }
 
-    /// Puts so many designs in place.
+    /// Forms the `count` designs whose variables are `x`.
     fn place(&mut self, x: &[f64], count: usize) {
         let (width, points) = (self.offsets.len(), self.function.suspension.design.len());
         self.designs.resize(count * points, Vector3::default());
@@ -511,7 +516,8 @@ impl<'f> Evaluation<'f> {
         ways(design, frame, &f.variables, &self.offsets, &mut self.ways);
     }
 
-    /// Copies what was found of a design by its place, derivatives by the variables in place of those by points.
+    /// Copies the values of design `number`, and its derivatives by the variables, which are formed from those by
+    /// points.
     fn read(
         &self,
         found: &Evaluated,
@@ -560,14 +566,14 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// The offsets from the design among `x`; those of coordinates are 0.
+    /// Writes the offsets from the design into `into`; those of variables that are coordinates are 0.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
         }
     }
 
-    /// The design of a right wheel with hardpoints of its own, moved as the left one is.
+    /// Writes the design of a right wheel with hardpoints of its own, which moves as the left one does, into `into`.
     fn right_design(
         &self,
         own: &Suspension,
@@ -587,7 +593,7 @@ impl DesignFunction {
         }
     }
 
-    /// The design at offsets and, where a variable is one, coordinates.
+    /// Writes the design at `x` into `into`: variables are offsets, or coordinates for those that are absolute.
     fn design(&self, x: &[f64], offsets: &DVector<f64>, into: &mut [Vector3<f64>]) {
         let Suspension { design, frame, .. } = &*self.suspension;
         moved_design(design, frame, &self.variables, offsets, into);

@@ -5,7 +5,7 @@
 //! the rooms. A program that embeds the solver and wants no command line built beside it depends on this crate alone and
 //! begins with `use hardpoint_engine as hardpoint`.
 
-// Nothing here says anything: what is said, commands say.
+// The engine prints nothing; only commands do.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 

@@ -20,7 +20,7 @@
 use crate::model::LengthUnit;
 use crate::report::shortest;
 
-/// Of which wheel a row speaks.
+/// Which wheel a row is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symmetry {
     /// The left one, and the right one as its mirror image.
@@ -53,7 +53,7 @@ impl Symmetry {
 pub(super) struct SubsystemPoint {
     /// Its name, without padding.
     pub name: String,
-    /// Of which wheel.
+    /// Which wheel the point belongs to.
     pub symmetry: Symmetry,
     /// x rearward, y right, z up, in the file's unit.
     pub position: [f64; 3],
@@ -66,7 +66,7 @@ pub(super) struct SubsystemPoint {
 pub(super) struct SubsystemParameter {
     /// Its name, without padding.
     pub name: String,
-    /// Of which wheel.
+    /// Which wheel the parameter belongs to.
     pub symmetry: Symmetry,
     /// Its value, in the file's unit.
     pub value: f64,
@@ -74,7 +74,7 @@ pub(super) struct SubsystemParameter {
     pub line: usize,
 }
 
-/// What a subsystem file says of geometry.
+/// The geometry in a subsystem file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Subsystem {
     /// The unit of length, where the file gives one.
@@ -246,7 +246,7 @@ impl Field<'_> {
 struct Row<'a> {
     name: String,
     symmetry: Symmetry,
-    /// What stands behind the symmetry.
+    /// The fields after the symmetry.
     fields: Vec<Field<'a>>,
 }
 
@@ -290,7 +290,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
     fields
 }
 
-/// What a file becomes with other coordinates.
+/// A file rewritten with other coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rewritten {
     /// Its text; all but the coordinates is as it was.

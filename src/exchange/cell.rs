@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// What a cell holds.
+/// The content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Cell {
     /// A number that the file stores as a number.
@@ -76,7 +76,7 @@ impl Sheet {
         self.cells.get(&(row, column))
     }
 
-    /// What a place is called.
+    /// Name of the place of a cell.
     pub(super) fn place(&self, row: u32, column: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}, column {}", row + 1, column + 1),
@@ -84,7 +84,7 @@ impl Sheet {
         }
     }
 
-    /// What a row is called.
+    /// Name of the place of a row.
     pub(super) fn row_place(&self, row: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}", row + 1),

@@ -8,7 +8,7 @@ use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What is asked for, as far as the points carry it.
+/// The characteristics that the study asks for, as far as the points suffice for them.
 const OUTPUTS: [Characteristic; 8] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -29,7 +29,7 @@ impl Imported {
     ///
     /// # Errors
     ///
-    /// What is wrong with the suspension the points make.
+    /// The faults of the suspension that the points make, in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[Characteristic]| self.text(origin, travel, outputs);
@@ -122,7 +122,7 @@ impl Imported {
         text
     }
 
-    /// A round travel of about so many millimetres.
+    /// A round travel in the file's unit, of about this number of millimetres.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => millimetres,
@@ -131,7 +131,7 @@ impl Imported {
         }
     }
 
-    /// Where the ends of springs and rods stand, as far as the file says what is not so anyway.
+    /// The bodies that ends of springs and rods are mounted on, as far as the file names others than the usual ones.
     fn bodies(&self) -> Vec<(&'static str, &'static str)> {
         let seats = self.seats().into_iter();
         let said = seats.filter_map(|seat| Some((seat.hardpoint, seat.usual, seat.said?)));
@@ -140,7 +140,8 @@ impl Imported {
             .collect()
     }
 
-    /// Where the ends of springs and rods are taken to stand that the file says nothing of.
+    /// In words, the bodies assumed for those ends of springs and rods of which the file does not say where they are
+    /// mounted.
     pub(super) fn assumed_bodies(&self) -> Option<String> {
         let seats = self.seats().into_iter().filter(|seat| seat.said.is_none());
         let name =
@@ -181,9 +182,9 @@ impl Imported {
 /// A hardpoint that may stand on several bodies.
 struct Seat {
     hardpoint: &'static str,
-    /// Where it stands if nobody says another.
+    /// The body it is mounted on unless another is named.
     usual: &'static str,
-    /// Where the file says that it stands.
+    /// The body that the file says it is mounted on.
     said: Option<&'static str>,
 }
 

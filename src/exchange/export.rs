@@ -118,11 +118,11 @@ pub fn page_of_csv(name: &str, text: &[u8]) -> Result<Page, String> {
     Ok(Page { name, rows })
 }
 
-/// What was written of an Adams/Car subsystem.
+/// An Adams/Car subsystem that was written.
 pub struct Written {
     /// The file.
     pub bytes: Vec<u8>,
-    /// What has no place in it.
+    /// Notes on parts of the study that have no place in it.
     pub notes: Vec<String>,
 }
 
@@ -243,7 +243,7 @@ pub fn into_subsystem(
     })
 }
 
-/// What an Adams/Car subsystem keeps in its template.
+/// Notes on parts that an Adams/Car subsystem keeps in its template.
 fn without_bodies(suspension: &Suspension) -> Vec<String> {
     let mechanism = &suspension.mechanism;
     let names: Vec<&'static str> = mechanism

@@ -7,7 +7,7 @@ use super::points::{NamedPoint, PointTable};
 use crate::model::{Frame, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 
-/// What the user says of a file.
+/// What the user has said about a file.
 #[derive(Clone, Copy)]
 pub struct Wishes<'a> {
     /// The kind of suspension.
@@ -29,9 +29,9 @@ pub struct Hardpoint {
     pub name: &'static str,
     /// Its coordinates, in the file's axes and unit.
     pub position: [f64; 3],
-    /// What the file calls it.
+    /// Its name in the file.
     pub called: String,
-    /// Where it stands there.
+    /// Its place in the file.
     pub place: String,
     /// The body it sits on, where the file says so.
     pub body: Option<String>,
@@ -56,7 +56,7 @@ pub struct Imported {
     pub static_camber: Option<f64>,
     /// Toe in the design position, degrees.
     pub static_toe: Option<f64>,
-    /// What was guessed, and what was left over.
+    /// Notes on guesses, and on parts of the file that were left over.
     pub notes: Vec<String>,
 }
 

@@ -187,7 +187,7 @@ impl Reader {
     }
 }
 
-/// Where something stands: the keys on the way to it.
+/// The place of an entry: the keys on the way to it.
 fn place(keys: &[&str]) -> String {
     match keys {
         [] => "the outermost list".to_owned(),
@@ -207,7 +207,7 @@ fn position(node: &Node) -> Option<[f64; 3]> {
     }
 }
 
-/// What stands under x, y and z, each once.
+/// The numbers under x, y and z; each key must be there once.
 fn components(entries: &[(String, Node)]) -> Option<[f64; 3]> {
     let component = |axis: &str| {
         let mut found = entries

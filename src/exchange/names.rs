@@ -1,4 +1,4 @@
-//! What others call the hardpoints.
+//! Names that others give to hardpoints.
 //!
 //! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are
 //! compared with those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and
@@ -146,7 +146,7 @@ const PATTERNS: &[(&str, &str)] = &[
     ("anti_roll_bar_outer", "bar outer ?axis"),
 ];
 
-/// What a table may give beside hardpoints.
+/// Figures that a table may give beside hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Figure {
     /// Camber in the design position, degrees.
@@ -270,7 +270,7 @@ pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str>
     fitting.next().map(|(known, _)| *known)
 }
 
-/// What Adams/Car's own templates call hardpoints.
+/// Names of hardpoints in Adams/Car's own templates.
 const ADAMS: &[(&str, &str)] = &[
     ("lower_arm_front", "lca_front"),
     ("lower_arm_rear", "lca_rear"),

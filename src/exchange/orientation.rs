@@ -3,7 +3,7 @@
 
 use crate::model::{Axis, Body, Frame, FrameConvention, Side, Topology};
 
-/// What the coordinates show; `None` where they show nothing. Positive means that the coordinate grows
+/// The orientation that the coordinates show; `None` if they show none. Positive means that the coordinate grows
 /// forward, towards the wheel, and upward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Directions {

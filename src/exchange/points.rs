@@ -17,11 +17,11 @@ pub struct NamedPoint {
     pub position: Result<[f64; 3], String>,
     /// The body it sits on, where the file says so.
     pub body: Option<String>,
-    /// Where it stands.
+    /// Its place in the file.
     pub place: String,
 }
 
-/// What a file says of points.
+/// The points in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointTable {
     /// The points, in the order of the file.
@@ -43,7 +43,7 @@ struct Triple {
     side: Option<Side>,
 }
 
-/// What the columns of a table are.
+/// The roles of a table's columns.
 #[derive(Clone, Debug)]
 struct Columns {
     name: u32,
@@ -236,7 +236,7 @@ fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u3
     named.map(|((_, column), _)| *column).min()
 }
 
-/// What may stand beside the axis in the header of a coordinate.
+/// Words that may stand beside the axis in the header of a coordinate.
 const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc location axis";
 
 /// `x`, `X [mm]`, `y_value`, `z left (in)`.

@@ -30,20 +30,20 @@ const SPRING: f64 = 1e-3;
 pub struct Rounded {
     /// Its points, in the kernel's frame.
     pub design: Vec<Vector3<f64>>,
-    /// What it costs, where the study has targets.
+    /// Loss by rounding, if the study has targets.
     pub loss: Option<Loss>,
 }
 
 /// Misfits, in tolerances; `None` where a design cannot be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
-    /// Of the design as it is.
+    /// Misfit of the design before rounding.
     pub exact: f64,
-    /// With each coordinate rounded by itself.
+    /// Misfit with each coordinate rounded to the nearest multiple by itself.
     pub ordinary: Option<f64>,
-    /// Of the rounding chosen.
+    /// Misfit with the chosen rounding.
     pub best: f64,
-    /// Coordinates that are rounded the other way.
+    /// Number of coordinates that the chosen rounding does not round to the nearest multiple.
     pub otherwise: usize,
 }
 
@@ -51,7 +51,7 @@ pub struct Loss {
 ///
 /// # Errors
 ///
-/// That the design cannot be solved.
+/// If the design cannot be solved.
 pub fn rounded(study: &Study, design: &[Vector3<f64>], grid: f64) -> Result<Rounded, String> {
     let grid = Grid { grid };
     let ordinary: Vec<f64> = coordinates(study, design)
@@ -122,7 +122,7 @@ impl Grid {
         length / self.grid
     }
 
-    /// So many steps, as the shortest decimal where the grid is one: 3 x 0.1 is 0.3.
+    /// The length of this number of steps; a decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
         let parts = (1.0 / self.grid).round();
         match parts >= 1.0 && 1.0 / parts == self.grid {
@@ -141,7 +141,7 @@ fn coordinates(study: &Study, design: &[Vector3<f64>]) -> Vec<f64> {
         .collect()
 }
 
-/// The design with its coordinates at so many steps.
+/// The design with its coordinates at these numbers of steps.
 fn moved(study: &Study, design: &[Vector3<f64>], grid: &Grid, steps: &[f64]) -> Vec<Vector3<f64>> {
     let frame = study.suspension.frame;
     let before = coordinates(study, design);

@@ -1,8 +1,8 @@
 //! YAML as a map: what `map` reads, from the events of the parser.
 //!
-//! Of YAML 1.2 everything is read but aliases, whose text may stand for gigabytes: they are refused with their
-//! line. A plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted
-//! numbers too. Of several documents each is read.
+//! Everything of YAML 1.2 is read but aliases, whose text may stand for gigabytes: they are refused with their line. A
+//! plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted numbers too. Of
+//! several documents each is read.
 
 use super::map::Node;
 use saphyr_parser::{Event, Parser, ScalarStyle};
@@ -22,7 +22,7 @@ pub(super) fn is_named(path: &Path) -> bool {
 /// A list or a table that is not yet complete.
 enum Open {
     List(Vec<Node>),
-    /// With the key whose value comes next.
+    /// A table with its entries so far, and the key whose value comes next.
     Table(Vec<(String, Node)>, Option<String>),
 }
 

@@ -1,4 +1,4 @@
-//! What has to be said of some curves: their conditioning, their certificate, and what they lack.
+//! Remarks on curves: their conditioning, their certificate, and values that they lack.
 
 use super::completeness::Completeness;
 use super::figure::brief;
@@ -9,7 +9,7 @@ use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 
-/// What has to be said of some curves, a line each: of their accuracy, and of what has no value.
+/// Remarks on curves, a line each: on their accuracy, and on values that they lack.
 pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
     let unit = study.suspension.length_unit.symbol();
     let certificate = CertificateSummary::of(study, curves);
@@ -26,7 +26,7 @@ pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
         .collect()
 }
 
-/// Where the loads have nothing to carry them.
+/// A remark on stations where nothing can carry the loads, if there are any.
 fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
     let lacks = |s: &&Station| s.status == Status::Unsupported;
     let count = curves.stations.iter().filter(lacks).count();
@@ -42,7 +42,7 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Where a rocker has come to a toggle.
+/// A remark on stations where a rocker has come to a toggle, if there are any.
 fn toggled(study: &Study, curves: &Curves) -> Option<String> {
     let is_toggled = |s: &&Station| matches!(s.status, Status::Toggle(_));
     let count = curves.stations.iter().filter(is_toggled).count();
@@ -74,14 +74,14 @@ pub(super) fn stations_in_words(count: usize) -> String {
 pub(super) struct ConditionSummary {
     /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
-    /// Where.
+    /// Station with this number.
     at: StationLabel,
     /// Stations whose derivatives and sensitivities have fewer than six digits.
     ill_conditioned: Vec<StationLabel>,
 }
 
 impl ConditionSummary {
-    /// Of curves with a pose at least.
+    /// Conditioning of curves. `None` if no station has a pose.
     pub(super) fn of(curves: &Curves, drive: Drive) -> Option<Self> {
         let known = |s: &Station| {
             s.condition
@@ -98,7 +98,7 @@ impl ConditionSummary {
         })
     }
 
-    /// What is to be warned of.
+    /// A warning, if stations are ill-conditioned.
     fn warning(&self) -> Option<String> {
         let stations = match self.ill_conditioned.len() {
             0 => return None,
@@ -114,7 +114,7 @@ impl ConditionSummary {
     }
 }
 
-/// What was proved. `L` says where a station is.
+/// Summary of proofs. `L` is the type of labels that say where a station is.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CertificateSummary<L = StationLabel> {
     /// Number of stations whose pose is proved, and that it is on the branch of the design position.
@@ -125,14 +125,14 @@ pub(super) struct CertificateSummary<L = StationLabel> {
     one_branch: bool,
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,
-    /// Where.
+    /// Station with this bound.
     at: Option<L>,
     /// The smallest distance within which there is proved to be no other pose.
     smallest_uniqueness: Option<f64>,
 }
 
 impl CertificateSummary {
-    /// Of curves that were to be proved.
+    /// Summary of the proofs of curves. `None` if the study does not ask for them.
     pub(super) fn of(study: &Study, curves: &Curves) -> Option<Self> {
         if !study.outputs.certify {
             return None;
@@ -149,7 +149,7 @@ impl CertificateSummary {
 }
 
 impl<L> CertificateSummary<L> {
-    /// Of the proofs there are, among so many stations, where so many could not be proved.
+    /// Summary of the proofs of a motion with this number of `stations`, of which `unproved` could not be proved.
     pub(super) fn of_proofs(
         proofs: impl Iterator<Item = (L, Proof)>,
         unproved: usize,
@@ -177,7 +177,7 @@ impl<L> CertificateSummary<L> {
         summary
     }
 
-    /// The same, places in other words.
+    /// The summary with another kind of label.
     pub(super) fn at<M>(self, words: impl FnOnce(L) -> M) -> CertificateSummary<M> {
         CertificateSummary {
             proved: self.proved,
@@ -191,7 +191,7 @@ impl<L> CertificateSummary<L> {
 }
 
 impl<L: Display> CertificateSummary<L> {
-    /// The same in words.
+    /// The summary in words.
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += &match (self.one_branch, self.unproved) {

@@ -254,7 +254,7 @@ struct FailedStation {
 }
 
 impl AxleSummary {
-    /// Of some curves; `design` are those of the design position alone.
+    /// Summary of an axle's curves; `design` are the curves of the design position alone.
     pub fn of(
         name: &str,
         axle: &Axle,

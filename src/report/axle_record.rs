@@ -119,7 +119,7 @@ fn frames(
 }
 
 impl OutputRecord {
-    /// Of a column of an axle's curves.
+    /// Describes a column of an axle's curves.
     pub fn of_axle(column: &AxleColumn) -> Self {
         let name = column.output().replace('_', " ");
         let by = column.by.map(|motion| match motion {

@@ -1,4 +1,4 @@
-//! What a benchmark measured, as tables and as a picture.
+//! The measurements of a benchmark, as tables and as a picture.
 
 use super::accuracy_plot;
 use super::table::{Cell, Table};
@@ -95,7 +95,7 @@ pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// The same as a picture (SVG).
+/// The cost of a digit as a picture (SVG).
 pub fn accuracy_picture(accuracy: &Accuracy, caption: &str) -> String {
     accuracy_plot::svg(accuracy, caption)
 }

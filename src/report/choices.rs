@@ -1,4 +1,4 @@
-//! What could be chosen instead of the design kept, as files and tables: the front and the price list.
+//! Designs that could be chosen instead of the kept one, as files and tables: the front and the price list.
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
@@ -8,7 +8,7 @@ use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};
 
-/// So many points of a front are printed.
+/// The most points of a front that are printed.
 const PRINTED: usize = 9;
 
 /// A variable as a column: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
@@ -72,7 +72,7 @@ pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     table
 }
 
-/// What is said of a front.
+/// Remarks on a front.
 pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let names: Vec<&str> = optimise
         .front
@@ -120,7 +120,7 @@ fn brief3(value: f64) -> String {
     without_zeros(&text).to_owned()
 }
 
-/// At most so many numbers below a count, evenly chosen, the first and the last among them.
+/// At most [`PRINTED`] numbers below `count`, evenly chosen, the first and the last among them.
 fn some_of(count: usize) -> Vec<usize> {
     match count {
         few if few <= PRINTED => (0..few).collect(),
@@ -148,18 +148,18 @@ pub struct FrontRecord {
 /// A point of a front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontPoint {
-    /// Of each wish, in tolerances.
+    /// Misfit of each wish, in tolerances.
     pub misfits: Vec<f64>,
-    /// Of each wish.
+    /// Weight of each wish.
     pub weights: Vec<f64>,
-    /// Of each variable.
+    /// Offset of each variable, in the study's axes.
     pub offsets: Vec<f64>,
-    /// What differs from the study of the first point: number of the line, from 0, and the line.
+    /// Lines of its study that differ from the study of the first point: number of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
 }
 
 impl FrontRecord {
-    /// Of a front.
+    /// The record of a front that a tuning found.
     pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
         let unit = study.suspension.length_unit.symbol();
         let text = |choice: &Choice| -> Vec<String> {
@@ -199,11 +199,11 @@ pub struct PriceRecord {
     pub moved: f64,
     /// The least misfit that it buys, in tolerances.
     pub misfit: f64,
-    /// By how much the misfit falls for a tenth of a range more; none at the ends.
+    /// By how much the misfit falls for a tenth of a range more; `None` at the ends.
     pub gain: Option<f64>,
     /// The variable that moves most, as a share of its range.
     pub most: Option<String>,
-    /// Its offset.
+    /// Offset of that variable.
     pub most_by: Option<f64>,
     /// Offsets by variable.
     pub offsets: Vec<f64>,

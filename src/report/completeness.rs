@@ -48,7 +48,7 @@ impl Completeness {
         table
     }
 
-    /// Of some curves.
+    /// Counts stations and empty cells of the curves of one wheel.
     pub fn of(curves: &Curves) -> Self {
         let is_solved = |s: &&Station| matches!(s.status, Status::Ok | Status::IllConditioned);
         let solved = || curves.stations.iter().filter(is_solved);
@@ -77,7 +77,7 @@ impl Completeness {
         Completeness::with(words, empty)
     }
 
-    /// Of the curves of an axle: column by column.
+    /// Counts stations and empty cells of the curves of an axle, column by column.
     pub fn of_axle(curves: &AxleCurves) -> Self {
         let solved = curves.stations.iter().filter(|s| s.placed.is_ok()).count();
         let mut empty: Vec<EmptyCells> = Vec::new();
@@ -100,7 +100,7 @@ impl Completeness {
         Completeness::with(curves.stations.iter().map(|s| s.status), empty)
     }
 
-    /// With stations of these statuses.
+    /// Completeness of stations with these statuses.
     fn with(words: impl Iterator<Item = &'static str>, empty: Vec<EmptyCells>) -> Self {
         let mut statuses: Vec<StatusCount> = Vec::new();
         for status in words {
@@ -115,7 +115,7 @@ impl Completeness {
         Completeness { statuses, empty }
     }
 
-    /// How many stations were solved, and what became of the others, in words; `None` where nothing was counted.
+    /// In words, how many stations were solved and what became of the others; `None` if nothing was counted.
     pub fn headline(&self) -> Option<String> {
         let all: usize = self.statuses.iter().map(|count| count.stations).sum();
         let is_solved = |count: &&StatusCount| {
@@ -130,7 +130,7 @@ impl Completeness {
         (all > 0).then(|| format!("{solved} of {all} stations solved{others}"))
     }
 
-    /// What has to be said of empty cells, a line each.
+    /// Remarks on empty cells, a line each.
     pub fn remarks(&self) -> impl Iterator<Item = String> {
         self.empty.iter().map(|cells| {
             let columns = cells.columns.join(", ");

@@ -62,7 +62,7 @@ impl CurveTable {
         Some(&self.columns[place])
     }
 
-    /// Every so many rows, and the last one.
+    /// At most `most` of the rows, evenly chosen, the first and the last among them.
     pub fn thinned(&self, most: usize) -> Self {
         let rows = self.rows();
         if rows <= most {

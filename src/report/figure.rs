@@ -10,7 +10,8 @@ use super::shortest;
 /// Digits that are shown of the largest of some figures.
 const DIGITS: i32 = 6;
 
-/// What is rounding, relative to the size of what a figure was computed from: rates are right to 1e-11.
+/// Differences up to this are rounding, relative to the size of the numbers that a figure is computed from: rates are
+/// right to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
 /// Six significant digits.
@@ -80,7 +81,7 @@ pub(super) fn power_of_ten(power: i32) -> String {
     "10".chars().chain(digits.chars().map(raised)).collect()
 }
 
-/// A figure with so many decimals, and no negative zero.
+/// A figure with this number of decimals, without a negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

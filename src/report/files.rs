@@ -15,7 +15,7 @@ pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Resul
     writer.into_inner().expect("memory takes everything")
 }
 
-/// The same of rows that are there already.
+/// A CSV file of given rows.
 pub(super) fn csv_of_rows(mut rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
     csv_of(|writer| rows.try_for_each(|row| writer.write_record(row)))
 }

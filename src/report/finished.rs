@@ -1,4 +1,4 @@
-//! Whatever was run in a directory, read back.
+//! Reads back the results of a directory, whichever command wrote them.
 
 use super::run::Run;
 use super::sweep::SweepRun;

@@ -1,4 +1,5 @@
-//! What constraints keep points inside or outside of, and members apart, as the drawing shows it.
+//! Shapes inside or outside of which constraints keep points, and members that they keep apart, as the drawing shows
+//! them.
 
 use crate::characteristics::{Measure, Quantity};
 use crate::model::{Axis, Frame};
@@ -40,7 +41,7 @@ pub struct Rim {
     pub point: usize,
     /// Radius.
     pub radius: f64,
-    /// From and to so far outboard of the wheel centre.
+    /// Distances outboard of the wheel centre at which it begins and ends.
     pub ends: [f64; 2],
 }
 
@@ -56,7 +57,7 @@ pub struct Clearance {
 }
 
 impl Places {
-    /// Of a study's constraints.
+    /// What the constraints of a study keep to, as the drawing shows it.
     pub fn of(study: &Study) -> Self {
         let mut places = Places::default();
         let suspension = &study.suspension;

@@ -1,5 +1,5 @@
-//! What a suspension may well be, but seldom is: points that are swapped, a wrong sign or a wrong unit. None of
-//! it is a mistake, so it is only said.
+//! Doubts about a suspension: points that may be swapped, a sign or a unit that may be wrong. A suspension may well be
+//! so, if seldom, so that doubts are only reported.
 
 use super::axle_doubts;
 use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
@@ -23,7 +23,7 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// How far a wheel may be off half the track, as a part of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// What is doubtful of a suspension in its design position, a line each.
+/// Doubts about a suspension in its design position, a line each.
 pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut doubts = Doubts {
         suspension,
@@ -37,8 +37,8 @@ pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     Ok(doubts.found)
 }
 
-/// What is doubtful of an axle, a line each: of its curves, and of both wheels in the design position; of a right wheel
-/// with hardpoints of its own only what is not so of the left one too.
+/// Doubts about an axle, a line each: about its curves, and about both wheels in the design position. About a right
+/// wheel with hardpoints of its own only those are listed that do not hold for the left one, too.
 pub fn both_doubts(
     axle: &Axle,
     plan: &AxlePlan,
@@ -79,7 +79,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     })
 }
 
-/// What is doubtful of a study, a line each: of its wheel, or of its axle over the motion, and of its variables.
+/// Doubts about a study, a line each: about its wheel, or its axle over the motion, and about its variables.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match &study.axle {
         None => doubts(&study.suspension).map_err(|fault| (Side::Left, fault))?,
@@ -92,8 +92,8 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// What is doubtful of the variables of a study, a line each: coordinates given where offsets are expected, and
-/// the other way round.
+/// Doubts about the variables of a study, a line each: coordinates given where offsets are expected, and the other way
+/// round.
 pub fn variable_doubts(study: &Study) -> Vec<String> {
     let mut doubts = Doubts {
         suspension: &study.suspension,

@@ -1,4 +1,4 @@
-//! How far columns go over a motion.
+//! Least and greatest values of columns over a motion.
 
 use super::table::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};
@@ -10,14 +10,14 @@ pub(super) struct Range {
     /// Empty for a plain number.
     #[serde(default)]
     unit: String,
-    /// In the design position, if that is known.
+    /// Value in the design position, if that is known.
     at_design: Option<f64>,
     min: Option<f64>,
     max: Option<f64>,
 }
 
 impl Range {
-    /// Of the column of this name and unit.
+    /// Range of the values of the column with this name and unit.
     pub(super) fn of(
         [output, unit]: [&str; 2],
         at_design: Option<f64>,
@@ -32,7 +32,7 @@ impl Range {
         }
     }
 
-    /// For reading.
+    /// The ranges as a table for reading.
     pub(super) fn table(ranges: &[Range]) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design", "min", "max"].map(Column::from);

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// The form of the file. A reader takes no other.
 pub(super) const FORM: u32 = 2;
 
-/// What the report needs beyond the other files of a run.
+/// The data that the report needs beyond the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// `FORM`.
@@ -34,12 +34,12 @@ pub struct Record {
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, where it moves.
     pub rack: Option<String>,
-    /// Of an axle: columns of what moves beside the drive value.
+    /// For an axle: columns of what moves beside the drive value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
-    /// What the columns of the curves are.
+    /// Descriptions of the columns of the curves.
     pub outputs: Vec<OutputRecord>,
-    /// What was wanted.
+    /// The targets that were wanted.
     pub targets: Vec<TargetRecord>,
     /// Bands that were wanted.
     #[serde(default)]
@@ -51,9 +51,9 @@ pub struct Record {
     pub designs: Vec<DesignRecord>,
     /// The drawing.
     pub scene: Scene,
-    /// Of the last design.
+    /// Influences of the last design.
     pub influences: Vec<Influence>,
-    /// What could be chosen instead of the last design.
+    /// Designs that could be chosen instead of the last one.
     #[serde(default)]
     pub front: Option<FrontRecord>,
 }
@@ -63,9 +63,9 @@ pub struct Record {
 pub struct OutputRecord {
     /// Its name in the CSV files.
     pub column: String,
-    /// For reading: `camber`, `camber, 1st derivative`.
+    /// Title for reading: `camber`, `camber, 1st derivative`.
     pub title: String,
-    /// For reading: `deg/mm`; empty for a plain number.
+    /// Unit for reading: `deg/mm`; empty for a plain number.
     pub unit: String,
     /// When it is positive.
     pub positive: Option<String>,
@@ -76,11 +76,11 @@ pub struct OutputRecord {
 pub struct TargetRecord {
     /// The column it is about.
     pub column: String,
-    /// In the column's unit.
+    /// Tolerance, in the column's unit.
     pub tolerance: f64,
     /// Drive values and wanted values, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
-    /// Of an axle: the column that it is over in place of the drive value.
+    /// For an axle: the column that takes the place of the drive value in `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
 }
@@ -107,7 +107,7 @@ pub struct DesignRecord {
     pub curves: String,
     /// Number of stations.
     pub stations: usize,
-    /// What has to be said of the accuracy.
+    /// Remarks on the accuracy.
     #[serde(default)]
     pub remarks: Vec<String>,
     /// The stations that failed.
@@ -118,7 +118,7 @@ pub struct DesignRecord {
 
 /// A design to be recorded.
 pub struct DrawnDesign<'a> {
-    /// What it is called.
+    /// Name of the design.
     pub label: &'a str,
     /// The file with its curves.
     pub file: &'a str,
@@ -189,7 +189,7 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
 }
 
 impl TargetRecord {
-    /// Of a target compared at these stations, which are `printed` so.
+    /// The record of a target that is compared at these stations; `printed` turns their drive values into printed ones.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();
@@ -223,8 +223,8 @@ fn bands(study: &Study) -> Vec<BandCurve> {
     bands.map(record).collect()
 }
 
-/// Of a target at stations: the drive value, the least and the most that is wanted there, as printed; none where there is
-/// no limit.
+/// The limits of a target at stations: for each the drive value, the least and the most that is wanted there, as
+/// printed, by rising drive value; `None` where there is no limit.
 pub(crate) fn wanted_between(
     target: &Target,
     stations: &[f64],
@@ -247,7 +247,7 @@ pub(crate) fn wanted_between(
 }
 
 impl OutputRecord {
-    /// Of a column of the curves.
+    /// Describes a column of the curves of one wheel.
     pub fn of(column: &Column) -> Self {
         let name = column.output.replace('_', " ");
         OutputRecord {

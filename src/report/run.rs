@@ -48,7 +48,8 @@ impl Summary {
         }
     }
 
-    /// Of a solve: ranges of columns, numbers of stations by status, and the stations that failed.
+    /// Tables of a solve: ranges of columns, numbers of stations by status, and the stations that failed. `None` for
+    /// another command.
     pub fn tables(&self) -> Option<[Table; 3]> {
         let solve = |s: &SolveSummary| [s.table(), s.stations_table(), s.failures_table()];
         let axle = |s: &AxleSummary| [s.table(), s.stations_table(), s.failures_table()];

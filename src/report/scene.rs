@@ -1,17 +1,17 @@
 //! The mechanism as a drawing: what is joined to what, by name.
 //!
-//! Where everything is along the motion is said by [`crate::curves::frames`].
+//! Positions along the motion come from [`crate::curves::frames`].
 
 use crate::axle::Axle;
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Side, Suspension};
 use serde::{Deserialize, Serialize};
 
-/// What stays of the drawing while the mechanism moves.
+/// The parts of the drawing that stay the same while the mechanism moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Name of each point.
     pub points: Vec<String>,
-    /// What is drawn between them.
+    /// The bodies drawn between the points.
     pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,
@@ -19,8 +19,7 @@ pub struct Scene {
     pub wheel_radius: Option<f64>,
     /// Signs of the study's axes: forward, outboard and up.
     pub signs: [f64; 3],
-    /// Of an axle, index of the right wheel's centre; points and bodies of the right wheel follow those of the left
-    /// one.
+    /// For an axle: index of the right wheel's centre; the right wheel's points and bodies follow the left wheel's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right_wheel_centre: Option<usize>,
 }

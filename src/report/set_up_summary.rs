@@ -1,4 +1,5 @@
-//! What a set-up comes to: what a length unit or a turn of each adjustment does, and the steps to what is wanted.
+//! The result of a set-up: the effect of a length unit or a turn of each adjustment, and the steps to the wanted
+//! values.
 
 use super::table::{Cell, Table};
 use crate::build::{SetUp, Static};
@@ -24,13 +25,13 @@ pub struct SetUpSummary {
 pub struct StaticRecord {
     /// Name with unit.
     pub column: String,
-    /// With the parts as drawn.
+    /// The value with the parts as drawn.
     pub drawn: Option<f64>,
-    /// With the parts adjusted.
+    /// The value with the parts adjusted.
     pub set: Option<f64>,
-    /// What is wanted.
+    /// The wanted value, if there is one.
     pub wanted: Option<f64>,
-    /// By how much it is missed.
+    /// The value set minus the wanted one.
     pub miss: Option<f64>,
 }
 
@@ -39,22 +40,22 @@ pub struct StaticRecord {
 pub struct AdjustmentRecord {
     /// Name.
     pub adjustment: String,
-    /// How much, in length units.
+    /// Amount of the adjustment, in length units.
     pub amount: f64,
-    /// In turns.
+    /// The same amount in turns, if it is made by a thread.
     pub turns: Option<f64>,
     /// In shims.
     pub shims: Option<f64>,
-    /// What a length unit of it does to each static value, about the parts as drawn.
+    /// Change of each static value by a length unit of it, about the parts as drawn.
     pub by_length: Vec<Option<f64>>,
-    /// What a turn of it does.
+    /// Change of each static value by a turn of it.
     pub by_turn: Option<Vec<Option<f64>>>,
     /// The static values once this has been done.
     pub after: Vec<Option<f64>>,
 }
 
 impl SetUpSummary {
-    /// Of a set-up.
+    /// Summary of the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
         let finite = |v: f64| v.is_finite().then_some(v + 0.0);
@@ -95,7 +96,7 @@ impl SetUpSummary {
         }
     }
 
-    /// What a length unit, or a turn, of each adjustment does.
+    /// A table of the effects of a length unit, or a turn, of each adjustment.
     pub fn effects_table(&self) -> Table {
         let columns = ["adjustment", "per"].map(str::to_owned);
         let statics = self.statics.iter().map(|s| s.column.clone());
@@ -114,7 +115,7 @@ impl SetUpSummary {
         table
     }
 
-    /// What to do, step by step, and the static values after each.
+    /// A table of the adjustments to make, step by step, with the static values after each.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];

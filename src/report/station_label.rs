@@ -1,4 +1,4 @@
-//! Where on the motion a station is.
+//! Labels that say where on the motion a station is.
 
 use super::figure::as_written;
 use super::table::Cell;
@@ -23,7 +23,7 @@ impl StationLabel {
         [self.travel, self.arm_angle_deg, self.theta_deg, rack].map(Cell::from)
     }
 
-    /// Of a station of a motion with this drive.
+    /// Label of a station of a motion with this drive.
     pub(super) fn of(station: &Station, drive: Drive) -> Self {
         let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
         StationLabel {

@@ -119,7 +119,7 @@ impl Cell {
         }
     }
 
-    /// A measurement: a number with so many decimals, to readers and programs alike.
+    /// A measurement: a number with this number of decimals, for readers and programs alike.
     pub fn rounded(value: f64, decimals: usize) -> Self {
         let text = with_decimals(value, decimals);
         Cell::shown(text.parse().unwrap_or(value), text)

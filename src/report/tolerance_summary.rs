@@ -1,4 +1,4 @@
-//! What scatter comes to, in tables and files.
+//! The results of scatter, in tables and files.
 
 use super::axle::Place;
 use super::files::csv_of_rows;
@@ -23,13 +23,13 @@ pub struct ToleranceSummary {
     pub aligned: bool,
     /// Builds that could not be put together.
     pub rejected: u64,
-    /// Why, and the first of each kind.
+    /// How many were rejected for which reason, with the first of each.
     pub rejects: Vec<RejectRecord>,
     /// Builds without a pose somewhere in the motion.
     pub incomplete: u64,
     /// Number of the first of these.
     pub first_incomplete: Option<u64>,
-    /// Of an axle: the numbers that say where a value is, by their columns.
+    /// For an axle: columns of the numbers that say at which position of the motion a value is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<String>,
     /// Every value that was looked at.
@@ -38,7 +38,7 @@ pub struct ToleranceSummary {
     pub bands: Vec<BandRecord>,
     /// The share of builds in all bands; none without bands.
     pub yield_of_all: Option<f64>,
-    /// The same by the first-order answer.
+    /// The share of builds in all bands by the first-order answer.
     pub yield_of_all_linear: Option<f64>,
     /// Contributors, the one first whose halving gains most.
     pub ranking: Vec<RankingRecord>,
@@ -49,11 +49,11 @@ pub struct ToleranceSummary {
 pub struct RejectRecord {
     /// A word for it.
     pub reason: String,
-    /// How many.
+    /// Number of builds that were rejected for it.
     pub builds: u64,
-    /// Number of the first.
+    /// Number of the first of these builds.
     pub first: u64,
-    /// What of it.
+    /// What was wrong with the first, in words.
     pub what: String,
 }
 
@@ -68,20 +68,20 @@ pub struct ValueRecord {
     /// Rack displacement, in the study's axes, of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rack: Option<f64>,
-    /// Of an axle: the numbers of [`ToleranceSummary::places`].
+    /// For an axle: the numbers of [`ToleranceSummary::places`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub place: Vec<f64>,
-    /// Builds that have it.
+    /// Number of builds that have the value.
     pub builds: u64,
-    /// As drawn.
+    /// Value of the drawn design.
     pub drawn: Option<f64>,
-    /// Of the builds.
+    /// Mean over the builds.
     pub mean: Option<f64>,
     /// Standard error of the mean.
     pub mean_error: Option<f64>,
     /// Standard deviation of the builds.
     pub sigma: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the standard deviation.
     pub sigma_error: Option<f64>,
     /// First-order standard deviation.
     pub sigma_linear: Option<f64>,
@@ -97,13 +97,13 @@ pub struct ValueRecord {
     pub shares: Vec<Option<f64>>,
     /// The part of the builds' variance that first order leaves: curvature and interaction.
     pub remainder: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
-    /// What second order says it is.
+    /// The same part by second order.
     pub remainder_second_order: Option<f64>,
     /// Whether this is the drawn position.
     at_rest: bool,
-    /// Of the values.
+    /// Unit of the values.
     unit: String,
 }
 
@@ -114,7 +114,7 @@ pub struct BandRecord {
     pub band: String,
     /// The share of builds in it.
     pub kept: f64,
-    /// The same by the first-order answer.
+    /// The share of builds in it by the first-order answer.
     pub kept_linear: f64,
 }
 
@@ -146,7 +146,7 @@ pub fn rejected(side: Option<Side>, why: &Reject) -> String {
 }
 
 impl ValueRecord {
-    /// Where it is, as the columns of a table have it.
+    /// The numbers that say where the value is, as columns of a table.
     fn place(&self) -> impl Iterator<Item = String> + '_ {
         let of_wheel = self.travel.into_iter().chain(self.rack);
         of_wheel.chain(self.place.iter().copied()).map(shortest)
@@ -159,7 +159,7 @@ impl ValueRecord {
 }
 
 impl ToleranceSummary {
-    /// Of what was found.
+    /// Summary of the first-order answer, the Monte Carlo and the yields; `drawn` has the values of the drawn design.
     pub fn of(
         problem: &Problem,
         drawn: &[f64],
@@ -235,7 +235,7 @@ impl ToleranceSummary {
         line
     }
 
-    /// What was rejected, and what has no pose somewhere, in words.
+    /// In words, which builds were rejected and which have no pose somewhere.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .rejects
@@ -346,7 +346,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// What to hold tighter and what may be looser.
+    /// A table of the tolerances to hold tighter and of those that may be looser.
     pub fn ranking_table(&self) -> Table {
         let mut table = Table::new([
             "contributor",
@@ -483,7 +483,7 @@ pub(super) fn in_words(band: &Band) -> String {
     }
 }
 
-/// Of an axle, the columns that say where its values are.
+/// Columns that say at which position of the motion an axle's values are; empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle.as_ref();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {

@@ -32,10 +32,10 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Combinations of variables that the targets cannot tell apart: offsets by variable.
     unseen: Vec<Vec<f64>>,
-    /// Of a fit: the scatter of measurements about it, in tolerances.
+    /// For a fit: the scatter of the measurements about it, in tolerances.
     #[serde(default)]
     scatter: Option<f64>,
-    /// Of a fit: variables that the measurements hardly tell apart.
+    /// For a fit: pairs of variables that the measurements hardly tell apart, with their correlation.
     #[serde(default)]
     correlations: Vec<(String, String, f64)>,
     /// The misfit below which no design was preferred to a nearer one.
@@ -56,16 +56,16 @@ pub struct TuningSummary {
     /// The least misfit by how far the design is moved, where that was asked for.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
-    /// Of a robust tuning: what builds keep to before and after.
+    /// For a robust tuning: the shares of builds that keep to the bands before and after.
     #[serde(default)]
     pub yields: Option<YieldRecord>,
-    /// Of a robust tuning: the builds whose mean squared misfit was lowered; all misfits then are theirs.
+    /// For a robust tuning: the number of builds whose mean squared misfit was lowered; all misfits then are theirs.
     #[serde(default)]
     scatter_builds: Option<usize>,
-    /// Of the tuned design, along the motion.
+    /// Conditioning of the tuned design along the motion.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Of the tuned design, where each pose was to be proved.
+    /// Proofs of the tuned design, if the study asks for them.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
 }
@@ -82,10 +82,10 @@ struct VariableSummary {
     range: [f64; 2],
     /// `lower` or `upper` where the variable ended at that bound.
     at_bound: Option<String>,
-    /// Of a fit: the standard error.
+    /// For a fit: the standard error.
     #[serde(default)]
     standard_error: Option<f64>,
-    /// Of a fit: half the interval that holds the truth in 95 of 100 fits.
+    /// For a fit: half the interval that holds the truth in 95 of 100 fits.
     #[serde(default)]
     interval: Option<f64>,
 }

@@ -27,7 +27,7 @@ pub struct BandShares {
 }
 
 impl YieldRecord {
-    /// Of the builds of the design given, and of the tuned one.
+    /// Compares the builds of the given design, `before`, with those of the tuned one, `after`.
     pub fn of(
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,

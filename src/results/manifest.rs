@@ -13,7 +13,7 @@ const FORM: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     form: u32,
-    /// By run; no file is in two of them.
+    /// The runs; no file belongs to two of them.
     pub runs: Vec<RunRecord>,
 }
 

@@ -28,7 +28,7 @@ pub use run_directory::{Claim, RunDirectory, Sharing, temporary, temporary_of};
 use crate::study::{Designs, Study};
 use std::path::Path;
 
-/// What the names of all temporary files begin with.
+/// Beginning of the names of all temporary files.
 pub const TEMPORARY: &str = ".hardpoint-";
 
 /// SHA-256 of all that a study says: its text, with what `--set` changed and curves from files in it, and

@@ -7,16 +7,16 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {path}: {source}")]
 pub struct WriteError {
-    /// What was to be written.
+    /// The file that was to be written.
     pub path: PathBuf,
-    /// Why it could not be.
+    /// Why it could not be written.
     pub source: std::io::Error,
 }
 
 /// Why a directory is not for the results of a run. Each names the file and the way out.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// It cannot be written.
+    /// The directory cannot be written to.
     #[error(transparent)]
     Unwritable(#[from] WriteError),
     /// Another run writes there now.
@@ -30,7 +30,7 @@ pub enum Refusal {
         /// Who writes, where it is known.
         owner: Option<Owner>,
     },
-    /// It holds what an input is.
+    /// The directory holds an input of the run under the name of a result.
     #[error(
         "{file} is an input of this run, which its results would overwrite: give another directory with \
          --out"
@@ -39,7 +39,7 @@ pub enum Refusal {
         /// The input.
         file: String,
     },
-    /// It holds files that no run has written.
+    /// The directory holds files that no run has written.
     #[error(
         "{file} is there already, and not from a run recorded in run.json: give another directory with \
          --out, or overwrite it with --force"
@@ -48,7 +48,7 @@ pub enum Refusal {
         /// One of them.
         file: String,
     },
-    /// It holds the results of another run.
+    /// The directory holds the results of another run.
     #[error(
         "{directory} holds the results of `hardpoint {command}` {of} ({file}), which would be lost: give \
          another directory with --out, or replace them with --force",
@@ -64,7 +64,7 @@ pub enum Refusal {
         /// One of its files.
         file: String,
     },
-    /// It holds a sweep that has not ended.
+    /// The directory holds a sweep that has not ended.
     #[error(
         "{directory} holds an unfinished sweep of this study: go on with it by --resume, or begin it anew \
          with --force"
@@ -73,7 +73,7 @@ pub enum Refusal {
         /// The directory.
         directory: String,
     },
-    /// What is recorded there cannot be read.
+    /// The record of the runs in the directory cannot be read.
     #[error(
         "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: give \
          another directory with --out, or write there with --force"

@@ -18,7 +18,7 @@ pub enum Sharing {
     Together,
 }
 
-/// What a run wants of a directory.
+/// The claim of a run on a directory.
 #[derive(Clone, Debug, Default)]
 pub struct Claim<'a> {
     /// The command, as in `solve`.
@@ -217,12 +217,12 @@ impl RunDirectory {
         self.put(manifest::NAME, state.manifest.text().as_bytes())
     }
 
-    /// Where it is.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where the results went that were here before, if they were in the way.
+    /// Directory to which earlier results were moved, if they were in the way.
     pub fn set_aside(&self) -> Option<&Path> {
         self.set_aside.as_deref()
     }
@@ -364,7 +364,7 @@ impl RunDirectory {
     }
 }
 
-/// What is recorded in a directory, if a run may write there.
+/// The record of the runs in a directory, if this run may write there.
 fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
     let shown = |name: &str| path.join(name).display().to_string();
     let entries = names(path);

@@ -6,7 +6,7 @@
 
 use std::net::SocketAddr;
 
-/// What a request must show.
+/// What a request must show to be answered.
 pub(super) struct Access {
     token: String,
     hosts: [String; 2],

@@ -1,4 +1,4 @@
-//! What the library makes of a design: the answer to a dragged point.
+//! The answer to a dragged point: the design, solved.
 
 use super::message::{ColumnValues, Designed, SolveRequest, SolvedAnswer};
 use super::misfit;

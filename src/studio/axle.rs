@@ -94,7 +94,7 @@ pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
     with_unit(quantity.name(), &quantity.unit().suffix(length))
 }
 
-/// What a study may ask of its axle.
+/// The quantities that a study may ask for, of its axle.
 pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOverview> {
     let axle = &both.axle;
     let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
@@ -288,7 +288,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
     Some(frame)
 }
 
-/// What a coordinate of both wheels does to each column.
+/// The influence of a coordinate of both wheels on each column.
 pub(super) fn influence(
     AxleStudy { axle, plan }: &AxleStudy,
     names: &[String],

@@ -1,4 +1,4 @@
-//! What is free: moves that the targets do not see, and how far the mechanism goes.
+//! The freedom that is left: moves that the targets do not see, and how far the mechanism goes.
 
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
 use super::study_file::Opened;

@@ -31,7 +31,7 @@ pub(super) struct Head {
 pub(super) enum Unread {
     /// The other side has gone, or kept silent.
     Gone,
-    /// It cannot be answered but with this status.
+    /// The request can only be answered with this status.
     Refused(u16, &'static str),
 }
 

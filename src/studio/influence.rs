@@ -1,4 +1,4 @@
-//! What one coordinate does to each curve.
+//! The influence of one coordinate on each curve.
 
 use super::answer::asking_for;
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};

@@ -1,5 +1,5 @@
-//! What page and server say to each other, as JSON. Designs are coordinates in the study's axes, in the order
-//! of the points; numbers are printed so that they read back as the same.
+//! The messages between page and server, as JSON. Designs are coordinates in the study's axes, in the order of the
+//! points; numbers are printed so that they read back as the same.
 
 use crate::curves::Frame;
 use crate::report::{FailureRange, OutputRecord, Scene};
@@ -12,7 +12,7 @@ pub(super) type Coordinates = Vec<[f64; 3]>;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Designed {
-    /// Of the text.
+    /// SHA-256 of the study text.
     pub digest: String,
     pub design: Coordinates,
 }
@@ -23,9 +23,9 @@ pub(super) struct SolveRequest {
     pub of: Designed,
     /// Names of the characteristics wanted.
     pub characteristics: Vec<String>,
-    /// Where the mechanism is drawn: a value for each slider.
+    /// The position in which the mechanism is drawn: a value for each slider.
     pub at: Vec<f64>,
-    /// Rack displacement of the curves; those of the study without it.
+    /// Rack displacement of the curves; `None` for the study's own displacements.
     pub curves_rack: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct InfluenceRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct TuneRequest {
     pub of: Designed,
-    /// By point and axis, what must stay where it is.
+    /// `[point][axis]`: whether the coordinate must stay as it is.
     pub locked: Vec<[bool; 3]>,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct SaveRequest {
 pub(super) struct Overview {
     pub name: String,
     pub file: String,
-    /// Where the file is, so that what a browser keeps of one study is not taken for another's.
+    /// Path of the file, so that a browser does not mistake what it has stored of one study for another's.
     pub place: String,
     pub digest: String,
     pub topology: String,
@@ -79,7 +79,7 @@ pub(super) struct Overview {
     /// The catalogue.
     pub characteristics: Vec<CharacteristicOverview>,
     pub is_axle: bool,
-    /// What moves.
+    /// A slider for each number that moves.
     pub sliders: Vec<Slider>,
     /// Number of the slider that curves are drawn over.
     pub main: usize,
@@ -147,11 +147,11 @@ pub(super) struct VariableOverview {
     pub range: [f64; 2],
 }
 
-/// What the library makes of a design.
+/// The answer to a design that was solved.
 #[derive(Serialize)]
 pub(super) struct SolvedAnswer {
     pub columns: Vec<ColumnValues>,
-    /// What curves are drawn over, station by station.
+    /// Value of the number that curves are drawn over, station by station.
     pub drive: Vec<Option<f64>>,
     /// Stations that differ in that alone are a group.
     pub groups: Vec<usize>,
@@ -167,7 +167,7 @@ pub(super) struct SolvedAnswer {
     pub opened: Option<Frame>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,
-    /// What the server took for it.
+    /// Time that the server took.
     pub milliseconds: f64,
 }
 
@@ -215,12 +215,12 @@ pub(super) struct TargetMisfit {
 #[derive(Serialize)]
 pub(super) struct ConstraintRoom {
     pub name: String,
-    /// What is left to the limit; negative where it is violated.
+    /// Room to the limit; negative if it is violated.
     pub room: f64,
     pub unit: String,
 }
 
-/// What a coordinate does to each column: derivatives station by station.
+/// The influence of a coordinate on each column: derivatives, station by station.
 #[derive(Serialize)]
 pub(super) struct InfluenceAnswer {
     pub columns: Vec<InfluenceColumn>,

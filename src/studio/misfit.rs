@@ -12,7 +12,7 @@
 //! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
 //! ```
 //!
-//! Where a misfit vanishes it has no gradient; zero is said, which is where its square is at its minimum.
+//! Where a misfit vanishes it has no gradient. Zero is reported, since its square is at its minimum there.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
@@ -109,7 +109,7 @@ fn gradient(
         .collect()
 }
 
-/// What is left of each constraint, over all the places it is looked at.
+/// The least room of each constraint over all stations at which it is looked at.
 fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
     let constraints = optimise.constraints.iter().enumerate();
     let room = |number: usize| {

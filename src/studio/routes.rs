@@ -1,4 +1,4 @@
-//! What is asked for, and who answers it.
+//! The requests, and the functions that answer them.
 
 use super::access::Access;
 use super::http::{Connection, Head, Response, Unread};
@@ -15,19 +15,19 @@ use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// So many texts of the study are remembered, so that tabs opened before a save go on.
+/// Number of texts of the study that are remembered, so that tabs opened before a save go on.
 const TEXTS: usize = 8;
-/// So many report pages.
+/// Number of report pages that are remembered.
 const REPORTS: usize = 3;
 
-/// What the server knows.
+/// The state of the server.
 pub(super) struct Workshop {
     pub access: Access,
     file: StudyFile,
     /// The latest last.
     texts: Mutex<VecDeque<Arc<Opened>>>,
     job: Mutex<Option<Arc<Job>>>,
-    /// By number, the latest last.
+    /// Report pages with their numbers, the latest last.
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
     /// One at a time.
     saving: Mutex<()>,

@@ -11,20 +11,20 @@ use std::path::{Path, PathBuf};
 
 /// A text of the study that was read, and what it means.
 pub(super) struct Opened {
-    /// Of the text.
+    /// SHA-256 of the study text.
     pub digest: String,
-    /// As it is in the file.
+    /// The text as it is in the file.
     pub text: String,
     pub study: Study,
     /// Every coordinate as something that can move.
     pub every: Vec<Variable>,
-    /// Where the targets are looked at.
+    /// The stations at which targets are looked at, if there are any.
     pub layout: Option<TargetLayout>,
 }
 
 /// Why a file was not saved.
 pub(super) enum NotSaved {
-    /// It has been changed since it was opened, or there is one of that name.
+    /// The file has been changed since it was opened, or there is another file of that name.
     Changed(String),
     /// The name, the design or the disk does not allow it.
     Refused(String),
@@ -175,7 +175,7 @@ impl StudyFile {
         }
     }
 
-    /// What a text means; nothing is written that no command would read.
+    /// Resolves a text before it is saved: nothing is written that no command would read.
     fn understood(&self, path: &Path, text: String) -> Result<Opened, NotSaved> {
         Opened::of(path, text).map_err(|errors| {
             NotSaved::Refused(format!(

@@ -31,7 +31,7 @@ use std::ops::ControlFlow;
 pub struct Limit {
     /// The value, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Why it goes no further.
+    /// Why the mechanism goes no further.
     pub cause: LimitCause,
     /// The part that is nearest to being singular by itself, where the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
@@ -109,9 +109,9 @@ pub struct Limits {
 pub struct RockerRange {
     /// The rocker.
     pub rocker: RockerId,
-    /// In droop; `None` where the wheel's own travel ends first.
+    /// The toggle in droop; `None` if the wheel's own travel ends first.
     pub lower: Option<Toggle>,
-    /// In jounce, likewise.
+    /// The toggle in jounce; `None` if the wheel's own travel ends first.
     pub upper: Option<Toggle>,
 }
 

@@ -1,4 +1,4 @@
-//! What the constraints carry under a load on the wheel.
+//! The forces that constraints carry under a load on the wheel.
 //!
 //! By virtual work: a wrench w on the knuckle is balanced by multipliers l of the closure equations,
 //!
@@ -96,17 +96,17 @@ impl<const N: usize> Balanced for Jet<f64, N> {
 pub enum Reaction<T = f64> {
     /// A rod, or a leg of an arm.
     Rod {
-        /// Its inner joint.
+        /// Inner joint of the rod.
         inner: PointId,
-        /// Its outer joint.
+        /// Outer joint of the rod.
         outer: PointId,
-        /// Force in it; negative in compression.
+        /// Force in the rod; negative in compression.
         tension: T,
     },
     /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
     /// components, or the force in a hinge at one of its points, one of three or two.
     Force {
-        /// Where.
+        /// The point on the wheel carrier at which the force acts.
         point: PointId,
         /// The component.
         force: Vector3<T>,
@@ -116,10 +116,9 @@ pub enum Reaction<T = f64> {
 /// How a load is carried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reactions<T = f64> {
-    /// By the constraints, in the order of the mechanism's.
+    /// Forces of the constraints, in the order of the mechanism's constraints.
     pub constraints: [Reaction<T>; 5],
-    /// By the support: the force of the spring, positive in compression, or the upward force at the
-    /// wheel centre.
+    /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
     pub support: T,
     /// Tension in the pushrod or pullrod, where the spring stands on a rocker.
     pub rod: Option<T>,
@@ -189,7 +188,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         })
     }
 
-    /// Where a load acts, the contact point being here.
+    /// Position at which a load acts, given the contact point.
     pub fn place(&self, of: LoadPoint, contact: Vector3<T>) -> Vector3<T> {
         match of {
             LoadPoint::ContactPoint => contact,
@@ -197,7 +196,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// What carries a load.
+    /// The forces that carry a load.
     pub fn under(&self, load: &Load<T>) -> Reactions<T> {
         let like = self.at.rack;
         let (force, moment) = (load.point.lit(load.force), load.point.lit(load.moment));
@@ -286,7 +285,7 @@ fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> O
 }
 
 impl<T: Scalar> Row<T> {
-    /// What the multiplier of this equation means.
+    /// The force that the multiplier of this equation stands for.
     fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
@@ -327,7 +326,7 @@ pub enum Carried {
     Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
-    /// Of the support.
+    /// The force with which the support keeps the suspension from moving.
     Support(Support),
     /// Tension of the rod of the spring's rocker.
     Rod,
@@ -358,7 +357,7 @@ impl Carried {
 /// A force that is reported, for every load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// What its column's name goes on with after the load's.
+    /// The part of its column's name that follows the load's name.
     pub name: String,
     /// Which force it is.
     pub what: Carried,

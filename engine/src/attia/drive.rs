@@ -91,8 +91,8 @@ impl Driving {
         }
     }
 
-    /// What the equation knows of the drive's value, and along which poses are continued: the cosine
-    /// of the paper's angle, the value itself otherwise.
+    /// The form in which the drive's value enters the equation, and along which poses are continued: the cosine for the
+    /// paper's angle, else the value itself.
     pub(crate) fn parameter(&self, value: f64) -> f64 {
         match self.kind {
             Drive::PaperTheta => value.cos(),

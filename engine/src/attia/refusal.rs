@@ -1,4 +1,4 @@
-//! Why there is no answer.
+//! Why the paper's equations give no answer.
 
 use thiserror::Error;
 

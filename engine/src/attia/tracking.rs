@@ -27,7 +27,7 @@ const CONTRACTION: f64 = 0.25;
 /// has grown by 2^20, to about [`WORST_CONDITION`].
 const SMALLEST_STEP: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Where a motion is: the drive and the rack.
+/// A point of a motion: drive value and rack displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
     /// The value of the drive, see [`Drive`].
@@ -65,7 +65,7 @@ pub struct PointCoordinates {
     design: Pose,
     /// The pivots' spread at which the condition number passes [`WORST_CONDITION`].
     smallest_spread: f64,
-    /// What the left-hand sides are at a solution, by rounding alone.
+    /// Size of the left-hand sides at a solution, which rounding alone causes.
     rounding: f64,
     pub(crate) work: WorkCounter,
 }
@@ -140,7 +140,7 @@ impl PointCoordinates {
             .expect("the knuckle of a regular design position is not flat")
     }
 
-    /// What was done since the equations were made.
+    /// Counts of the work done since the equations were made.
     pub fn work(&self) -> Work {
         self.work.work()
     }

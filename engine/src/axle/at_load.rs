@@ -17,7 +17,7 @@ use crate::number::Vector3;
 
 /// Terms of the series: loads are made of velocities, and are differentiated by the travel and by the design.
 pub(super) const LOAD_TERMS: usize = 3;
-/// Newton steps, ways back included.
+/// The most Newton steps, those back included.
 const MOST_STEPS: usize = 60;
 
 /// The loads whose sum is held.

@@ -47,7 +47,7 @@ pub struct Info {
     pub source: &'static str,
     /// What a study must give for it.
     pub needs: &'static [Need],
-    /// Derivatives by travel and rack that the value is made of.
+    /// Highest order of the derivatives by travel and rack that the value is made of.
     pub rate_order: usize,
     /// Whether it takes derivatives by the rack.
     pub by_rack: bool,
@@ -56,7 +56,7 @@ pub struct Info {
 /// Why a quantity has no value in a position that is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Void {
-    /// A quotient of differences of steer angles, straight ahead.
+    /// A quotient of differences of steer angles that are zero straight ahead.
     StraightAhead,
     /// The meeting point of normals that are parallel.
     ParallelNormals,
@@ -64,9 +64,9 @@ pub enum Void {
     NoPlane,
     /// A rocker at a toggle, or beyond it.
     Toggle,
-    /// Forces under loads that nothing can carry.
+    /// A force under a load that nothing can carry.
     Unsupported,
-    /// The formula divides by nothing here.
+    /// The formula divides by zero here.
     NotFinite,
 }
 
@@ -252,7 +252,7 @@ catalogue! {
     }
 }
 
-/// Anything that has a value in a state of an axle.
+/// A quantity that has a value in a state of an axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// A wheel characteristic of one wheel.
@@ -324,7 +324,7 @@ impl Quantity {
             .map_or_else(|c| c.info().positive, |info| info.positive)
     }
 
-    /// Derivatives by travel and rack that the value is made of.
+    /// Highest order of the derivatives by travel and rack that the value is made of.
     pub fn rate_order(self) -> usize {
         let own = self.info().map(|info| info.rate_order);
         own.unwrap_or_else(|c| c.info().reads_rates() as usize)
@@ -335,7 +335,7 @@ impl Quantity {
         self.info().is_ok_and(|info| info.by_rack)
     }
 
-    /// What of each wheel it reads beside position and carrier.
+    /// The slots of each wheel that it reads, beside position and carrier.
     pub fn reads(self) -> &'static [Slot] {
         const SPRING: &[Slot] = &[Slot::SpringLength];
         const SPRING_AND_BAR: &[Slot] = &[Slot::SpringLength, Slot::BarAngle];

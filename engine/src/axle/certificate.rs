@@ -25,9 +25,9 @@ use crate::number::{Interval, Jet, Vector3};
 pub struct AxleProof {
     /// No point of the left or right wheel carrier is further than this from its exact position.
     pub position_errors: [f64; 2],
-    /// Neither travel is further than this from the exact one; 0 where they are given.
+    /// Neither travel is further than this from the exact one; 0 if they are given.
     pub travel_error: f64,
-    /// Nor is the roll angle; 0 where it is given.
+    /// The roll angle is no further than this from the exact one, in radians; 0 if it is given.
     pub roll_error: f64,
     /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier or, counted at
     /// the mechanism's size, in an entry of a rotation or in the roll angle.
@@ -40,7 +40,7 @@ pub struct AxleCertifier<'a> {
     radius: f64,
 }
 
-/// One wheel of it, in the kernel's frame of its side.
+/// One wheel of the axle, in the kernel's frame of its side.
 struct Wheel<'a> {
     prover: Prover<'a>,
     mechanism: &'a Mechanism,
@@ -56,14 +56,15 @@ const WIDEST_ROLL: f64 = 0.1;
 
 /// A root that is proved.
 struct Root {
-    /// It is within this of the number that was found,
+    /// Bound on the distance between the root and the number found.
     off: f64,
-    /// and there is no other within this.
+    /// Half-width of the interval in which this is proved to be the only root.
     alone: f64,
 }
 
 impl Root {
-    /// Of a function that is given with its derivative over intervals; `None` where nothing is proved.
+    /// Proves a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None`
+    /// if nothing can be proved.
     fn near(
         at: f64,
         widest: f64,
@@ -132,7 +133,7 @@ impl<'a> Wheel<'a> {
 }
 
 impl<'a> AxleCertifier<'a> {
-    /// For this design.
+    /// Prepares proofs of positions of this axle.
     pub fn new(axle: &'a Axle) -> Self {
         AxleCertifier {
             wheels: [Side::Left, Side::Right].map(|side| Wheel::new(axle, side)),
@@ -148,8 +149,8 @@ impl<'a> AxleCertifier<'a> {
     /// Proves a position that was found for a placement.
     ///
     /// # Errors
-    /// [`AxleFailure::Wheel`] where a pose is not proved, [`AxleFailure::Unproven`] where what the ground asks for is
-    /// not.
+    /// [`AxleFailure::Wheel`] if a pose is not proved, [`AxleFailure::Unproven`] if the poses are, but not that travels
+    /// or roll angle are right for the ground.
     pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, AxleFailure> {
         let over = |side: Side, travel: Interval| {
             // In its own frame the rack of the right wheel moves the other way.
@@ -196,7 +197,7 @@ impl<'a> AxleCertifier<'a> {
         ]
     }
 
-    /// With heave and roll angle given; `over` encloses both poses over intervals of their travels.
+    /// Proves a position with given heave and roll angle; `over` encloses both poses over intervals of their travels.
     fn in_roll(
         &self,
         [heave, roll]: [f64; 2],
@@ -239,7 +240,7 @@ impl<'a> AxleCertifier<'a> {
         })
     }
 
-    /// At travels that are given, on pads or, where there is a roll angle, on a plane.
+    /// Proves a position with given travels, on pads or, if there is a roll angle, on a plane.
     fn at_travels(
         &self,
         wheels: &[Inclusion; 2],
@@ -287,7 +288,7 @@ impl<'a> AxleCertifier<'a> {
     }
 }
 
-/// Within this of both poses there is no other of either wheel.
+/// Distance from both poses within which neither wheel has another pose.
 fn nearest_other(wheels: &[Inclusion; 2]) -> f64 {
     let [left, right] = wheels.map(|wheel| wheel.certificate.uniqueness);
     left.min(right)

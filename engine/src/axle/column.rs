@@ -14,11 +14,11 @@ use crate::number::Jet;
 pub struct AxleColumn {
     /// Name with unit.
     pub name: String,
-    /// Of what.
+    /// What the column contains.
     pub of: Of,
-    /// Along which motion it is a derivative, if it is one.
+    /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
-    /// Order of the derivative; 0 of a value.
+    /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Unit alone; empty for a plain number.
     pub unit: String,
@@ -26,7 +26,7 @@ pub struct AxleColumn {
     pub factor: f64,
 }
 
-/// Of what a column is.
+/// What a column of an axle's curves contains.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Of {
     /// A quantity.
@@ -66,8 +66,8 @@ impl AxleColumn {
         }
     }
 
-    /// What a position has of it, in radians, length units and newtons, or why there is none; `None` of a force, which
-    /// is not read of the position alone.
+    /// The column's number in a position, in radians, length units and newtons, or why there is none. `None` for a
+    /// force, which cannot be read off the position alone.
     pub fn evaluate(&self, read: &Read) -> Option<Result<f64, Void>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read)),
@@ -137,7 +137,7 @@ impl AxleColumn {
         moving.along(motion, side, by)[1]
     }
 
-    /// What it is of, without motion and unit.
+    /// Name of what the column contains, without motion and unit.
     pub fn output(&self) -> String {
         match &self.of {
             Of::Quantity(quantity) => quantity.name(),
@@ -146,7 +146,7 @@ impl AxleColumn {
         }
     }
 
-    /// When it is positive, in words; of a value alone, not of its derivatives.
+    /// When it is positive, in words; `None` for derivatives.
     pub fn positive(&self) -> Option<&'static str> {
         match &self.of {
             _ if self.by.is_some() => None,

@@ -1,4 +1,4 @@
-//! The numbers that say where an axle is, and as what a study writes them.
+//! The numbers that give the position of an axle, and how a study writes them.
 
 use super::{Axle, Course, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
@@ -51,7 +51,7 @@ impl Coordinate {
         }
     }
 
-    /// What a value as the study writes it (degrees, lengths along the study's axes) is in a [`Course`]: the
+    /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`Course`]. The
     /// angle of the steering wheel becomes the displacement of the rack that it makes.
     pub fn in_course(self, written: f64, axle: &Axle) -> f64 {
         match self {
@@ -62,7 +62,8 @@ impl Coordinate {
         }
     }
 
-    /// A value of a course as the study writes it: the shortest decimal where an angle has one.
+    /// Converts a value of a course to one as the study writes it; an angle becomes the shortest decimal that stands
+    /// for it.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {
@@ -73,7 +74,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// The value of a coordinate, as a course has it; 0 of one that this is not made of.
+    /// The value of a coordinate, as a course has it; 0 for a coordinate that this placement is not given by.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
@@ -94,7 +95,7 @@ impl Placement {
 }
 
 impl Course {
-    /// The numbers that move, the one that curves are over first; at least one.
+    /// The numbers that move, at least one. Curves are over the first.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut course = self.clone();
         let by_wheel = course.steering_wheel.is_some();
@@ -116,8 +117,8 @@ impl Course {
         moving
     }
 
-    /// The values of a coordinate; none of one that this course does not have. The rack and the steering wheel
-    /// are the same.
+    /// The values of a coordinate; `None` if this course does not have it. Rack and steering wheel have the same
+    /// values, displacements of the rack.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {
         let wheels = &mut self.wheels;
         match (coordinate, wheels) {

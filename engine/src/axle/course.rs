@@ -1,22 +1,22 @@
-//! The stations of an axle's motion: a grid of what the study moves.
+//! The stations of an axle's motion: every combination of the values that the study gives.
 
 use super::solver::Placement;
 
-/// What moves, and how. Lengths in the study's unit, angles in radians, the rack towards the left wheel's
-/// outside.
+/// The motion of an axle. Lengths are in the study's unit, angles in radians; the rack is positive towards the left
+/// wheel's outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
-    /// What the wheels do.
+    /// Motion of the wheels.
     pub wheels: WheelMotion,
     /// Displacements of the rack.
     pub racks: Vec<f64>,
     /// Whether results have a column for the rack.
     pub shows_rack: bool,
-    /// Angles of the steering wheel that make these displacements, where the study gives angles.
+    /// Angles of the steering wheel that make these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
 }
 
-/// What the wheels do.
+/// Motion of the wheels of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WheelMotion {
     /// Equal travels on level pads.
@@ -27,16 +27,17 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// Whether the mean travel follows: held is the load of the axle that stands level at this heave.
+        /// Whether the mean travel follows from the load: it then is such that the axle carries what it carries when it
+        /// stands level at this heave.
         at_load: bool,
     },
     /// Travels of both wheels: every combination.
     Travels {
-        /// Of the left wheel.
+        /// Travels of the left wheel.
         left: Vec<f64>,
-        /// Of the right wheel.
+        /// Travels of the right wheel.
         right: Vec<f64>,
-        /// Whether the ground is a plane.
+        /// Whether both wheels stand on one plane, rather than each on a level pad.
         on_plane: bool,
     },
 }
@@ -69,8 +70,8 @@ impl Course {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// The stations: rack by rack, then heave by heave, roll angles running fastest; of two travels the right
-    /// one.
+    /// The positions of the stations: rack by rack, then heave by heave, roll angles running fastest; if both travels
+    /// are given, the right one runs fastest.
     pub fn placements(&self) -> Vec<Placement> {
         let mut placements = Vec::with_capacity(self.stations());
         for rack in self.racks.iter().copied() {
@@ -113,7 +114,7 @@ impl Course {
         placements
     }
 
-    /// The position of which a run says "design": everything at zero.
+    /// The position that results call the design position: everything at zero.
     pub fn design(&self) -> Placement {
         match self.wheels {
             WheelMotion::Roll { .. } => Placement::Roll {

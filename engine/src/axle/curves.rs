@@ -11,7 +11,7 @@ use crate::model::{Axis, PointId, Rod, Side};
 use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 
-/// What of an axle is computed.
+/// What is computed for an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
     /// The stations.
@@ -26,7 +26,7 @@ pub struct AxlePlan {
     pub certify: bool,
     /// Points whose coordinates are reported.
     pub points: Vec<PointId>,
-    /// Whether the angular velocities of the wheel carriers are.
+    /// Whether the angular velocities of the wheel carriers are reported.
     pub knuckle: bool,
     /// Loads on the left and the right wheel, each in the kernel's frame of its side.
     pub loads: [Vec<Load>; 2],
@@ -47,7 +47,7 @@ impl AxlePlan {
         }
     }
 
-    /// The same without sensitivities and proofs.
+    /// The plan without sensitivities and proofs.
     pub fn values_alone(&self) -> AxlePlan {
         AxlePlan {
             sensitivities: Vec::new(),
@@ -56,12 +56,12 @@ impl AxlePlan {
         }
     }
 
-    /// The quantities alone.
+    /// A plan of the same quantities over the same course, and nothing else.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan::of(self.course.clone(), self.quantities.clone())
     }
 
-    /// The same quantities in the design position.
+    /// A plan of the same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
         let wheels = match self.course.wheels {
             WheelMotion::Heave(_) => WheelMotion::Heave(vec![0.0]),
@@ -110,17 +110,17 @@ impl Axle {
 pub struct AxleStation {
     /// What was asked for.
     pub placement: Placement,
-    /// What was found.
+    /// The position that was found, or why there is none.
     pub placed: Result<Placed, AxleFailure>,
     /// Word of the `status` column.
     pub status: &'static str,
     /// A value for each column, or why there is none.
     pub values: Vec<Result<f64, Void>>,
-    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    /// For each wheel: the rod that is at or beyond a toggle, if any.
     pub toggles: [Option<Rod>; 2],
     /// Condition number of the worse wheel.
     pub condition: Option<f64>,
-    /// What is proved, where that is asked for.
+    /// Proof of the position, if the plan asks for it and it could be proved.
     pub proof: Option<AxleProof>,
 }
 
@@ -130,7 +130,7 @@ impl AxleStation {
         self.values.get(column).copied().and_then(Result::ok)
     }
 
-    /// One that has no position, or none that is proved.
+    /// A station that has no position, or none that could be proved.
     fn failed(placement: Placement, failure: AxleFailure) -> Self {
         AxleStation {
             placement,
@@ -151,7 +151,7 @@ pub struct AxleSensitivity {
     pub station: usize,
     /// Index of the column.
     pub column: usize,
-    /// The side whose hardpoint moves; both where the right one is the mirror image.
+    /// The side whose hardpoint moves; `None` if both move, the right wheel being the mirror image.
     pub side: Option<Side>,
     /// The hardpoint.
     pub point: PointId,
@@ -164,11 +164,11 @@ pub struct AxleSensitivity {
 /// Curves of an axle.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
-    /// What each value is.
+    /// The columns, in the order of [`AxleStation::values`].
     pub columns: Vec<AxleColumn>,
-    /// In the order of the course.
+    /// The stations, in the order of the course.
     pub stations: Vec<AxleStation>,
-    /// Station by station.
+    /// The sensitivities, station by station.
     pub sensitivities: Vec<AxleSensitivity>,
 }
 
@@ -178,7 +178,7 @@ impl AxlePlan {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// The same, where derivatives by the design are taken or not.
+    /// Highest derivative by travel and rack that is read of a wheel, if derivatives by the design are formed or not.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
@@ -192,7 +192,7 @@ impl AxlePlan {
     }
 }
 
-/// The curves of an axle under a plan.
+/// Computes the curves of an axle under a plan. Errors if the design position of a wheel cannot be solved.
 pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     match plan.degree() {
         0 => run::<1>(axle, plan),
@@ -253,7 +253,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
 }
 
 /// Proves every position: that it is right, and that the pose of each wheel lies on the branch of its design position.
-/// Those that are not proved are lost.
+/// A station that cannot be proved becomes a failed station.
 fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &mut [AxleStation]) {
     let certifier = AxleCertifier::new(axle);
     let rack = |station: &AxleStation| station.placement.rack();
@@ -281,7 +281,7 @@ fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &m
     }
 }
 
-/// The curves of both wheels at one place of the rack, where their travels are given.
+/// The curves of both wheels at one rack displacement, for placements that give their travels.
 #[derive(Default)]
 struct Curves {
     rack: Option<f64>,
@@ -290,7 +290,7 @@ struct Curves {
 }
 
 impl Curves {
-    /// A position: on curves of both wheels where their travels are given, else solved for itself.
+    /// Finds and reads a position: from the curves of both wheels if their travels are given, else by itself.
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
@@ -474,7 +474,7 @@ impl AxleCurves {
         counts
     }
 
-    /// The least load of either wheel, where loads are asked for.
+    /// The least wheel load of either wheel and its station, if wheel loads are asked for.
     pub fn least_wheel_load(&self) -> Option<(f64, &AxleStation)> {
         let is_load = |c: &AxleColumn| {
             c.by.is_none()

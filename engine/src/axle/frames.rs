@@ -1,4 +1,4 @@
-//! Where every point of both wheels is along a motion, for drawings: on level ground, the body rolled.
+//! Positions of all points of both wheels along a motion, for drawings: on level ground, with the body rolled.
 //!
 //! The curves of an axle are in the body's axes, in which the ground tilts. A drawing is turned back by the roll angle
 //! about x, and raised so that the ground stays where it is in the design position.
@@ -13,7 +13,8 @@ use crate::mechanism::{Configuration, DesignFault, Failure};
 use crate::model::{PointId, Side};
 use crate::number::Vector3;
 
-/// Both wheels in every position, in the study's axes, or why there is none.
+/// Both wheels in every position, in the study's axes, or the reason why a position does not exist. Errors if the
+/// design position of a wheel cannot be solved.
 pub fn axle_frames(
     axle: &Axle,
     placements: &[Placement],

@@ -11,7 +11,7 @@ use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slot
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// What is read of a wheel in lanes: its parts and their first derivatives, by the rack those of the carrier alone.
+/// A wheel read in lanes: its parts and their first derivatives by travel; by the rack only those of the carrier.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -19,7 +19,7 @@ pub struct LaneWheel<'i, B> {
 }
 
 impl<'i, B> LaneWheel<'i, B> {
-    /// Of what has been read.
+    /// The wheel as its inputs in lanes describe it.
     #[inline(always)]
     pub fn of(read: &'i LaneInputs<B>) -> Self {
         LaneWheel {
@@ -118,7 +118,7 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Whether it can be had in lanes: every characteristic of a wheel, and what the axle's catalogue marks.
+    /// Whether lanes can provide the quantity: every characteristic of a wheel, and what the axle's catalogue marks.
     pub fn is_for_lanes(self) -> bool {
         match self {
             Quantity::Corner(..) => true,
@@ -127,7 +127,7 @@ impl Quantity {
         }
     }
 
-    /// What it reads of a wheel in lanes.
+    /// The slots of a wheel that it reads in lanes.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),

@@ -14,29 +14,29 @@ use crate::model::Side;
 pub struct AxleLimits {
     /// Travel of the left and of the right wheel, the rack in the middle.
     pub travels: [Range; 2],
-    /// The least and the largest displacement of the rack towards the left wheel's outside, the travels 0; `None` where
+    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
     /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
-    /// The least and the largest roll angle (radians) at no heave, the rack in the middle; `None` where it is not known.
+    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
 }
 
-/// The end of what an axle does: where the first wheel comes to an end.
+/// The end of an axle's range: where the first wheel comes to an end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
-    /// The value.
+    /// The value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
-    /// Which wheel.
+    /// The wheel that comes to its end.
     pub side: Side,
     /// That wheel's own end, in its own frame.
     pub end: RangeEnd,
 }
 
-/// How near to its end a roll angle must be reached, so that the end is believed.
+/// Share of the roll angle at the end that must be reached for the end to be believed.
 const BEFORE_END: f64 = 0.999;
 
 impl Axle {
-    /// How far it goes from its design position.
+    /// How far the axle goes from its design position.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.
@@ -100,8 +100,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 }
 
-/// Of an end of the left and one of the right wheel, each with the sign that makes its value the axle's, the one nearer
-/// to the design position.
+/// Returns whichever of the two wheels' ends is nearer to the design position. Each end comes with the sign that
+/// converts the wheel's value to the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = match left.1.abs() <= right.1.abs() {

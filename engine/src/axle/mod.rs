@@ -52,8 +52,8 @@ use crate::number::Vector3;
 pub struct Axle {
     /// The left wheel.
     pub left: Suspension,
-    /// The right wheel in the kernel's frame, as if it were a left one; the mirror image of the left one where
-    /// there is none.
+    /// The right wheel in the kernel's frame, as if it were a left one. `None` if it is the mirror image of the left
+    /// wheel.
     pub right: Option<Suspension>,
     /// Figures of the study.
     pub setup: Setup,
@@ -82,8 +82,9 @@ impl Axle {
         }
     }
 
-    /// The points of a right wheel with hardpoints of its own, where the left wheel's are moved here: each goes the
-    /// way of the left one, and one that is its mirror image stays so to the last digit. `None` of mirror images.
+    /// The points of a right wheel with hardpoints of its own, if the left wheel's points are moved to `left`. Each
+    /// point moves as the left one does, and one that is a mirror image stays so to the last digit. `None` if the whole
+    /// wheel is a mirror image.
     pub fn right_design(
         &self,
         left: &[Vector3<f64>],

@@ -1,4 +1,4 @@
-//! What is read of one wheel, with its dependence on the wheel's own travel and the rack.
+//! Reads one wheel as a function of its own travel and rack.
 //!
 //! Everything is in the kernel's frame of a left wheel; of a right wheel that is its mirror image.
 
@@ -10,9 +10,9 @@ use crate::model::{Drive, PointId};
 use crate::number::{Jet, Matrix3, Real, Tape, Tracked, Vector3, outlined};
 use std::ops::Range;
 
-/// Numbers that are read of a wheel.
+/// Count of numbers that are read of a wheel.
 const PARTS: usize = 37;
-/// Lines that they are read along, and coefficients along each, at the most.
+/// The most lines along which they are read, and the most coefficients along each.
 const MOST_LINES: usize = 4;
 const MOST_POWERS: usize = 4;
 
@@ -86,7 +86,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Those of these slots, and what every axle reads.
+    /// The parts of these slots, and those that every axle reads.
     pub fn of(slots: &[Slot]) -> Self {
         let slots = Slots::default().with(ALWAYS).with(slots);
         let mut used = [false; PARTS];
@@ -112,7 +112,7 @@ impl Parts {
 pub struct Snapshot<const N: usize>([Jet<f64, N>; PARTS]);
 
 impl<const N: usize> Snapshot<N> {
-    /// Nothing is read yet.
+    /// A snapshot with nothing read yet: all NaN.
     pub fn unknown() -> Self {
         Snapshot([Jet::constant(f64::NAN); PARTS])
     }
@@ -172,7 +172,7 @@ pub(super) fn along<const N: usize>(
 pub struct Reading<T>([Taylor<T>; PARTS]);
 
 impl Reading<f64> {
-    /// From what was read along the lines.
+    /// The wheel as the series along the lines of [`Line::needed`] determine it.
     pub fn of<const N: usize>(lines: &[Snapshot<N>]) -> Self {
         let part = |part: usize| {
             let mut series: [&[f64]; MOST_LINES] = [&[]; MOST_LINES];
@@ -189,7 +189,8 @@ impl Reading<f64> {
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// A wheel that stands, its numbers series in something else than its motion: derivatives by that are not known.
+    /// A wheel whose numbers are series in another variable than its motion. Its derivatives by travel and rack are
+    /// unknown.
     pub fn standing(read: &Snapshot<N>) -> Self {
         let part = |part: usize| match part {
             DESIGN.. => Taylor::constant(read.0[part]),
@@ -200,7 +201,7 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 }
 
 impl<'t> Reading<Tracked<'t>> {
-    /// The same with every number an input on the tape, line by line, part by part, power by power.
+    /// The wheel with every number an input on the tape, line by line, part by part, power by power.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let mut inputs = [Tracked::constant(0.0); MOST_LINES * PARTS * MOST_POWERS];
@@ -215,7 +216,7 @@ impl<'t> Reading<Tracked<'t>> {
         Reading::of_inputs(&inputs, parts, lines.len(), N)
     }
 
-    /// From the inputs along so many lines, of so many powers.
+    /// The wheel as these inputs on the tape determine it.
     fn of_inputs(inputs: &[Tracked<'t>], parts: &Parts, lines: usize, powers: usize) -> Self {
         let mut reading = [Taylor::unknown(Tracked::constant(0.0)); PARTS];
         let count = parts.indices().count();
@@ -231,7 +232,7 @@ impl<'t> Reading<Tracked<'t>> {
     }
 }
 
-/// Numbers that a reading along so many lines puts on a tape.
+/// Count of numbers that a reading along `lines` lines puts on a tape.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.indices().count() * N * lines
 }
@@ -303,18 +304,18 @@ fn push<const N: usize>(
 
 /// What formulas read of one wheel: its parts as functions of its travel and the rack.
 ///
-/// Vectors and twists are formed in functions of their own: formulas are full of them.
+/// Vectors and twists are formed out of line, since formulas are full of them.
 pub trait WheelParts<T: Real>: Copy {
     /// The coefficient of a part with these powers of travel and rack; NaN where it is not known.
     fn coefficient(&self, part: usize, powers: [usize; 2]) -> T;
 
-    /// A part where the wheel is.
+    /// The value of a part.
     #[inline(always)]
     fn number(&self, part: usize) -> T {
         self.coefficient(part, [0, 0])
     }
 
-    /// Three parts, or their derivatives.
+    /// Three parts in a row as a vector, or their coefficients with these powers.
     #[inline(always)]
     fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<T> {
         outlined!(
@@ -390,7 +391,8 @@ pub trait WheelParts<T: Real>: Copy {
         self.twist([1, 0])
     }
 
-    /// The same by the rack displacement, the height of the wheel centre held.
+    /// Velocity of the wheel centre and angular velocity of the carrier by the rack displacement, at held height of the
+    /// wheel centre.
     #[inline(always)]
     fn by_rack(&self) -> [Vector3<T>; 2] {
         self.twist([0, 1])
@@ -414,7 +416,7 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// What the corner's catalogue reads.
+    /// The inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
         let now = wheel(self, [0, 0]);
@@ -435,8 +437,8 @@ pub trait WheelParts<T: Real>: Copy {
     /// A number in the shape of the others.
     fn like(&self) -> T;
 
-    /// About a point that moves at these rates, the rack resting where it has none: as series in the motion. One
-    /// degree less is known.
+    /// The wheel as series in a motion with these rates of travel and rack; `None` for a rack at rest. One degree less
+    /// is known.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {
@@ -447,7 +449,7 @@ pub trait WheelParts<T: Real>: Copy {
     }
 }
 
-/// Of the corner's catalogue, a wheel or its derivatives.
+/// The wheel as the characteristics catalogue reads it: values for powers `[0, 0]`, derivatives for others.
 #[inline(always)]
 fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
     Wheel {
@@ -513,7 +515,7 @@ impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
 }
 
 impl<T: Real> Reading<T> {
-    /// About a point moved a little in travel; see [`Taylor::shifted`].
+    /// The wheel about a point moved a little in travel; see [`Taylor::shifted`].
     pub fn shifted(&self, travel: T) -> Self {
         let part = |part: usize| match part {
             DESIGN.. => self.0[part],

@@ -1,4 +1,4 @@
-//! What an axle has beside its two linkages: figures of the study that formulas read.
+//! Figures of an axle beside its two linkages, which formulas read.
 
 use super::spring::SpringLaw;
 use crate::characteristics::Constants;
@@ -11,15 +11,15 @@ pub struct Setup {
     pub wheel_radius: Option<f64>,
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
-    /// Which axle this is; a front one where the study does not say.
+    /// Whether this is the front or the rear axle; `None` counts as front.
     pub position: Option<AxlePosition>,
     /// Rack displacement towards the kernel's +y per turn (2 pi) of the steering wheel to the left.
     pub c_factor: Option<f64>,
     /// The springs of left and right wheel.
     pub springs: Option<[SpringLaw; 2]>,
-    /// Torque of the anti-roll bar per angle between its levers.
+    /// Anti-roll bar rate: torque per angle between its two levers.
     pub bar_rate: Option<f64>,
-    /// Force of a tyre per deflection; rigid where it is not given.
+    /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
     /// Mass that the axle carries, kg.
     pub sprung_mass: Option<f64>,

@@ -19,7 +19,8 @@ use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Where an axle is to be. Lengths as in the study; the rack towards the left wheel's outside.
+/// The position that an axle is to take. Lengths are in the study's unit; the rack is positive towards the left wheel's
+/// outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placement {
     /// The body rolled on a plane ground.
@@ -31,22 +32,23 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The same, but that the mean travel follows: the axle carries what it carries level, with the rack in the middle.
+    /// The body rolled on a plane ground, with a mean travel that follows from the load: the axle carries what it
+    /// carries when it stands level at `heave`, with the rack in the middle.
     AtLoad {
-        /// Mean travel of the wheel centres there.
+        /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
         /// Roll angle in radians.
         roll: f64,
         /// Displacement of the rack.
         rack: f64,
     },
-    /// Both travels.
+    /// Given travels of both wheels.
     Travels {
-        /// Of left and right wheel.
+        /// Travels of left and right wheel.
         travels: [f64; 2],
         /// Displacement of the rack.
         rack: f64,
-        /// Whether the ground is a plane, the body level otherwise.
+        /// Whether both wheels stand on one plane; otherwise the body is level, and each wheel stands on a level pad.
         on_plane: bool,
     },
 }
@@ -61,7 +63,7 @@ impl Placement {
         }
     }
 
-    /// What is held.
+    /// What stays held in motions from this placement.
     pub fn hold(&self) -> Hold {
         match self {
             Placement::Roll { .. } | Placement::AtLoad { .. } => Hold::MeanTravel,
@@ -94,14 +96,14 @@ impl std::fmt::Display for Placement {
 /// Why an axle has no position.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AxleFailure {
-    /// A wheel does not get there.
+    /// A wheel cannot reach its travel.
     #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
     Wheel {
-        /// Which.
+        /// Which wheel.
         side: Side,
         /// Its travel.
         travel: f64,
-        /// Why not.
+        /// Why it cannot.
         failure: Failure,
     },
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
@@ -126,7 +128,8 @@ impl AxleFailure {
         }
     }
 
-    /// The reason in words, with lengths in this unit. Where the rack ends, the wheel's travel says nothing.
+    /// The reason in words, with lengths in this unit. If the rack ends, the wheel's travel is left out, since it says
+    /// nothing.
     pub fn describe(&self, unit: LengthUnit) -> String {
         match self {
             AxleFailure::Wheel {
@@ -148,7 +151,7 @@ impl AxleFailure {
         }
     }
 
-    /// How far the rack goes, where it ends.
+    /// Magnitude of the rack displacement at which the wheel can no longer follow, if that is the failure.
     fn rack_end(&self) -> Option<f64> {
         match self {
             AxleFailure::Wheel {
@@ -169,7 +172,7 @@ impl AxleFailure {
     }
 }
 
-/// What was found of both wheels. Where neither can follow the rack, the failure is that of the wheel that ends it first.
+/// Joins the results of both wheels. If neither can follow the rack, the failure is that of the wheel which ends first.
 pub(super) fn both<T>(
     left: Result<T, AxleFailure>,
     right: Result<T, AxleFailure>,
@@ -185,7 +188,7 @@ pub(super) fn both<T>(
     }
 }
 
-/// Gets the number of what was asked for and its gradients by the points of the left wheel and of the right.
+/// Receives the number of a sought quantity, and its gradients by the points of the left wheel and of the right.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position that was found.
@@ -197,9 +200,9 @@ pub struct Placed {
     pub roll: f64,
     /// Displacement of the rack towards the left wheel's outside.
     pub rack: f64,
-    /// What was held.
+    /// What stays held in motions from this position.
     pub hold: Hold,
-    /// Where the mean travel followed from a load: that at which the level axle has it.
+    /// Only if the mean travel followed from a load: the heave at which the level axle carries that load.
     pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
@@ -216,23 +219,23 @@ impl Placed {
 struct Corner<'a, const N: usize> {
     mechanism: &'a Mechanism,
     solver: Solver<'a>,
-    /// For heights along the travel.
+    /// Series of poses along the travel, for heights of contact points.
     slopes: DesignSeries<TERMS>,
     series: DesignSeries<N>,
-    /// 1, or -1 at the right wheel, whose own frame has the rack move the other way.
+    /// 1, or -1 for the right wheel, in whose own frame the rack moves the other way.
     rack_sign: f64,
     toggles: Toggles,
-    /// The place of the rack, in this wheel's own frame, that the toggles are ready for.
+    /// Rack displacement, in this wheel's own frame, that `toggles` has begun with; `None` before the first.
     begun: Option<f64>,
-    /// Where the travels of the design have ended so far.
+    /// Travels at which this design was found to end, per rack position.
     ends: Vec<End>,
     side: Side,
     /// Points that are read with the wheel.
     points: Vec<PointId>,
 }
 
-/// Where a travel ended, with the rack in one place of the wheel's own frame: to find that out takes as long as a hundred
-/// poses, and whoever looks for a roll angle that there is not comes there again and again.
+/// The end of the travel at one rack displacement, both in the wheel's own frame. It is remembered because finding it
+/// takes as long as a hundred poses, and a search for a roll angle that does not exist comes there again and again.
 #[derive(Clone, Copy, Debug)]
 struct End {
     rack: f64,
@@ -247,7 +250,7 @@ pub struct AxleSolver<'a, const N: usize> {
     pub(super) axle: &'a Axle,
     corners: [Corner<'a, N>; 2],
     setup: &'a Setup,
-    /// For positions at a load, once there are any.
+    /// Solver of loads for positions at a load; made when first needed.
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
@@ -257,13 +260,13 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Newton steps in the difference of travels, ways back included.
+/// The most Newton steps in the difference of travels, those back included.
 const MOST_STEPS: usize = 80;
 /// Terms of the series of heights.
 const TERMS: usize = 4;
-/// As many times the curves of both wheels are solved before what is left is solved one by one.
+/// Rounds in which all open placements are solved together; placements still open after them are solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// Relative to the size, how far a pose is moved along its series: four terms then leave less than rounding.
+/// The farthest a pose is moved along its series, in sizes: four terms then leave less than rounding.
 const NEAR: f64 = 1e-4;
 
 /// A wheel in a pose: how it moves on with its travel, and the height of its contact point over the origin.
@@ -354,7 +357,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Why there is nothing at a travel beyond one that is known to end.
+    /// The failure of a travel beyond one that is known to be the end.
     fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
@@ -362,7 +365,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Some(end.failure)
     }
 
-    /// Makes ready to look for toggles with the rack here.
+    /// Makes ready to look for toggles at this rack displacement.
     fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
         match self.begun == Some(rack) {
             true => self.toggles.begin_again(),
@@ -438,7 +441,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// The wheel at many travels, each on a ground of its own; none where it does not get to.
+    /// The wheel at many travels, each on a ground of its own; `None` for a travel that it cannot reach.
     fn heights(
         &mut self,
         travels: &[f64],
@@ -451,7 +454,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         let mut found: Vec<_> = travels.iter().map(|_| None).collect();
         let order = StationOrder::through(travels);
         let Corner { solver, slopes, .. } = self;
-        // What cannot be visited is found missing.
+        // Stations that cannot be visited stay `None`.
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let motion = MotionPoint {
                 drive: Drive::Travel,
@@ -467,7 +470,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found
     }
 
-    /// Reads a pose at a travel, with the rack where it is in this wheel's own frame.
+    /// Reads a pose at a travel and a rack displacement, both in this wheel's own frame.
     fn read(
         &self,
         pose: &Pose<f64>,
@@ -493,7 +496,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 }
 
-/// Reads a pose of a wheel at a travel and a place of the rack.
+/// Reads a pose of a wheel at a travel and a rack displacement, both in the wheel's own frame.
 fn read_wheel<const N: usize>(
     solver: &Solver,
     series: &DesignSeries<N>,
@@ -503,7 +506,7 @@ fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // Of every line, where each point goes along it.
+    // For every line, the series of each point along it.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {
@@ -535,7 +538,7 @@ fn read_wheel<const N: usize>(
     })
 }
 
-/// What a gradient is sought of.
+/// A number whose gradient is sought.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sought {
     Quantity(Quantity),
@@ -543,7 +546,7 @@ pub(super) enum Sought {
     Point(Side, PointId, Axis),
 }
 
-/// The derivative of what is sought by the mean travel.
+/// The derivative of a sought number by the mean travel.
 fn heaving<const N: usize>(
     state: &State<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
@@ -559,29 +562,29 @@ fn heaving<const N: usize>(
     }
 }
 
-/// What is read of one wheel at a travel.
+/// One wheel as it was read at a travel.
 #[derive(Clone, Debug)]
 pub struct WheelRead {
     travel: f64,
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: f64,
-    /// A rod of a rocker that is at toggle or beyond.
+    /// A rod that is at or beyond a toggle, if any.
     toggle: Option<Rod>,
-    /// Where the points are, as functions of the wheel's own travel and rack.
+    /// Positions of the points as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
-/// What is read in a position.
+/// An axle as it was read in a position.
 pub struct Read<'a> {
     /// The state.
     pub state: State<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
-    /// Of each wheel, a rod of a rocker that is at toggle or beyond.
+    /// For each wheel: the rod that is at or beyond a toggle, if any.
     pub toggles: [Option<Rod>; 2],
-    /// Of each wheel, where the points of [`AxleSolver::read_points`] are as functions of its own travel and rack, in
-    /// the frame of its side.
+    /// For each wheel: the positions of the points of [`AxleSolver::read_points`] as power series in its own travel and
+    /// rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 
@@ -602,7 +605,9 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// For these quantities; `by_rack` where derivatives by the rack are taken beyond what they ask for.
+    /// A solver for positions in which these quantities are read. `by_rack` says whether derivatives by the rack are
+    /// formed beyond those that the quantities need themselves. Errors if the design position of a wheel cannot be
+    /// solved.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -612,7 +617,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots);
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.takes_rack()).map(order);
-        // What is known beyond the quantities' own order is there to be differentiated by.
+        // Orders beyond those that the quantities need themselves are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = match by_rack {
             true => N - 1,
@@ -698,8 +703,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
     }
 
-    /// Finds positions. Those in roll with the rack in one place are found together: each round solves the curves of
-    /// both wheels at the travels where the series of the round before put them.
+    /// Finds positions. Those in roll at one rack displacement are found together: each round solves the curves of both
+    /// wheels at the travels where the series of the round before put them.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, AxleFailure>> {
         let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
@@ -725,7 +730,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found.swap_remove(0)
     }
 
-    /// Where the ground would put the wheels if they rose straight.
+    /// First guess for half the difference of the travels: each wheel centre is taken to move straight up.
     fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
@@ -735,7 +740,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         -0.5 * roll.tan() * (half(Side::Left) + half(Side::Right))
     }
 
-    /// Those of the placements, all in roll with the rack in one place, that are found in a few rounds.
+    /// Finds those of the numbered placements, all in roll at one rack displacement, that take no more than a few
+    /// rounds.
     fn roll_together(
         &mut self,
         rack: f64,
@@ -943,8 +949,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(self.both([&left, &right], placed))
     }
 
-    /// Reads one wheel at travels, with the rack where it is: outward from the design position, as the curves of
-    /// a corner are.
+    /// Reads one wheel at many travels and one rack displacement, outward from the design position, as the curves of a
+    /// single wheel are read.
     pub fn wheel_curve(
         &mut self,
         side: Side,
@@ -961,7 +967,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
-        // The design position was looked at when the solver was made; what cannot be visited keeps its failure.
+        // The design position was checked when the solver was made; stations that cannot be visited keep their failure.
         if corner.begin(rack).is_err() {
             return found;
         }
@@ -1047,7 +1053,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// The same, of coordinates of points too, these in the frame of their side.
+    /// The gradients of quantities and of coordinates of points, the latter in the frame of their side.
     pub(super) fn gradients_of(
         &mut self,
         placed: &Placed,
@@ -1093,7 +1099,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let state = self.state(readings, placed).settled(slopes);
             let value = match sought {
                 Sought::Quantity(quantity) => quantity.evaluate(&state),
-                // A point moves with the travel, which moves where it follows from the ground.
+                // A point moves with its wheel's travel, which depends on the design if it follows from the ground.
                 Sought::Point(side, ..) => state.readings[*side as usize].travel(),
             };
             tape.gradient(value, &mut self.adjoints);
@@ -1109,7 +1115,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let linearised = &linearised[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
-                    // On pads nothing follows.
+                    // On pads no travel follows from the ground.
                     *by = *by * by_travel.unwrap_or(0.0);
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);
@@ -1135,7 +1141,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(())
     }
 
-    /// Proves that poses of one wheel, at travels with the rack in one place, lie on the branch of its design position.
+    /// Proves that poses of one wheel, at these travels and one rack displacement, lie on the branch of its design
+    /// position.
     pub(super) fn prove_branch(
         &mut self,
         certifier: &Certifier,
@@ -1196,12 +1203,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .map(|corner| corner.solver.design().to_vec())
     }
 
-    /// A length that positions are measured by.
+    /// The size of the left wheel's mechanism, against which lengths are measured.
     pub(super) fn size(&self) -> f64 {
         self.corners[0].solver.size()
     }
 
-    /// Number of points of each wheel.
+    /// The points of each wheel.
     pub fn points(&self) -> impl Iterator<Item = PointId> {
         (0..self.buffer.len()).map(PointId)
     }

@@ -1,4 +1,4 @@
-//! An axle in one position, with everything formulas read of it.
+//! An axle in one position, with all inputs of formulas.
 //!
 //! A [`State`] holds both wheels as functions of their travels and racks. Along a [`Motion`] all of it moves
 //! at rates that are formulas of the state itself, so that derivatives along motions, of any order, come
@@ -109,13 +109,13 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// The same by the rack.
+    /// The velocity by the rack of the carrier's point at C.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// Velocity at C of a carrier that moves so.
+    /// Velocity at C of a carrier with this velocity of the wheel centre and this angular velocity.
     #[inline(always)]
     fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
         outlined!(
@@ -133,19 +133,19 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.ground.normal().dot(self.contact_point())
     }
 
-    /// Its derivative by the wheel's own travel.
+    /// The derivative of [`WheelState::height`] by the wheel's own travel.
     #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
     }
 
-    /// Its derivative by the rack.
+    /// The derivative of [`WheelState::height`] by the rack.
     #[inline(always)]
     fn rise_by_rack(&self) -> T {
         self.ground.normal().dot(self.contact_by_rack())
     }
 
-    /// The contact point along the ground, outboard.
+    /// Coordinate of the contact point along the ground, outboard.
     #[inline(always)]
     pub fn half_track(&self) -> T {
         outlined!(
@@ -189,7 +189,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
         self.roll
     }
 
-    /// The body level, each wheel on a level pad at its travel.
+    /// The same wheels with the body level, each on a level pad at its travel.
     #[inline(always)]
     pub fn on_pads(&self) -> Self {
         State {
@@ -264,7 +264,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
         rates
     }
 
-    /// The derivative along a motion of something of one wheel, from its derivatives by the wheel's own travel and rack.
+    /// The derivative along a motion of a number of one wheel, from its derivatives by the wheel's own travel and rack.
     pub(super) fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let Rates { travel, rack, .. } = self.rates(motion);
         let by_travel = by_travel * travel[side as usize];
@@ -278,7 +278,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     /// The state along a motion, as series.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {
-        // In a function of its own: most formulas take derivatives along some motion.
+        // Out of line, since most formulas take derivatives along some motion.
         let Rates { travel, rack, roll } = outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             state: &'p State<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
@@ -302,9 +302,9 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
 }
 
 impl<T: Real> State<'_, T> {
-    /// The state with what the ground asks for put right to first order: of numbers that carry gradients,
-    /// the gradient of travels or roll angle that follow from the design. `slopes` are the plain values of
-    /// F and track.
+    /// The state with travels or roll angle corrected to first order, so that the wheels stand on one ground. For
+    /// numbers that carry gradients this adds the gradient of travels or roll angle, which follow from the design. The
+    /// arguments are the plain values of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

@@ -41,7 +41,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// The lines needed for polynomials in which terms with the rack are of this degree at most.
+    /// The lines needed for polynomials whose terms with the rack are of this degree at most.
     pub fn needed(degree_with_rack: usize) -> &'static [Line] {
         const LINES: [Line; 4] = {
             const fn line(travel: f64, rack: f64) -> Line {
@@ -67,20 +67,20 @@ impl Line {
 pub struct Taylor<T>([T; COEFFICIENTS]);
 
 impl<T: Real> Taylor<T> {
-    /// A constant in the motion.
+    /// A polynomial that is this number everywhere.
     pub fn constant(value: T) -> Self {
         let mut coefficients = [value.zero(); COEFFICIENTS];
         coefficients[0] = value;
         Taylor(coefficients)
     }
 
-    /// Nothing is known; `like` gives the shape.
+    /// A polynomial of which nothing is known: all NaN, in the shape of `like`.
     pub fn unknown(like: T) -> Self {
         Taylor([like.lit(f64::NAN); COEFFICIENTS])
     }
 
-    /// From its series along the lines of [`Line::needed`], each with the coefficients of one degree after
-    /// the other, all of the same number.
+    /// The polynomial with these series along the lines of [`Line::needed`]. Each series has its coefficients by rising
+    /// degree, and all have the same number.
     pub fn through(lines: &[&[T]]) -> Self {
         let first = lines[0];
         let mut taylor = Taylor::unknown(first[0]);
@@ -116,7 +116,7 @@ impl<T: Real> Taylor<T> {
         }
     }
 
-    /// The polynomial about a point moved by so much in travel that its square can be neglected.
+    /// The polynomial about a point moved by `travel`, whose square is neglected.
     pub fn shifted(&self, travel: T) -> Self {
         let mut moved = *self;
         for (coefficient, [i, j]) in moved.0.iter_mut().zip(POWERS) {

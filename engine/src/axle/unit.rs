@@ -1,4 +1,4 @@
-//! What quantities of an axle are printed in.
+//! The units in which quantities of an axle are printed.
 
 use crate::model::LengthUnit;
 use std::f64::consts::PI;
@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// The kind of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// One of the corner's.
+    /// A kind that wheel characteristics have.
     Corner(crate::characteristics::Unit),
     /// Angle per angle, in degrees per degree.
     AnglePerAngle,

@@ -17,13 +17,13 @@ use std::hint::black_box;
 /// One effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What it is.
+    /// Name of the effect.
     pub effect: String,
     /// Time per pose with this effect alone.
     pub alone: Timing,
     /// Time per pose with it and all before it.
     pub added: Timing,
-    /// What it does alone, per run.
+    /// Work done with this effect alone, per run.
     pub work: Work,
     /// Poses in that run.
     pub poses: usize,

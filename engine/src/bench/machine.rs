@@ -1,4 +1,4 @@
-//! What was measured on, and with what.
+//! The machine and the program of a measurement.
 
 use super::Clock;
 use serde::Serialize;

@@ -31,7 +31,7 @@ pub enum Unmeasurable {
         /// How many it takes.
         needed: usize,
     },
-    /// So many threads cannot be had.
+    /// This number of threads cannot be started.
     #[error("{0} threads cannot be started")]
     Threads(usize),
 }

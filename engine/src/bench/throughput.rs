@@ -21,17 +21,17 @@ use std::sync::Mutex;
 
 /// How far a hardpoint is moved, in sizes.
 const SCATTER: f64 = 0.01;
-/// Blocks that are solved in one go,
+/// Number of blocks that one thread solves in a sample.
 const BLOCKS: usize = 32;
-/// and by each of several threads: long against the time it takes to wake them.
+/// Number of blocks for each of several threads: they take long compared with waking the threads.
 const BLOCKS_OF_THREAD: usize = 512;
-/// Designs for what is slow.
+/// Number of designs for slow methods.
 const FEW: usize = 16;
 
-/// One way to so many poses.
+/// The measured time of one way to solve poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What is asked for at each pose.
+    /// The quantities that are computed at each pose.
     pub asked: &'static str,
     /// How it is found.
     pub method: String,
@@ -237,7 +237,7 @@ impl Throughput {
 
 const PAPER: &str = "point coordinates (paper)";
 
-/// Those of the characteristics that the suspension has.
+/// Those of these characteristics that the suspension has the parts and figures for.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
     let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
     let possible = characteristics.iter().filter(possible);
@@ -270,7 +270,7 @@ fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     designs
 }
 
-/// What is solved.
+/// The designs and stations that are solved.
 #[derive(Clone, Copy)]
 struct Sweep<'a> {
     suspension: &'a Suspension,
@@ -371,7 +371,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Something to want of so many angles.
+    /// A wanted value for each angle and station.
     fn wanted(&self, angles: usize) -> Vec<Wanted> {
         let wanted = Wanted {
             value: 0.01,

@@ -8,14 +8,14 @@ use std::time::{Duration, Instant};
 pub struct Timing {
     /// Half of the samples are faster.
     pub median: f64,
-    /// A quarter of the samples is faster,
+    /// A quarter of the samples is faster.
     pub lower: f64,
-    /// and a quarter slower.
+    /// A quarter of the samples is slower.
     pub upper: f64,
 }
 
 impl Timing {
-    /// Of some samples, of which there must be one.
+    /// Median and quartiles of samples, in ns per item; there must be at least one.
     fn of(mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let at = |share: f64| samples[((samples.len() - 1) as f64 * share).round() as usize];
@@ -52,7 +52,7 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// The time of `work`, which does so many items.
+    /// The time per item of `work`, which does `items` items.
     pub fn time<R>(&self, items: usize, mut work: impl FnMut() -> R) -> Timing {
         let work = Job {
             items,
@@ -92,7 +92,7 @@ impl Clock {
 pub struct Job<'a> {
     /// How many items it does.
     pub items: usize,
-    /// What it does.
+    /// The work that is timed.
     pub work: Box<dyn FnMut() + 'a>,
 }
 

@@ -29,11 +29,11 @@ const MOST_ROUNDS: usize = 30;
 /// Corrections below this, in parts of the size, are rounding.
 pub(super) const ROUNDING: f64 = 1e-14;
 
-/// What is held by what.
+/// Adjustments that keep toe and camber at their drawn values.
 #[derive(Clone, Debug)]
 pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
-    /// What keeps the values that the drawing has.
+    /// Characteristics that keep their drawn values.
     held: Vec<Characteristic>,
     /// M, a row for each adjustment.
     inverse: DMatrix<f64>,
@@ -85,7 +85,8 @@ impl Alignment {
         by
     }
 
-    /// The same with M of a build, so that derivatives about it are exact after one correction for each order.
+    /// The alignment with the M of a build, so that derivatives about that build are exact after one correction for
+    /// each order.
     pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
         Some(Alignment {
             inverse: inverse(&self.by(assembler, built))?,
@@ -147,7 +148,7 @@ impl Alignment {
         Err(Reject::Unaligned)
     }
 
-    /// What the drawing has of what is held.
+    /// The values that the drawing has of the characteristics that are held.
     #[inline(always)]
     pub(super) fn wanted<T: Real>(
         &self,
@@ -211,7 +212,7 @@ impl Alignment {
         design
     }
 
-    /// What the adjustments have to be by each unit of a direction: the direction with them.
+    /// The direction with the changes of the adjustments added that keep the held characteristics.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

@@ -34,14 +34,14 @@ const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 /// Why parts cannot be put together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Reject {
-    /// On the way from the drawn parts to these the mechanism comes to a singular position: there the links
+    /// On the way from the drawn parts to these the mechanism comes to a singular position, beyond which the links
     /// cannot reach.
     #[error(
         "the links cannot reach: from the drawn parts to these the mechanism goes together up to {:.0} %",
         100.0 * share
     )]
     OutOfReach {
-        /// How far of the way it can be put together, 0 to 1.
+        /// Part of the way up to which it can be put together, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker cannot reach, or is at toggle.
@@ -56,7 +56,7 @@ pub enum Reject {
     /// Toe and camber cannot be set to what they were drawn.
     #[error("toe and camber cannot be set as they were drawn")]
     Unaligned,
-    /// Put together they are no design that can move.
+    /// The parts can be put together, but the result cannot move.
     #[error("put together, it cannot move")]
     Immovable(DesignFault),
 }
@@ -83,7 +83,7 @@ pub struct Assembler {
     /// The pose of the drawing and the inverse of the Jacobian there.
     home: Linearised,
     size: f64,
-    /// What positions are rounded at.
+    /// Rounding of positions, as a length.
     rounding: f64,
 }
 
@@ -96,7 +96,7 @@ pub(crate) struct Linearised {
 }
 
 impl Assembler {
-    /// For a suspension, whose drawing must be one that can move.
+    /// Prepares to put builds of a suspension together. Errors if its drawing cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
         let suspension = with_spindle(suspension);
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -119,7 +119,7 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// The same for another drawing of the same suspension, which must be one that can move.
+    /// Takes another drawing of the same suspension. Errors if it cannot move.
     pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.suspension.design.copy_from_slice(design);
         self.drawn = Parts::of_drawing(&self.suspension.mechanism, design);
@@ -154,7 +154,7 @@ impl Assembler {
         self.size
     }
 
-    /// What positions are rounded at.
+    /// Rounding of positions, as a length.
     pub(super) fn rounding(&self) -> f64 {
         self.rounding
     }
@@ -222,7 +222,7 @@ impl Assembler {
         }
     }
 
-    /// From the drawn parts to these step by step.
+    /// Changes the drawn parts to these step by step, and follows the pose.
     fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
@@ -290,7 +290,7 @@ impl Assembler {
         settled.then_some(pose)
     }
 
-    /// One correction of a pose.
+    /// Makes one correction of a pose.
     #[inline(always)]
     pub(crate) fn corrected<T: Real>(
         &self,
@@ -347,7 +347,7 @@ impl Assembler {
         self.closure_in(parts, &mut Vec::new())
     }
 
-    /// Where the undisplaced carrier has a point: the counterpart of a point of the body where it was drawn.
+    /// Position of a point in the undisplaced carrier: for a point of the body, the counterpart where it was drawn.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
         match is_of_body(&self.suspension.mechanism, PointId(number)) {

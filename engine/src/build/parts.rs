@@ -54,7 +54,7 @@ impl Member {
         }
     }
 
-    /// Its place in [`Parts::lengths`].
+    /// Its index in [`Parts::lengths`].
     #[inline(always)]
     pub(crate) fn place(self, mechanism: &Mechanism) -> usize {
         match self {
@@ -81,7 +81,7 @@ pub struct Parts<T> {
     pub points: Vec<Vector3<T>>,
     /// Lengths of members, by the place of the constraint; 0 for a constraint that is no rod.
     pub lengths: Vec<T>,
-    /// Where every point was drawn: the axes that carriers are made in.
+    /// Drawn position of every point; carriers are made in the axes of the drawing.
     pub drawn: Vec<Vector3<T>>,
 }
 

@@ -1,16 +1,17 @@
-//! Where a built mechanism rests.
+//! The position in which a built mechanism rests.
 
 use super::assembler::{Assembler, Linearised, Reject};
 use super::parts::{BuildParameter, Parts};
 use crate::model::Suspension;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// What the height of the wheel centre is at travel 0.
+/// What defines the height of the wheel centre at travel 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest {
-    /// This much above its drawn height: the workshop sets it.
+    /// The workshop sets the height, to this much above the drawn one.
     Height(f64),
-    /// Where the spring is this much longer than drawn, seat to seat: what a change of its pushrod comes to.
+    /// The spring's length sets the height: it is this much longer than drawn, seat to seat. A change of its pushrod
+    /// amounts to this.
     Spring(f64),
 }
 
@@ -21,7 +22,7 @@ pub struct Built {
     pub suspension: Suspension,
     /// The parts.
     pub parts: Parts<f64>,
-    /// What it rests on.
+    /// What defines the resting height.
     pub rest: Rest,
     /// Height of the wheel centre above its drawn height.
     pub height: f64,
@@ -131,8 +132,8 @@ impl Assembler {
         design
     }
 
-    /// The built design of parts over a derivative number with so many orders, whose values are the build's own; its
-    /// height is held.
+    /// The built design of parts over a derivative number with this number of orders. The values of the parts must be
+    /// the build's own; its height is held.
     pub fn design_of<T: Real>(
         &self,
         built: &Built,

@@ -37,7 +37,7 @@ pub enum Static {
 /// A suspension at rest with its parts adjusted.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// How much each adjustment is.
+    /// Amount of each adjustment.
     pub amounts: Vec<f64>,
     /// The parts put together.
     pub built: Built,
@@ -50,14 +50,14 @@ pub struct State {
 /// A set-up solved.
 #[derive(Clone, Debug)]
 pub struct SetUp {
-    /// What is looked at: camber, toe, caster and bump steer where there are any, what is wanted beside, and the ride
+    /// The static values: camber, toe, caster and bump steer if they exist, further ones that are wanted, and the ride
     /// height.
     pub statics: Vec<Static>,
-    /// What is wanted of each, as it is printed.
+    /// For each static value, the wanted one as it is printed; `None` if there is no wish.
     pub wanted: Vec<Option<f64>>,
     /// What is left of each wish by steps of shims that nothing adjusted after them can make up for.
     pub by_steps: Vec<f64>,
-    /// As drawn, at the ride height that is wanted.
+    /// The state of the drawing, at the wanted ride height.
     pub drawn: State,
     /// After each adjustment, in the order of the study.
     pub steps: Vec<State>,
@@ -137,7 +137,7 @@ impl SetUp {
         })
     }
 
-    /// With everything adjusted.
+    /// The state after all adjustments.
     pub fn last(&self) -> &State {
         self.steps.last().unwrap_or(&self.drawn)
     }
@@ -158,7 +158,7 @@ impl SetUp {
     }
 }
 
-/// What is solved.
+/// The problem that is solved.
 struct Problem<'a> {
     assembler: &'a Assembler,
     directions: Vec<[(BuildParameter, f64); 1]>,
@@ -166,7 +166,7 @@ struct Problem<'a> {
     rest: Rest,
     statics: Vec<Static>,
     wanted: Vec<Option<f64>>,
-    /// Of a miss of each as it is printed.
+    /// Weight of each value's miss, per unit in which it is printed: 10 per degree, 1 per millimetre.
     weights: Vec<f64>,
 }
 

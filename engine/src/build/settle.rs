@@ -38,7 +38,7 @@ pub(super) struct Settling<'s, B> {
     /// The parts; where they are aligned, they come to have the adjustments.
     pub(super) parts: &'s mut Parts<B>,
     pub(super) alignment: Option<&'s Alignment>,
-    /// Of the wheel centre above its drawn height.
+    /// Height of the wheel centre above its drawn height.
     pub(super) height: f64,
     pub(super) from: &'s Linearised,
     /// Room for the points of the undisplaced carrier.
@@ -240,7 +240,7 @@ pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
     B::select(a.less(b), b, a)
 }
 
-/// The same pose in every lane.
+/// This pose in every lane.
 #[inline(always)]
 fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
     let shape = Vector3::new(like, like, like);

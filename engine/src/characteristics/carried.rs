@@ -10,18 +10,18 @@ use crate::number::{Jet, Vector3};
 pub struct CarriedForce {
     /// Where the load acts.
     pub at: LoadPoint,
-    /// Its force.
+    /// Force of the load.
     pub force: Vector3<f64>,
-    /// Its moment, in units of force times length.
+    /// Moment of the load, in units of force times length.
     pub moment: Vector3<f64>,
     /// What keeps the suspension from moving under it.
     pub support: Support,
-    /// Which of the forces that carry it.
+    /// Which of the forces that carry the load.
     pub what: Carried,
 }
 
 impl CarriedForce {
-    /// What of the wheel the place of a load is made of.
+    /// The slots from which the point of application of a load is formed.
     pub(crate) const READS: &'static [Slot] = &[Slot::SpinAxis, Slot::Centre];
 
     /// The rocker through which the spring holds the suspension.

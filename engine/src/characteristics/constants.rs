@@ -22,7 +22,7 @@ pub struct Constants {
     pub drive_share: f64,
     /// 1 where the carrier takes the torque of the brakes, 0 where a shaft does.
     pub brake_torque_by_carrier: f64,
-    /// The same of the torque of the drive.
+    /// 1 where the carrier takes the torque of the drive, 0 where a shaft does.
     pub drive_torque_by_carrier: f64,
 }
 

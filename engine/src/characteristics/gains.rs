@@ -14,7 +14,7 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     slope::<F, T>(inputs, rate.spin_axis, rate.steering_direction) / rate.centre.z
 }
 
-/// How an angle changes where spin axis and steering direction do so at these rates: it reads one of the two
+/// The rate of an angle while spin axis and steering direction change at these rates. An angle reads one of the two
 /// directions and nothing else.
 #[inline(always)]
 fn slope<F: Formula, T: Real>(
@@ -25,7 +25,7 @@ fn slope<F: Formula, T: Real>(
     F::evaluate(&moving(inputs, spin_axis, steering_direction))[1]
 }
 
-/// What an angle reads as a series, spin axis and steering direction changing at these rates.
+/// Inputs of an angle as first-order series, with these rates of spin axis and steering direction.
 #[inline(always)]
 fn moving<T: Real>(
     inputs: &Inputs<T>,
@@ -40,7 +40,7 @@ fn moving<T: Real>(
     )
 }
 
-/// What an angle reads; all else is `filling`.
+/// Inputs with these two directions, which is all that an angle reads; every other number is `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -83,7 +83,7 @@ pub(super) fn is_angle(c: Characteristic) -> bool {
 }
 
 impl Characteristic {
-    /// An angle of the wheel from its unit spin axis; not a number for anything else.
+    /// Camber or toe, in radians, from the unit spin axis; NaN for any other characteristic.
     #[inline(always)]
     pub(crate) fn of_spin_axis<T: Real>(self, spin_axis: Vector3<T>) -> T {
         let unknown = spin_axis.x.lit(f64::NAN);
@@ -92,14 +92,15 @@ impl Characteristic {
     }
 }
 
-/// The derivative of an angle by the drive, from the rates of what it reads; `None` for anything else.
+/// The derivative of an angle by the drive, from the rates of the direction it reads; `None` for any other
+/// characteristic.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;
     of_angle!(c, Angle => slope::<Angle, T>(inputs, rate.spin_axis, rate.steering_direction))
 }
 
-/// The derivative of an angle by the direction it reads; `None` for anything else.
+/// The derivative of an angle by the direction it reads; `None` for any other characteristic.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
     let now = &inputs.now;
@@ -111,8 +112,8 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     of_angle!(c, Angle => Vector3::from(Angle::evaluate(&moved).partials))
 }
 
-/// The same as a series along the motion: in its second coefficient the derivative of the angle's slope by the direction,
-/// since the order in which a direction and the motion are differentiated by does not matter.
+/// The derivative of an angle by the direction it reads, as a series along the motion. The second coefficient is the
+/// derivative of the angle's slope by the direction, since the order of the two differentiations does not matter.
 #[inline(always)]
 pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,
@@ -128,7 +129,7 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// How an angle changes with the direction it reads, in a function of its own.
+/// The rate of an angle while the direction it reads changes at this rate. Out of line.
 #[inline(always)]
 fn slope_apart<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(

@@ -92,7 +92,7 @@ formulas! {
         -(velocity.z / turn)
     };
 
-    /// Where the instantaneous centre in front view is across the car.
+    /// Lateral position of the instantaneous centre in front view.
     FrontViewCentreLateral {
         name: "front_view_centre_lateral",
         unit: Unit::Length,
@@ -103,7 +103,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().y - FrontViewSwingArm::evaluate(inputs);
 
-    /// How high it is.
+    /// Height of the instantaneous centre in front view.
     FrontViewCentreHeight {
         name: "front_view_centre_height",
         unit: Unit::Length,
@@ -117,7 +117,7 @@ formulas! {
         velocity.y / turn
     };
 
-    /// Where the instantaneous centre in side view is along the car.
+    /// Longitudinal position of the instantaneous centre in side view.
     SideViewCentreLongitudinal {
         name: "side_view_centre_longitudinal",
         unit: Unit::Length,
@@ -128,7 +128,7 @@ formulas! {
         needs: &[Need::WheelRadius],
     } = |inputs| inputs.contact_point().x - SideViewSwingArm::evaluate(inputs);
 
-    /// How high it is.
+    /// Height of the instantaneous centre in side view.
     SideViewCentreHeight {
         name: "side_view_centre_height",
         unit: Unit::Length,
@@ -143,8 +143,8 @@ formulas! {
     };
 }
 
-/// The centres as points, for drawings; in the kernel's frame. Empty is what is at infinity, or unknown as the
-/// wheel's radius is.
+/// The centres as points in the kernel's frame, for drawings. A centre is `None` if it is at infinity, or if the
+/// wheel's radius is unknown.
 ///
 /// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, P in the transverse plane of C,
 /// its y and z components vanish where P - C is (0, -C_z'/w_x, C_y'/w_x); in side view, P in the longitudinal
@@ -162,7 +162,7 @@ pub struct InstantCentres {
 }
 
 impl InstantCentres {
-    /// Of a suspension in a configuration with its rates.
+    /// Instant centres of a suspension in a configuration with its first derivatives by the drive.
     pub fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 2>>) -> Self {
         if suspension.wheel_radius.is_none() {
             return InstantCentres::default();
@@ -192,7 +192,7 @@ impl<const N: usize> WheelReading<N> {
 }
 
 /// The instantaneous centres in front and side view, from the contact point, its velocity and the knuckle's angular
-/// velocity; none at infinity. `size` is that of the mechanism.
+/// velocity. `None` for a centre at infinity. `size` is that of the mechanism.
 pub fn instant_centres_of(
     contact: Vector3<f64>,
     velocity: Vector3<f64>,

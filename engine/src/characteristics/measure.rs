@@ -25,7 +25,7 @@ pub enum Measure {
     Carried(CarriedForce),
     /// The distance of two points.
     Length([PointId; 2]),
-    /// How far a point is from a plane, on the side its unit normal points to.
+    /// The signed distance of a point from a plane, positive on the side its unit normal points to.
     Height {
         /// The point.
         point: PointId,
@@ -71,13 +71,14 @@ pub enum Measure {
     FromSpinAxis(PointId),
     /// How far outboard of the wheel centre a point is along the spin axis.
     AlongSpinAxis(PointId),
-    /// The distance from the spin axis of the place where a member, from its outer to its inner end, crosses the plane
-    /// so far outboard of the wheel centre; of the end nearer to that plane where it does not cross it.
+    /// The distance from the spin axis at which a member, given by its outer and its inner end, crosses the plane
+    /// normal to the spin axis that is this far outboard of the wheel centre. If it does not cross the plane, the
+    /// distance of its end nearer to the plane.
     FromSpinAxisAt([PointId; 2], f64),
     /// The distance of two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
-    /// Of a ball joint between wheel carrier and arm: 1 less the cosine of the angle by which the stud
-    /// has left its direction in the arm.
+    /// Ball joint between wheel carrier and arm: 1 minus the cosine of the angle between the stud and its design
+    /// direction as carried by the arm.
     BallJoint {
         /// The joint.
         joint: PointId,
@@ -86,23 +87,24 @@ pub enum Measure {
         /// The stud.
         stud: Stud,
     },
-    /// Of a rod's joint on the wheel carrier: the change of the angle between stud and rod.
+    /// Rod end on the wheel carrier: change of the angle between stud and rod since the design position, in rad.
     RodEnd {
         /// The joint, and the rod's other end.
         rod: [PointId; 2],
         /// The stud.
         stud: Stud,
     },
-    /// Of the joint at the outer end of a drive shaft, from its inner to its outer end: 1 less the cosine of the angle
-    /// between shaft and spin axis.
+    /// Joint at the outer end of a drive shaft, given by the shaft's inner and outer end: 1 minus the cosine of the
+    /// angle between shaft and spin axis.
     OuterShaftJoint([PointId; 2]),
-    /// Of the joint at its inner end, likewise: of the angle between shaft and y axis.
+    /// Joint at the inner end of a drive shaft, given likewise: 1 minus the cosine of the angle between shaft and y
+    /// axis.
     InnerShaftJoint([PointId; 2]),
     /// By how much two points are further apart than in the design position.
     Plunge([PointId; 2]),
     /// How far the fourth point is from the plane through the other three.
     OffPlane([PointId; 4]),
-    /// How far the third point is from the line through the other two, along the axis of this number.
+    /// How far the third point is from the line through the other two, along the axis with this index.
     OffLine([PointId; 3], usize),
 }
 
@@ -111,14 +113,14 @@ pub enum Measure {
 pub enum Stud {
     /// From one point to another, in the design position.
     Between(PointId, PointId),
-    /// This one, in the design position.
+    /// This direction, in the design position.
     Along(Vector3<f64>),
 }
 
 /// The most vectors that a formula reads.
 const MOST: usize = 6;
 
-/// The vectors that a formula reads; of those it does not read, anything.
+/// The vectors that a formula reads; entries that it does not read may be anything.
 pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 
 /// A vector that a formula reads.
@@ -145,12 +147,12 @@ impl Measure {
         }
     }
 
-    /// Derivatives by the drive that the value itself takes.
+    /// Order of the derivatives by the drive that the value itself is made of: 0 or 1.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
 
-    /// What of wheel and steering axis it is made of.
+    /// The slots of wheel and steering axis that it is made of.
     pub fn reads(&self) -> &'static [Slot] {
         match self {
             Measure::Quantity(quantity) => quantity.reads(),
@@ -174,7 +176,7 @@ impl Measure {
         points.collect()
     }
 
-    /// Whether the value is the same in every pose: of two points of one part, or of the ends of a rod or
+    /// Whether the value is the same in every pose: the distance of two points of one part, or of the ends of a rod or
     /// of a leg of an arm.
     pub fn is_fixed(&self, mechanism: &Mechanism) -> bool {
         match self {
@@ -184,7 +186,7 @@ impl Measure {
         }
     }
 
-    /// The vectors that its formula reads, and how many; none where it is no geometry.
+    /// The vectors that its formula reads, and their number; 0 if it is not geometry.
     pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {
             let mut inputs = [Input::SpinAxis; MOST];
@@ -277,7 +279,7 @@ impl Measure {
         Vector3::from(self.formula(&seeded).partials)
     }
 
-    /// The formula, of the vectors that `inputs` names.
+    /// Evaluates the formula on the vectors that `inputs` names.
     pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
             Measure::Quantity(_) | Measure::Carried(_) => v[0].x.lit(f64::NAN),
@@ -371,13 +373,13 @@ fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
     (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
 }
 
-/// |x|, from the side it is on.
+/// |x|; its derivative is that of the sign that x has.
 fn magnitude<T: Scalar>(x: T) -> T {
     if x.value() < 0.0 { -x } else { x }
 }
 
-/// The distance from a body that is where all of these are negative: outside the length of those that are
-/// positive, inside the largest.
+/// The distance from the body in which all of `excess` are negative. Outside it is the length of the positive ones as a
+/// vector, inside the largest one.
 fn outside<T: Scalar>(excess: &[T]) -> T {
     let mut largest = excess[0];
     let mut square = largest.zero();

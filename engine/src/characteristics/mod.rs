@@ -254,8 +254,7 @@ catalogue! {
     AttiaCamber => attia::AttiaCamber,
 }
 
-/// The derivative of a characteristic by each thing it reads: slot by slot, in the order of
-/// [`Info::reads`].
+/// The derivatives of a characteristic by the slots it reads, in the order of [`Info::reads`].
 pub type Gradient<T> = [Vector3<T>; Slot::MOST];
 
 impl Characteristic {
@@ -271,7 +270,7 @@ impl Characteristic {
     }
 }
 
-/// The value of a formula, in a function of its own.
+/// The value of a formula. Out of line.
 #[inline(always)]
 fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     outlined!(
@@ -299,13 +298,13 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     gradient
 }
 
-/// What a formula reads, as constants: once for all formulas.
+/// The inputs of a formula as constants. Out of line, once for all formulas.
 #[inline(never)]
 fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     constants_here(inputs, reads)
 }
 
-/// The same, where it is called.
+/// The inputs of a formula as constants, inlined.
 #[inline(always)]
 fn constants_here<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     let nothing = Dual::constant(inputs.turn.x.lit(f64::NAN));

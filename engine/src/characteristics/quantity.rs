@@ -18,7 +18,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Derivatives by the drive that the value itself takes: 1 for what is made of velocities, else 0.
+    /// Order of the derivatives by the drive that the value itself is made of: 1 for a quantity made of velocities,
+    /// else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
         match self {
@@ -28,7 +29,7 @@ impl Quantity {
         }
     }
 
-    /// What the value is made of; coordinates are read off the configuration directly.
+    /// The slots that the value is made of; none for coordinates, which are read off the configuration directly.
     #[inline]
     pub fn reads(self) -> &'static [Slot] {
         match self {
@@ -54,7 +55,7 @@ impl Quantity {
         matches!(self, Quantity::AngularVelocity(_))
     }
 
-    /// Whether the quantity is how an angle changes with travel.
+    /// Whether the quantity is the derivative of an angle by travel.
     pub fn is_gain(self) -> bool {
         match self {
             Quantity::Characteristic(c) => angle_of_gain(c).is_some(),

@@ -1,4 +1,4 @@
-//! What the slots of formulas are in a pose.
+//! The values that the slots of formulas have in a pose.
 //!
 //! Written once, for every kind of number and of pose: [`Posed`] is what a pose has to tell of its parts, and
 //! [`Inputs::read`] puts together from it what formulas read. A configuration tells it in numbers of any kind (as series its
@@ -25,7 +25,7 @@ impl<V> Moving<V> {
         Moving { now, rate: None }
     }
 
-    /// Puts it where it is kept; a derivative that is not known leaves what there is.
+    /// Stores value and derivative; if the derivative is not known, `rate` stays as it is.
     #[inline(always)]
     pub(super) fn put(self, now: &mut V, rate: &mut V) {
         *now = self.now;
@@ -57,20 +57,21 @@ impl<T: Real> Moving<Vector3<T>> {
     }
 }
 
-/// A pose, as what it tells of its parts.
+/// A pose that parts can be read off.
 pub(super) trait Posed<T: Real> {
     /// The unit spin axis, outboard.
     fn spin_axis(&mut self) -> Moving<Vector3<T>>;
-    /// Where a point is.
+    /// Present position of a point.
     fn point(&mut self, id: PointId) -> Moving<Vector3<T>>;
-    /// A point of the steering axis and a vector along it, upward; `None` where there is none, or nothing is known of it.
+    /// A point of the steering axis and a vector along it, upward; `None` if there is no steering axis, or if it is not
+    /// known.
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]>;
     /// The angle of a rocker from its design position.
     fn rocker_angle(&mut self, id: RockerId) -> Moving<T>;
 }
 
 impl<T: Real> Inputs<T> {
-    /// With nothing read yet: all of it is `nothing`, which is not a number.
+    /// Inputs with nothing read yet: every number is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn unknown(nothing: T, constants: Constants) -> Self {
         let wheel = Wheel::filled(nothing);
@@ -83,7 +84,7 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads these slots off a pose, with their derivatives where it knows them.
+    /// Reads these slots off a pose, with their derivatives if the pose knows them.
     #[inline(always)]
     pub(super) fn read(&mut self, pose: &mut impl Posed<T>, mechanism: &Mechanism, slots: Slots) {
         let Inputs { now, rate, .. } = self;
@@ -135,7 +136,7 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads the slots that are of the design.
+    /// Reads the slots that depend on the design alone.
     #[inline(always)]
     pub(super) fn read_design(
         &mut self,
@@ -151,15 +152,15 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// What can be read off a configuration without its rates, which are left unknown like everything that
-    /// is not among the slots.
+    /// Reads these slots off a configuration without its rates. The rates, and everything that is not among the slots,
+    /// are NaN.
     #[inline]
     pub fn standing(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
         let nothing = at.rack.lit(f64::NAN);
         Inputs::of_configuration(at, nothing, constants, slots)
     }
 
-    /// The same with `nothing` for what is not read.
+    /// As [`Inputs::standing`], with `nothing` in place of NaN.
     #[inline(always)]
     pub(super) fn of_configuration(
         at: &Configuration<T>,
@@ -197,7 +198,7 @@ impl<T: Real> Posed<T> for &Configuration<'_, T> {
     }
 }
 
-/// Takes down what a pose is asked for.
+/// A pose without numbers that notes which parts it is asked for.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
     pub(super) points: Vec<PointId>,
@@ -206,14 +207,14 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    /// What these slots ask for.
+    /// The parts of a pose that these slots need.
     pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
         let mut asked = Asked::default();
         Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);
         asked
     }
 
-    /// The rockers that it moves with directly.
+    /// The rockers that these parts move with directly.
     pub(super) fn rockers(&self, mechanism: &Mechanism) -> impl Iterator<Item = RockerId> {
         let points = self.points.iter();
         points

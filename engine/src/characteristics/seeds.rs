@@ -1,4 +1,4 @@
-//! How what formulas read depends on a configuration: the seeds of an adjoint.
+//! The seeds of an adjoint: how the inputs of formulas depend on a configuration.
 
 use super::Slot;
 use crate::derive::{Gradient, Seeds};
@@ -52,7 +52,7 @@ impl Slot {
     }
 }
 
-/// In a function of its own: it is large, and many seed.
+/// Out of line, since it is large and called from many places.
 struct Pushing<'i, 'c, 's, 'a, T, G: ?Sized> {
     slot: Slot,
     seed: Vector3<T>,

@@ -1,4 +1,4 @@
-//! Where a characteristic has no value by its definition, in words: what a table says of its empty cells.
+//! In words, where a characteristic has no value by its definition: the reason that a table gives for its empty cells.
 
 use super::Characteristic;
 

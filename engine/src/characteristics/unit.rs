@@ -55,7 +55,7 @@ impl Characteristic {
     }
 }
 
-/// The name of a column: what it is of, with its unit unless that is empty.
+/// The name of a column: `name` with its unit, unless that is empty.
 pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
     let name = name.into();
     match unit.is_empty() {

@@ -125,7 +125,7 @@ impl Slots {
         self.contains(now) || self.contains(rate)
     }
 
-    /// Whether they need the steering axis.
+    /// Whether a part of the steering axis is among them.
     #[inline]
     pub fn contain_steering_axis(self) -> bool {
         const PARTS: u32 = 1 << Slot::SteeringPoint as u32
@@ -134,17 +134,17 @@ impl Slots {
         self.0 & PARTS != 0
     }
 
-    /// All that several things read.
+    /// All slots of several lists.
     pub fn of<'s>(read: impl IntoIterator<Item = &'s [Slot]>) -> Self {
         read.into_iter().fold(Slots::default(), Slots::with)
     }
 
-    /// Those of both.
+    /// The slots of both sets.
     pub fn and(self, other: Slots) -> Self {
         Slots(self.0 | other.0)
     }
 
-    /// With these slots.
+    /// The set with these slots added.
     pub fn with(self, slots: &[Slot]) -> Self {
         Slots(slots.iter().fold(self.0, |set, s| set | 1 << *s as u32))
     }
@@ -182,7 +182,7 @@ impl Slot {
 }
 
 impl<T: Real> Wheel<T> {
-    /// The same number everywhere: for what is not read.
+    /// A wheel in which every number is the same, for wheels that are not read.
     #[inline(always)]
     pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
@@ -265,7 +265,7 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// These slots over another kind of number; what else there is is `nothing`, which is not a number.
+    /// These slots over another kind of number; everything else is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn only<U: Real>(
         &self,

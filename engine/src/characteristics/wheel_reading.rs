@@ -1,4 +1,4 @@
-//! What can be read off a pose: values along the motion and gradients by the hardpoints.
+//! Reads values along the motion and gradients by the hardpoints off a pose.
 
 use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
 use crate::derive::{Linearised, Seeds};
@@ -27,8 +27,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// As [`WheelReading::of`], for quantities that read no more than these slots. The rest is not computed, and
-    /// is not a number.
+    /// As [`WheelReading::of`], for quantities that read no more than these slots. The rest is not computed and is NaN.
     pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let nothing = Jet([f64::NAN; N]);
         let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);
@@ -61,7 +60,7 @@ impl<const N: usize> WheelReading<N> {
         self.inputs.contact_point()
     }
 
-    /// The value of a characteristic, likewise.
+    /// The value of a characteristic along the motion, with as many unknown coefficients.
     #[inline]
     pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {
         c.evaluate(&self.inputs)

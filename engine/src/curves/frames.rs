@@ -18,11 +18,11 @@ pub struct Frame {
     pub drive: f64,
     /// Rack displacement.
     pub rack: f64,
-    /// Where everything is, or why that is not known.
+    /// Positions, or the reason why there is no pose.
     pub pose: Result<Placement, String>,
 }
 
-/// Where everything is.
+/// Positions of everything that is drawn in one pose, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// Position of each point.
@@ -48,7 +48,7 @@ pub struct Placement {
     pub turn: Option<Turn>,
 }
 
-/// The right wheel of an axle; as of the left one.
+/// The right wheel of an axle, in the same axes as the left one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherWheel {
     /// Unit vector along the spin axis, outboard.

@@ -18,7 +18,8 @@ pub struct Influence {
     pub largest: f64,
     /// The root mean square of the derivative over the motion: how far the curve moves.
     pub rms: f64,
-    /// The same of its difference from its mean: how much the curve bends, wherever it moves to.
+    /// The root mean square of the derivative's difference from its mean over the motion: how much the curve changes
+    /// its shape, wherever it moves to.
     pub bend: f64,
 }
 

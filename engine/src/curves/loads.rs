@@ -17,7 +17,7 @@ pub(crate) struct Loads<'a> {
 }
 
 impl<'a> Loads<'a> {
-    /// Of a mechanism whose own frame the study's axes have as `frame`.
+    /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame.
     pub(crate) fn of(mechanism: &'a Mechanism, frame: Frame, loads: &'a [Load]) -> Self {
         let support = Support::of(mechanism);
         Loads {
@@ -36,7 +36,7 @@ impl<'a> Loads<'a> {
         self.loads.is_empty()
     }
 
-    /// The rocker through which the spring holds the suspension, where loads are followed.
+    /// The rocker through which the spring holds the suspension, if there are loads and there is such a rocker.
     pub(crate) fn rocker(&self) -> Option<RockerId> {
         let rocker = self.support.rocker(self.mechanism);
         rocker.filter(|_| !self.is_empty())
@@ -52,7 +52,8 @@ impl<'a> Loads<'a> {
         })
     }
 
-    /// The values of the columns in a pose, the contact point being where it is.
+    /// The values of the columns in a pose, in newtons, forces along the study's axes; `contact` is the contact point
+    /// in the kernel's frame.
     pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,

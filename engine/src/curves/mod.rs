@@ -23,7 +23,7 @@ use crate::mechanism::{Failure, Work};
 use crate::model::{Axis, PointId, Rod};
 use crate::solve::Rejection;
 
-/// What came of a station.
+/// Whether a station was solved, and what its values are worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     /// Solved; every value that exists is there.
@@ -37,7 +37,7 @@ pub enum Status {
     /// Solved, but this rod has come to a toggle there or nearer to the design position: what its rocker
     /// moves has no values.
     Toggle(Rod),
-    /// Not solved, and why.
+    /// Not solved, for this reason.
     Failed(Failure),
 }
 
@@ -76,14 +76,14 @@ pub struct Station {
     pub rack: f64,
     /// Time, where the drive is a function of it.
     pub time: Option<f64>,
-    /// What came of it.
+    /// Whether it was solved.
     pub status: Status,
     /// A value for each column; `None` where there is none.
     pub values: Vec<Option<f64>>,
     /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
     /// and the number is below 1000. `None` where there is no pose.
     pub condition: Option<f64>,
-    /// What is proved, where that is asked for.
+    /// Proof of the pose, if the study asks for it and the pose could be proved.
     pub proof: Option<Proof>,
 }
 
@@ -115,13 +115,13 @@ pub struct Sensitivity {
 /// Curves of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// What each value is.
+    /// The columns, in the order of [`Station::values`].
     pub columns: Vec<Column>,
-    /// Rack displacement by rack displacement, in the order of the motion's values.
+    /// Stations of the motion: rack displacement by rack displacement, for each in the order of the drive values.
     pub stations: Vec<Station>,
-    /// Station by station, where asked for.
+    /// Sensitivities, station by station; empty unless the study asks for them.
     pub sensitivities: Vec<Sensitivity>,
-    /// What was done.
+    /// Counts of the work done.
     pub work: Work,
     /// Why the tracker left stations to the continuation, and how many each time, reason by reason.
     pub left_to_continuation: Vec<(Rejection, usize)>,

@@ -15,7 +15,7 @@ use crate::study::{Drive, Formulation};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// The curves of a suspension under a plan.
+/// Computes the curves of a suspension under a plan. Errors if its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
     match plan.coefficients {
         1 => Run::<1>::new(suspension, plan).run(),
@@ -30,7 +30,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) suspension: &'a Suspension,
     pub(super) plan: &'a Plan,
     pub(super) design_series: DesignSeries<N>,
-    /// Those of the outputs, then those of the loads.
+    /// Columns of the outputs, then columns of the loads.
     columns: Vec<Column>,
     loads: Loads<'a>,
     /// The rockers that each output moves with.
@@ -38,21 +38,21 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Stations by the guard that left them to the continuation.
+    /// Number of stations that the tracker left to the continuation, by reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
-    /// Of the solver.
+    /// Work counted by the solver.
     pub(super) work: Work,
-    /// Of reading.
+    /// Work counted while reading characteristics.
     tally: WorkCounter,
 }
 
-/// What is found at one station.
+/// What was computed at one station before it is stored in `stations`.
 pub(super) struct Findings {
     pub(super) travel: f64,
     pub(super) values: Vec<Option<f64>>,
-    /// Whether loads were asked for that nothing can carry here.
+    /// Whether loads are asked for and nothing can carry them in this pose.
     pub(super) unsupported: bool,
-    /// A rod at toggle, or beyond it, that something asked for moves with.
+    /// A rod that is at a toggle or beyond it, and that moves something asked for.
     pub(super) toggle: Option<Rod>,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
@@ -72,7 +72,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     angle: plan.drive.is_angle().then(|| plan.drive.printed(*value)),
                     rack: *rack,
                     time: plan.time.as_ref().map(|law| law.times[number]),
-                    // Of what is not on the course nothing more will be known.
+                    // Stations whose drive value the kernel's drive cannot reach keep this status.
                     status: Status::Failed(Failure::DeadCentre),
                     values: vec![None; columns.len()],
                     condition: None,
@@ -169,7 +169,7 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(())
     }
 
-    /// Takes down what was found at a station of the motion, with the rack at its `rack`-th place.
+    /// Stores what was found at station `number` of the motion with the rack at its `rack`-th displacement.
     pub(super) fn note(&mut self, rack: usize, number: usize, found: Result<Findings, Failure>) {
         let index = rack * self.plan.station_order.values().len() + number;
         let station = &mut self.stations[index];
@@ -258,8 +258,8 @@ impl<'a, const N: usize> Run<'a, N> {
         findings
     }
 
-    /// The value of every column of an output, at a station of the motion whose drive is so far from the
-    /// design position. The solver is that of the march, if there is one.
+    /// The values of the outputs' columns at station `number`, whose drive value is `drive`. `solver` is the one that
+    /// found the pose; `None` if the paper's equations did.
     pub(super) fn values(
         &self,
         solver: Option<&Solver>,

@@ -4,7 +4,7 @@ use crate::plan::Plan;
 use crate::solve::StationOrder;
 
 impl Plan {
-    /// The plan with so many stations at most, at so many displacements of the rack, and no loads.
+    /// The plan with at most this many drive values and rack displacements, and without loads.
     pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
         let values = evenly(self.station_order.values(), most / racks.len());
@@ -17,7 +17,7 @@ impl Plan {
     }
 }
 
-/// At most so many of the values, evenly chosen, the first and the last among them.
+/// At most `most` of the values, evenly chosen, the first and the last among them.
 pub fn evenly(values: &[f64], most: usize) -> Vec<f64> {
     match values.len() {
         few if few <= most => values.to_vec(),

@@ -12,12 +12,12 @@ use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::Jet;
 use crate::number::Vector3;
 
-/// Where the motion is: the drive with its kind, and the rack.
+/// A point of the motion: kind and value of the drive, and rack displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionPoint<T> {
-    /// What drives.
+    /// The kind of drive.
     pub drive: Drive,
-    /// Length or angle (radians).
+    /// Value of the drive: a length or an angle in radians.
     pub value: T,
     /// Rack displacement, towards the kernel's +y.
     pub rack: T,
@@ -46,7 +46,7 @@ impl MotionPoint<f64> {
 }
 
 impl<const N: usize> MotionPoint<Jet<f64, N>> {
-    /// Where it is now.
+    /// The constant part of the series.
     pub(crate) fn value_point(&self) -> MotionPoint<f64> {
         MotionPoint {
             drive: self.drive,
@@ -67,7 +67,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
-/// A configuration along the motion with, where there was a need for them, the factors of its Jacobian.
+/// A configuration along the motion with the factors of its Jacobian, if they were needed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
 /// A design over power series with `N` coefficients, and its closure equations.
@@ -75,9 +75,9 @@ pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>
 pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
-    /// Where the steering axis is an instantaneous one.
+    /// Needed if the steering axis is an instantaneous one.
     steered: Option<Steered<N>>,
-    /// The equations that hold the points sensitivities are formed by.
+    /// The equations that depend on a point by which sensitivities are formed.
     rows: RowSet,
 }
 

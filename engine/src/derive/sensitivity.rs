@@ -26,7 +26,7 @@ use crate::number::Jet;
 use crate::number::Real;
 use crate::number::{Vector3, each};
 
-/// Where the derivatives of an output by the hardpoints gather.
+/// Collects the derivatives of an output by the hardpoints.
 pub trait Gradient<T> {
     /// Adds a derivative by a hardpoint.
     fn add(&mut self, id: PointId, by: Vector3<T>);
@@ -109,7 +109,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
         self.closure
     }
 
-    /// Where work is counted.
+    /// The counter of work.
     pub(crate) fn work(&self) -> &'a WorkCounter {
         self.work
     }
@@ -170,18 +170,18 @@ impl<'a, const N: usize> Linearised<'a, N> {
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,
-    /// By the twist of the steering motion, where something depends on it.
+    /// Derivative by the twist of the steering motion; `None` if nothing depends on it.
     by_twist: Option<Twist<T>>,
 }
 
 impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
-    /// For an output of a configuration; what it depends on directly is added to `gradient`.
+    /// Begins an output of a configuration. Its derivatives by hardpoints at fixed pose are added to `gradient`.
     #[inline(always)]
     pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
         Seeds::continuing(at, Wrench::zero(at.rack), gradient)
     }
 
-    /// For one output more: to a wrench that others have come to.
+    /// Begins a further output that is added to others, whose derivative by the pose is `wrench`.
     #[inline(always)]
     pub fn continuing(
         at: &'s Configuration<'a, T>,
@@ -201,7 +201,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.wrench
     }
 
-    /// By a point of the steering axis and by its direction, as [`Configuration::steering_axis`] has them.
+    /// Adds the derivatives by a point of the steering axis and by its direction, as [`Configuration::steering_axis`]
+    /// returns them.
     #[inline(always)]
     pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
         match (self.at.mechanism.steering_axis, &self.at.steering) {
@@ -224,31 +225,31 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         }
     }
 
-    /// By the present position of a point.
+    /// Adds the derivative by the present position of a point.
     #[inline(always)]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
         self.at.push_point(id, gradient, &mut self.adjoint);
     }
 
-    /// By the angle of a rocker.
+    /// Adds the derivative by the angle of a rocker.
     #[inline(always)]
     pub fn rocker_angle(&mut self, id: RockerId, gradient: T) {
         self.at.push_rocker_angle(id, gradient, &mut self.adjoint);
     }
 
-    /// By a hardpoint, directly.
+    /// Adds the derivative by a hardpoint at fixed pose.
     #[inline(always)]
     pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// By the rotation of the knuckle.
+    /// Adds the derivative by the rotation of the knuckle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
     }
 
-    /// By the unit spin axis a = R a0, a0 along wheel centre - inner point.
+    /// Adds the derivative by the unit spin axis a = R a0, a0 along wheel centre - inner point.
     #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
@@ -256,7 +257,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.moved_spin_axis(&designed, now, gradient);
     }
 
-    /// The same, the axis being known in the design position and now.
+    /// Adds the derivative by the unit spin axis, given the axis in the design position and `now`.
     #[inline(always)]
     pub fn moved_spin_axis(
         &mut self,
@@ -269,7 +270,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.by_designed_spin_axis(designed, in_knuckle);
     }
 
-    /// By the unit spin axis in the design position.
+    /// Adds the derivative by the unit spin axis in the design position.
     #[inline(always)]
     pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
@@ -292,12 +293,13 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
 pub struct DesignedSpinAxis<T> {
     /// Unit vector, outboard.
     pub direction: Vector3<T>,
-    /// One over the distance of the wheel centre from the point that gives the direction; 0 where none does.
+    /// One over the distance of the wheel centre from the point that gives the direction; 0 if the direction is given
+    /// by angles.
     pub inverse_length: T,
 }
 
 impl<T: Real> DesignedSpinAxis<T> {
-    /// Of a design.
+    /// The spin axis of a design.
     #[inline(always)]
     pub fn of(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let centre = design[mechanism.wheel_centre.0];

@@ -23,7 +23,7 @@ pub struct Evaluated {
     values: Vec<f64>,
     /// `[design][quantity][station][point]`
     gradients: Vec<Vector3<f64>>,
-    /// By design.
+    /// For each design, why it cannot be solved; `None` if it can.
     faults: Vec<Option<DesignFault>>,
     /// `[design][station]`
     solved: Vec<bool>,
@@ -44,7 +44,7 @@ impl Evaluated {
         self.solved.resize(designs * stations, false);
     }
 
-    /// Why a design cannot be solved at all; `None` where it can be.
+    /// Why a design cannot be solved at all; `None` if it can be.
     pub fn fault(&self, design: usize) -> Option<&DesignFault> {
         self.faults[design].as_ref()
     }
@@ -59,7 +59,7 @@ impl Evaluated {
         self.values[self.place(design, quantity, station)]
     }
 
-    /// Its derivatives by every hardpoint, in the order of the design's points.
+    /// The derivatives of a quantity by every hardpoint, in the order of the design's points.
     pub fn gradient(&self, design: usize, quantity: usize, station: usize) -> &[Vector3<f64>] {
         let first = self.place(design, quantity, station) * self.points;
         &self.gradients[first..first + self.points]
@@ -99,7 +99,7 @@ pub struct GradientEvaluator<'a> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     points: usize,
-    /// Those by which gradients are wanted.
+    /// The points by which gradients are formed.
     wanted: Vec<PointId>,
     lanes: Option<InLanes<'a>>,
     one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
@@ -108,7 +108,7 @@ pub struct GradientEvaluator<'a> {
 /// Designs side by side, or the stations of one.
 struct InLanes<'a> {
     gradients: Gradients<'a>,
-    /// The stations of one design, group by group; none where they cannot be side by side.
+    /// The stations of one design, group by group; empty if they cannot be side by side.
     groups: Vec<Vec<usize>>,
 }
 
@@ -149,11 +149,11 @@ impl InLanes<'_> {
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// For designs like that of a suspension, gradients by these points (those by others are not to be used), in lanes of
-    /// a width, or one by one alone.
+    /// Prepares to evaluate designs like that of a suspension, with gradients by these points; gradients by other
+    /// points must not be used. Designs go in lanes of this width, or one by one without one.
     ///
     /// # Errors
-    /// Why the suspension's own design cannot be solved.
+    /// If the suspension's own design cannot be solved.
     pub fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,

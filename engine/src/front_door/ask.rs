@@ -46,7 +46,7 @@ impl Motion {
         })
     }
 
-    /// The same at each of these rack displacements, along the suspension's +y.
+    /// The motion at each of these rack displacements, along the suspension's +y.
     ///
     /// # Errors
     /// If one of them is not finite, or there is none.

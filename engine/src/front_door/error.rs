@@ -26,7 +26,7 @@ pub enum Error {
     Lacking {
         /// The characteristic's name.
         characteristic: &'static str,
-        /// What it needs.
+        /// The figure or part that it needs.
         need: &'static str,
     },
     /// A figure is not a finite number, or out of its range.
@@ -36,7 +36,7 @@ pub enum Error {
         what: String,
         /// Its value.
         value: f64,
-        /// What it should be.
+        /// The expected values, in words.
         expected: &'static str,
     },
     /// The study asks for no such thing.

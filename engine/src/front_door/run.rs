@@ -1,4 +1,4 @@
-//! What a study asks for, carried out.
+//! Carries out what a study asks for: curves, tuning, sweep.
 
 use super::Error;
 use crate::curves::{Curves, curves};
@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What the outside world has to do with a sweep.
+/// The threads of a sweep, and a switch to end it early.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
     /// Threads to work on; as many as there are cores if `None`. Results do not depend on it.

@@ -12,7 +12,7 @@ use crate::number::Vector3;
 use crate::optimise::Way;
 use crate::study::AxleStudy;
 
-/// Where an axle is looked at, and what is read there.
+/// The positions of an axle, and the columns that are read in them.
 #[derive(Clone, Debug)]
 pub(super) struct AxleCourse {
     pub both: AxleStudy,
@@ -53,7 +53,7 @@ impl AxleCourse {
         self.columns.iter().map(|c| c.name.clone()).collect()
     }
 
-    /// What moves first, and the displacement of the rack, of each station as results print them.
+    /// For each station, the value of the first number that moves and the rack displacement, as results print them.
     pub(super) fn motion(&self) -> Vec<[f64; 2]> {
         let AxleStudy { axle, plan } = &self.both;
         let over = plan.course.moving()[0];

@@ -22,8 +22,8 @@ pub(crate) struct Lu<T, const N: usize> {
 pub(crate) type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Of a Jacobian, whose last three columns (moments) are lengths; `size` is the one they are compared with, so that
-    /// the determinant is free of scale: +-1 for six orthogonal unit lines, 0 at a singularity.
+    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths; the determinant is divided by
+    /// `size`^3, so that it is dimensionless: +-1 for six orthogonal unit lines, 0 at a singularity.
     #[inline]
     pub(crate) fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
@@ -31,7 +31,7 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises; `None` where a pivot is zero or not a number. The determinant is that times `unit`.
+    /// Factorises a matrix. `None` if a pivot is zero or NaN. The determinant is the matrix's times `unit`.
     #[inline]
     pub(crate) fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = from_fn(|i| i);
@@ -127,7 +127,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         coefficient_by_coefficient(b, entry, |right| self.solve(right))
     }
 
-    /// The same of A^T x = b.
+    /// x with A^T x = b for a matrix and a right-hand side that vary along the drive, as [`Lu::solve_series`].
     #[inline]
     pub(crate) fn solve_transposed_series<const M: usize>(
         &self,

@@ -1,4 +1,4 @@
-//! Where an arm carries a point to.
+//! The position to which an arm carries a point.
 //!
 //! An arm is hinged about the line through its front and rear bushing, along the unit vector e. With r the part
 //! of `outer - front` normal to e in the design position and r' now, it has turned by
@@ -11,11 +11,11 @@
 
 use crate::number::{Real, Vector3};
 
-/// What the place of a point of an arm is made of: front, rear and outer joint and the point itself in the design
+/// Inputs for the position of a point of an arm: front, rear and outer joint and the point itself in the design
 /// position, and the outer joint now.
 pub(super) type Inputs<T> = [Vector3<T>; 5];
 
-/// The arm's turn, and what it came from.
+/// The arm's turn about its axis, with the intermediate results that its derivatives need.
 struct ArmTurn<T> {
     axis: Vector3<T>,
     /// 1/|rear - front|
@@ -48,7 +48,7 @@ impl<T: Real> ArmTurn<T> {
     }
 }
 
-/// Where the point is now.
+/// Present position of a point of an arm.
 #[inline(always)]
 pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
     let ArmTurn {

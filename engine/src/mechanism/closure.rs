@@ -24,7 +24,7 @@ pub enum Driver<T> {
     },
 }
 
-/// Some of the six closure equations; the sixth in each of its kinds.
+/// A set of closure equations. A bit each: the five constraints, then the drive by travel and the drive by arm angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowSet(u8);
 
@@ -37,14 +37,14 @@ impl RowSet {
         self.0 & (1 << row) != 0
     }
 
-    /// How many there are with this driver.
+    /// Number of equations of the set, of the two drives counting only this one.
     #[inline]
     pub(crate) fn count<T>(self, driver: Driver<T>) -> u64 {
         u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
     }
 }
 
-/// Notes whether something depends on one of some hardpoints.
+/// Notes whether a derivative by one of these hardpoints is added.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -63,18 +63,20 @@ pub struct Closure<T> {
     rows: [Row<T>; 5],
 }
 
-/// What rows are made of. (Not a closure, which lanes might leave as a call compiled for no lanes.)
+/// The dimensions that rows are made of. (An enum and not a closure, since a closure might be left as a call that is
+/// not compiled for lanes.)
 #[derive(Clone, Copy)]
 enum Dimensions<'a, T> {
     Design(&'a [Vector3<T>]),
-    /// The points of the body and those of the undisplaced knuckle, and a length for each constraint.
+    /// `points`: the points of the body, and every point where the undisplaced knuckle carries it. `lengths`: one for
+    /// each constraint, read if it is a rod.
     Parts {
         points: [&'a [Vector3<T>]; 2],
         lengths: &'a [T],
     },
 }
 
-/// One of the rows to be made: the number of its constraint, and its own among those.
+/// A row to be made, by the number of its constraint and its own number among that constraint's rows.
 #[derive(Clone, Copy)]
 struct RowToMake<'a, T> {
     mechanism: &'a Mechanism,
@@ -110,8 +112,8 @@ impl<T: Real> Closure<T> {
         Closure::of_rows(mechanism, Dimensions::Design(design))
     }
 
-    /// The equations of parts whose dimensions are held apart: the points of the body, every point where the
-    /// undisplaced knuckle carries it, and a length for each constraint, read where it is a rod.
+    /// The equations of parts with dimensions of their own: the points of the body, every point where the undisplaced
+    /// knuckle carries it, and a length for each constraint, read if it is a rod.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,
@@ -123,7 +125,7 @@ impl<T: Real> Closure<T> {
         Closure::of_rows(mechanism, Dimensions::Parts { points, lengths })
     }
 
-    /// Row by row, from the number of a constraint and that of the row among its own.
+    /// Makes the five rows.
     #[inline(always)]
     fn of_rows(mechanism: &Mechanism, dimensions: Dimensions<T>) -> Self {
         let like = match dimensions {
@@ -233,7 +235,7 @@ impl<T: Real> Closure<T> {
         rates
     }
 
-    /// The equations that depend on one of these hardpoints, at some pose.
+    /// The equations that depend on one of these hardpoints, in the design position or elsewhere.
     pub(crate) fn rows_holding(
         &self,
         mechanism: &Mechanism,
@@ -333,7 +335,7 @@ impl Closure<f64> {
 }
 
 impl<T> Driver<T> {
-    /// The number of its equation in a [`RowSet`].
+    /// The bit of this drive's equation in a [`RowSet`].
     #[inline]
     fn row(&self) -> usize {
         match self {

@@ -10,7 +10,7 @@ use std::fmt;
 /// Why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
-    /// The drive cannot get there: the mechanism folds at `limit`.
+    /// The drive cannot reach the value: the mechanism folds at `limit`.
     Unreachable {
         /// What drives.
         drive: Drive,
@@ -19,7 +19,7 @@ pub enum Failure {
         /// Why it goes no further.
         cause: LimitCause,
     },
-    /// The rack cannot get there, at zero travel.
+    /// The rack cannot reach its displacement, at zero travel.
     RackUnreachable {
         /// The displacement at the fold, towards the kernel's +y.
         limit: f64,
@@ -108,9 +108,9 @@ impl fmt::Display for LimitCause {
 /// How far a part is from being singular by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, as the cause that it would be.
+    /// The part, named by the cause it would be if it were singular.
     pub cause: LimitCause,
-    /// The sine of the angle that is left.
+    /// The sine of the angle that is left until it is singular.
     pub sine: f64,
 }
 

@@ -53,9 +53,9 @@ pub struct Configuration<'a, T> {
 /// A velocity of the knuckle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<T> {
-    /// Of its origin.
+    /// Velocity of the knuckle's origin.
     pub shift: Vector3<T>,
-    /// Angular.
+    /// Angular velocity of the knuckle.
     pub turn: Vector3<T>,
 }
 
@@ -87,7 +87,7 @@ impl<T> Twist<T> {
     }
 }
 
-/// Where the derivative of something by the pose and by the hardpoints is collected.
+/// Collects the derivative of a quantity by the pose and by the hardpoints.
 ///
 /// A derivative by the pose is a wrench on the knuckle: the force is the derivative by the position of
 /// its origin, the moment the derivative by its rotation.
@@ -160,7 +160,7 @@ impl<T: Real> Sink<T> for Wrench<T> {
 }
 
 impl<'a, T: Real> Configuration<'a, T> {
-    /// A design in a pose, of whose steering nothing is known.
+    /// A design in a pose, with `steering` unknown.
     #[inline(always)]
     pub fn new(mechanism: &'a Mechanism, design: &'a [Vector3<T>], pose: Pose<T>, rack: T) -> Self {
         Configuration {
@@ -192,7 +192,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         )
     }
 
-    /// As [`Configuration::point`], for one that does not stand on a rocker; inlined.
+    /// As [`Configuration::point`], for a point that is not on a rocker; inlined.
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
@@ -233,7 +233,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of the knuckle's point that was at this one in the design position.
+    /// Position to which the knuckle carries the place that this point has in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, id: PointId) -> Vector3<T> {
         if id == self.mechanism.origin {
@@ -269,7 +269,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// One function for every sink.
+    /// Out of line and with a dynamic sink, so that it is compiled once.
     #[inline(never)]
     fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_here(id, gradient, &mut sink);
@@ -295,13 +295,13 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// In a function of its own: it is rare, and large.
+    /// Present position of a point of an arm. Out of line, since it is rare and large.
     #[inline(always)]
     fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
         outlined!([T: Real] self.rack; inputs: arm::Inputs<T> = self.arm_inputs(arm, id) => Vector3<T> { arm_point(inputs) })
     }
 
-    /// Likewise.
+    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. Out of line, since it is rare and large.
     #[inline(always)]
     fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         let by = outlined!(
@@ -362,7 +362,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         [now, rate]
     }
 
-    /// What [`arm_point`] reads.
+    /// The inputs of [`arm_point`].
     #[inline(always)]
     fn arm_inputs(&self, arm: Arm, id: PointId) -> arm::Inputs<T> {
         [

@@ -1,4 +1,4 @@
-//! Where a rocker has turned to.
+//! The angle to which a rod turns a rocker.
 //!
 //! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod, l in the
 //! design position, which keeps its length. With c the foot of the rod's inner end on the axis, r the lever from
@@ -43,11 +43,11 @@ use crate::model::{Rocker, RockerId, Rod};
 use crate::number::Scalar;
 use crate::number::{Real, SimdReal, Vector3, outlined};
 
-/// What the turn of a rocker is made of: two points of its axis, the rod's inner and outer end in the design
-/// position, and the outer end now.
+/// Inputs for the turn of a rocker: two points of its axis, the rod's inner and outer end in the design position, and
+/// the outer end now.
 pub(super) type Ends<T> = [Vector3<T>; 5];
 
-/// A turn about an axis. Beyond a toggle it is not a number.
+/// The turn of a rocker about its axis. Beyond a toggle it is NaN.
 pub(crate) struct Turn<T> {
     first: Vector3<T>,
     axis: Vector3<T>,
@@ -60,7 +60,7 @@ pub(crate) struct Turn<T> {
 }
 
 impl<T: Real> Turn<T> {
-    /// By the rod's ends.
+    /// The turn that these inputs lead to.
     #[inline(always)]
     pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
@@ -87,21 +87,21 @@ impl<T: Real> Turn<T> {
         }
     }
 
-    /// Where a point of the rocker has come to.
+    /// Present position of the rocker's point that is at `point` in the design position.
     #[inline(always)]
     pub(crate) fn moved(&self, point: Vector3<T>) -> Vector3<T> {
         let lever = (point - self.first).across(self.axis);
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// A vector of the vehicle, seen from the rocker: turned back.
+    /// Turns a vector back by the rocker's angle: R'v in the formulas above.
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// The derivatives of `gradient . moved(point)` plus `moment` times the angle by the rod's ends, and that by the
+    /// The derivatives of `gradient . moved(point)` plus `moment` times the angle: by each of the inputs, and by the
     /// point.
     #[inline(always)]
     fn gradient(
@@ -134,8 +134,8 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// The angle, positive as a rod of this kind turns it from the design position: pushed, or pulled by a
-    /// pullrod.
+    /// The angle from the design position, positive where a rod of this kind has pushed the rocker, or a pullrod has
+    /// pulled it.
     #[inline(always)]
     fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
@@ -151,20 +151,20 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// A rocker that turns.
+/// The turn of a rocker and its rate.
 struct Turning<T> {
     rocker: Rocker,
     turn: Turn<T>,
-    /// How fast, about its axis.
+    /// Angular rate about its axis.
     speed: T,
     /// The least w^2/(r.r l.l) of this rocker and those that turn it.
     leverage_squared: T,
 }
 
-/// A point on its way.
+/// A point with its velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingPoint<T> {
-    /// Where it is.
+    /// Present position.
     pub now: Vector3<T>,
     /// Its velocity.
     pub rate: Vector3<T>,
@@ -172,12 +172,12 @@ pub struct MovingPoint<T> {
     pub leverage_squared: T,
 }
 
-/// A rocker's angle on its way.
+/// A rocker's angle with its rate.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingAngle<T> {
-    /// As [`Configuration::rocker_angle`] has it.
+    /// The angle, as [`Configuration::rocker_angle`] returns it.
     pub now: T,
-    /// Its derivative.
+    /// Its rate.
     pub rate: T,
     /// The square of the least leverage of this rocker and those that turn it.
     pub leverage_squared: T,
@@ -267,7 +267,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// Where the rod of a rocker is.
+    /// The rod of a rocker in this pose, seen from the rocker.
     #[inline(always)]
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
@@ -275,7 +275,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         RodReach::of(self.ends_with(rocker, now))
     }
 
-    /// Where the rod of a rocker is in the design position.
+    /// The rod of a rocker in the design position, seen from the rocker.
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
@@ -299,8 +299,8 @@ impl<B: SimdReal> Configuration<'_, B> {
     }
 }
 
-/// Whether six digits of a derivative would be left of a rod's w^2/(r.r l.l), which is known to a few units of
-/// the last place. Written so that NaN has not.
+/// Whether a rod's w^2/(r.r l.l), known to a few units of the last place, is large enough to leave six digits of a
+/// derivative. False for NaN.
 #[inline]
 pub(super) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
@@ -394,7 +394,7 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// The derivatives by the rod's ends, and that by the point in the design.
+    /// The derivatives by the rod's ends, and the one by the point in the design, of what `seed` says.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -413,7 +413,7 @@ impl<T: Real> Configuration<'_, T> {
     }
 }
 
-/// What of a rocker is differentiated.
+/// What is differentiated: `gradient` times the present position of a point of the rocker, or a number times its angle.
 enum RockerSeed<T> {
     Point {
         designed: Vector3<T>,

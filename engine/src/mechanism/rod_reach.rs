@@ -22,7 +22,7 @@ use crate::number::{SimdReal, Vector3};
 /// and a little more.
 const STRAYING: f64 = 1.0 / 7.0;
 
-/// Where a rod's outer end is, seen from the rocker.
+/// The place of a rod's outer end as seen from the rocker, in the numbers of the formula above.
 #[derive(Clone, Copy, Debug)]
 pub struct RodReach<T> {
     outer: Vector3<T>,
@@ -37,7 +37,7 @@ pub struct RodReach<T> {
 }
 
 impl<B: SimdReal> RodReach<B> {
-    /// One of which every number is this.
+    /// A place in which every number is `number`.
     #[inline(always)]
     pub fn filled(number: B) -> Self {
         RodReach {
@@ -69,7 +69,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Of two places the one that is nearer to this.
+    /// Returns, lane by lane, whichever of two places of the rod is nearer to this one.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();
@@ -88,7 +88,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Where the rod surely keeps its leverage all the way to another place. False for NaN.
+    /// Lanes in which the rod surely keeps its leverage all the way to another place. False for NaN.
     #[inline(always)]
     pub fn keeps_leverage_to(&self, other: &Self) -> B::Mask {
         let largest = |a: B, b: B| B::select(a.less(b), b, a);

@@ -10,8 +10,8 @@ use crate::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Parts of the way between two stations that are looked at at once where a rod may have come to a toggle, and how
-/// often what is still open is divided anew.
+/// Parts into which the way between two stations is divided where a rod may have come to a toggle, and how often a part
+/// that is still open is divided again.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
@@ -20,22 +20,22 @@ const DEPTH: usize = 3;
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Where the march goes, if what is between its stations can be looked at.
+    /// Drive and rack displacement of the march; `None` if poses between its stations cannot be looked at.
     way: Cell<Option<(Drive, f64)>>,
-    /// The rockers at or beyond toggle where the march began, by number, and where their rods were.
+    /// The rockers at or beyond toggle where the march began, and the rods of all that are watched there.
     at_start: Cell<Stuck>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<Past>,
     rods: RefCell<Vec<RodReach<f64>>>,
 }
 
-/// A set of rockers, by number.
+/// A set of rockers, a bit for each number.
 type Stuck = u32;
 
-/// The rockers at a toggle, and where the rods of all that are watched are.
+/// The rockers at or beyond a toggle, and the rods of all that are watched.
 type Seen = (Stuck, Vec<RodReach<f64>>);
 
-/// Where the march was last.
+/// The station of the march that was noted last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
     value: f64,
@@ -62,12 +62,13 @@ impl Toggles {
         }
     }
 
-    /// Watches these rockers as well.
+    /// Watches these rockers besides those watched already.
     pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
 
-    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
+    /// Makes ready for a march of the solver's design that begins at drive 0 with the rack displaced by `rack`. Errors
+    /// if the design cannot be solved.
     pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
         if self.watched.is_empty() {
             return Ok(());
@@ -105,7 +106,7 @@ impl Toggles {
         self.way.set(way);
     }
 
-    /// Makes ready for a march that begins in this pose. What is between its stations is not looked at.
+    /// Makes ready for a march that begins in this pose. Poses between its stations are not looked at.
     pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         let (stuck, rods) = self.seen(at, 0, |c| c[0]);
         self.begin_with(stuck, rods);
@@ -119,8 +120,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
-    /// returns the first rocker that has come to a toggle there or before. The solver is that of the march.
+    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning; returns the
+    /// kind of rod of the first watched rocker that has come to a toggle there or before. `solver` is the one that
+    /// marches.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -131,7 +133,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // Else the march has turned to the other side of its beginning.
+        // If not, the march has turned to the other side of its beginning.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = match goes_on {
             true => (past.value, past.stuck),
@@ -165,15 +167,16 @@ impl Toggles {
         first.map(|id| at.mechanism.rocker(*id).rod)
     }
 
-    /// Whether the rods of all rockers that are not stuck surely keep their leverage on the way from here to there.
+    /// Whether the rods of all rockers that are not in `stuck` surely keep their leverage on the way between two
+    /// places.
     fn keep_leverage(&self, from: &[RodReach<f64>], to: &[RodReach<f64>], stuck: Stuck) -> bool {
         let ends = from.iter().zip(to);
         let mut all = self.watched.iter().zip(ends);
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// The rockers that come to a toggle on the way between two places, beside those that have; `look` finds what is
-    /// so much of the way on.
+    /// Adds to `stuck` the rockers that come to a toggle on the way between two places. `look` finds what is seen at a
+    /// part of that way, given the rockers that are stuck before it; `ends` are the rods at both places.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, Stuck) -> Option<Seen>,
@@ -188,7 +191,7 @@ impl Toggles {
             let next = from + (to - from) * part as f64 / PARTS as f64;
             let (seen, reached) = match part == PARTS {
                 true => (stuck, ends[1].to_vec()),
-                // What cannot be followed is no way.
+                // A place that cannot be reached is left out.
                 false => match look(next, stuck) {
                     Some(found) => found,
                     None => continue,
@@ -208,8 +211,8 @@ impl Toggles {
         self.past.get().stuck & 1 << rocker.0 != 0
     }
 
-    /// The rockers at or beyond toggle in a pose: those that were before, that have no leverage, or that such
-    /// a one turns; and where their rods are.
+    /// What is seen in a pose. A rocker is at or beyond toggle if it was `before`, if it has no leverage, or if such a
+    /// rocker turns it. `now` takes the value of a number at this pose.
     fn seen<T: Real>(&self, at: &Configuration<T>, before: Stuck, now: impl Fn(T) -> f64) -> Seen {
         let mechanism = at.mechanism;
         let (mut stuck, mut rods) = (before, Vec::with_capacity(self.watched.len()));

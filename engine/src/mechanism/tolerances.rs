@@ -1,4 +1,4 @@
-//! What is taken as zero, as rounding, as a good prediction: for every solver of the crate.
+//! Thresholds that all solvers of the crate share: what counts as zero, as rounding, as a good prediction.
 
 /// Relative quantities below this are taken as zero: with less, fewer than six digits of a
 /// double-precision result would be left.

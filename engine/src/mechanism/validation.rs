@@ -164,7 +164,7 @@ pub enum GeometryFault {
         /// What should turn.
         turned: &'static str,
     },
-    /// The wrong unit of length, in all likelihood.
+    /// The suspension is too large or too small, in all likelihood for a wrong unit of length.
     #[error("the hardpoints are {size:.3} {} apart, which is no suspension", unit.symbol())]
     ImplausibleSize {
         /// The largest distance of a hardpoint from the wheel carrier's origin.
@@ -172,7 +172,7 @@ pub enum GeometryFault {
         /// Its unit.
         unit: LengthUnit,
     },
-    /// The wrong side or the wrong axes.
+    /// The wheel is not outboard of the body, so that side or axes must be wrong.
     #[error("{wheel_centre} is inboard of the points on the body")]
     WrongSide {
         /// The wheel centre.

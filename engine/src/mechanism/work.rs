@@ -29,7 +29,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// One iteration of Newton's method.
+    /// Counts one iteration of Newton's method.
     pub(crate) fn note_newton(&mut self) {
         self.newton_iterations += 1;
         self.factorisations += 1;
@@ -55,12 +55,12 @@ impl std::ops::Add for Work {
     }
 }
 
-/// A count that goes on while what it counts is only read.
+/// Counts of work that can be added to through a shared reference.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkCounter(Cell<Work>);
 
 impl WorkCounter {
-    /// Counts.
+    /// Adds to the counts.
     #[inline]
     pub(crate) fn note(&self, count: impl FnOnce(&mut Work)) {
         let mut work = self.0.get();
@@ -68,7 +68,7 @@ impl WorkCounter {
         self.0.set(work);
     }
 
-    /// What was counted so far.
+    /// The counts so far.
     pub(crate) fn work(&self) -> Work {
         self.0.get()
     }

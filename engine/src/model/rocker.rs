@@ -135,7 +135,7 @@ pub(super) static ANTI_ROLL_BAR: Group = Group {
     ],
 };
 
-/// What the rods stand on where a study does not say otherwise.
+/// The bodies that the rods are mounted on unless a study says otherwise.
 #[derive(Clone, Copy)]
 pub(super) struct Carriers {
     pub pushrod: Body,

@@ -12,7 +12,7 @@ use crate::number::Vector3;
 pub struct Hardpoint {
     /// Name in the study.
     pub name: &'static str,
-    /// What it is, for messages and templates.
+    /// Description of the hardpoint, for messages and templates.
     pub about: &'static str,
     /// Whether a study must give it.
     pub required: bool,
@@ -82,7 +82,7 @@ pub(super) const CANNOT_STEER: &str = "the tie rod could not steer the wheel";
 pub struct Group {
     /// What they make, as in "the rocker".
     pub what: &'static str,
-    /// Those that topologies with this group have beside their own.
+    /// Hardpoints that topologies with this group have beside their own.
     pub hardpoints: &'static [Hardpoint],
     /// The names that make it up: all of one of these lists, or none of any.
     pub complete: &'static [&'static [&'static str]],
@@ -166,7 +166,7 @@ pub struct Topology {
     pub summary: &'static str,
     /// Its hardpoints, in the order they are printed.
     pub hardpoints: &'static [Hardpoint],
-    /// Those that go together, and further ones that it may have.
+    /// Groups of hardpoints that are given together, and of further ones that it may have.
     pub groups: &'static [&'static Group],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],

@@ -34,7 +34,7 @@ pub trait SimdReal: Real {
     fn abs(self) -> Self;
     /// The magnitude of `self` with the sign of `other`.
     fn copysign(self, other: Self) -> Self;
-    /// Where `self` is less than `other`; false for NaN.
+    /// Lanes in which `self` is less than `other`; false for NaN.
     fn less(self, other: Self) -> Self::Mask;
     /// The mask that is set in every lane.
     #[inline(always)]

@@ -12,7 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct DoubleDouble {
     /// The double nearest to the number.
     pub high: f64,
-    /// What is left of it.
+    /// The number minus `high`.
     pub low: f64,
 }
 

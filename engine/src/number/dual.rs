@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Dual<T, const N: usize> {
     /// The value.
     pub value: T,
-    /// Its derivative by each input.
+    /// Derivatives of the value by each input.
     pub partials: [T; N],
 }
 

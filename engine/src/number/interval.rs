@@ -5,7 +5,7 @@
 //! itself a double (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2), is zero. Sine, cosine and
 //! the inverse functions are taken from the platform and trusted to two units in the last place.
 //!
-//! What is not a number, or not bounded, becomes the whole line: nothing is ever proved from it.
+//! A result that is NaN or unbounded becomes the whole line: nothing is ever proved from it.
 
 use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -26,7 +26,7 @@ impl Interval {
         high: f64::INFINITY,
     };
 
-    /// One number.
+    /// The interval of one number.
     #[inline]
     pub fn point(value: f64) -> Self {
         Interval::bounds(value, value)
@@ -42,13 +42,13 @@ impl Interval {
         }
     }
 
-    /// From the least to the greatest number of both.
+    /// The interval from the least to the greatest number of both.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
         Interval::bounds(self.low.min(other.low), self.high.max(other.high))
     }
 
-    /// What both contain; they must have something in common, as two enclosures of one number have.
+    /// The numbers that both contain. There must be some, as there are if both enclose one number.
     #[inline]
     pub fn meet(self, other: Self) -> Self {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
@@ -99,7 +99,7 @@ fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
-/// What lies between results at the corners, each of them rounded.
+/// The interval between the least and the greatest of results at the corners, widened by their rounding.
 #[inline]
 fn around(corners: [f64; 4]) -> Interval {
     if corners.iter().any(|c| c.is_nan()) {
@@ -218,7 +218,7 @@ impl Real for Interval {
     fn lit(self, value: f64) -> Self {
         Interval::point(value)
     }
-    /// Of the part that is not negative.
+    /// Square root of the part of the interval that is not negative.
     #[inline]
     fn sqrt(self) -> Self {
         if self.high < 0.0 {
@@ -236,7 +236,7 @@ impl Real for Interval {
         }
         trusted(self.low.asin()).hull(trusted(self.high.asin()))
     }
-    /// From the corners: on a rectangle without the origin and the negative x-axis the angle is
+    /// The angle, from its values at the corners: on a rectangle without the origin and the negative x-axis it is
     /// monotonic along every side.
     fn atan2(self, x: Self) -> Self {
         if !(x.low > 0.0 || self.low > 0.0 || self.high < 0.0) {

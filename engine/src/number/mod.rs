@@ -69,7 +69,7 @@ pub trait Real:
     fn plus_product(self, a: Self, b: Self) -> Self {
         self + a * b
     }
-    /// `self` - `a` `b`, likewise.
+    /// `self` - `a` `b`; rounded once in SIMD lanes.
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
         self - a * b
@@ -93,8 +93,8 @@ pub trait Real:
         piece.apart()
     }
 
-    /// The same number, known in another way as well: an interval is narrowed to what both contain, any other number
-    /// stays as it is.
+    /// The same number, given that it also equals the argument: an interval is narrowed to the intersection of both,
+    /// any other number stays as it is.
     #[inline(always)]
     fn also(self, _: Self) -> Self {
         self
@@ -187,7 +187,7 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// One real number, perhaps with derivatives: where it lies can be asked.
+/// One real number, perhaps with derivatives, whose value can be compared.
 pub trait Scalar: Real {
     /// The value without its derivatives.
     fn value(self) -> f64;

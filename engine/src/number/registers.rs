@@ -44,7 +44,7 @@ pub trait Registers: Copy + Debug {
     fn copysign(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
     /// a < b; false for NaN
     fn less(self, a: Self::Numbers, b: Self::Numbers) -> Self::Truths;
-    /// Where it holds `yes`, elsewhere `no`.
+    /// `yes` in lanes where `holds` is true, else `no`.
     fn select(self, holds: Self::Truths, yes: Self::Numbers, no: Self::Numbers) -> Self::Numbers;
     /// Both hold.
     fn and(self, a: Self::Truths, b: Self::Truths) -> Self::Truths;
@@ -66,7 +66,7 @@ pub(super) trait Instructions: Copy + Debug {
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output;
 }
 
-/// What every processor has.
+/// The instructions that every processor has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plain;
 

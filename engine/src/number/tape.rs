@@ -12,7 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// The notes of one computation.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
-    /// What each number was made of: indices of up to two operands, and the slopes by them.
+    /// For each number, the indices of up to two operands and the derivatives by them.
     nodes: RefCell<Vec<[(usize, f64); 2]>>,
 }
 

@@ -47,7 +47,8 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// Of a few registers, sums are shorter than calls.
+    /// Whether sums are calls: those of nested numbers are, but for numbers in a few registers, whose sum is shorter
+    /// than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
 }
 
@@ -145,7 +146,7 @@ impl<T: Real> Vector3<T> {
         )
     }
 
-    /// What is left of it across a unit vector.
+    /// The part of the vector that is normal to a unit vector.
     #[inline(always)]
     pub fn across(self, axis: Self) -> Self {
         self - axis * axis.dot(self)

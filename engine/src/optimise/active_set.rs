@@ -96,7 +96,7 @@ const MARGINAL: f64 = 1e-9;
 const UNINVOLVED: f64 = 1e-9;
 
 impl ActiveSet {
-    /// Room for programs of so many variables.
+    /// Room for programs of this number of variables.
     pub fn new(variables: usize) -> Self {
         let n = variables;
         ActiveSet {

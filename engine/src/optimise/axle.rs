@@ -13,16 +13,16 @@ use crate::study::{Optimise, Sample, Variable};
 use crate::sweep::place_of;
 use nalgebra::DVector;
 
-/// What a target wants of a quantity in one position.
+/// What a target wants of a quantity in one position, and the row of its residual.
 #[derive(Clone, Debug)]
 pub(super) struct AxleWish {
     pub row: usize,
     pub target: usize,
-    /// Place of the quantity among those of the layout.
+    /// Index of the quantity among those of the layout.
     quantity: usize,
-    /// What is wanted; the place on the target's curve as the study writes it.
+    /// What is wanted. Its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
-    /// Residual per deviation.
+    /// Residual per deviation in the unit of the quantity.
     scale: f64,
 }
 
@@ -96,15 +96,15 @@ impl AxleLayout {
     }
 }
 
-/// Where the variables are.
+/// A design moved by its variables.
 pub(super) struct Moved<'m> {
-    /// What may move.
+    /// The variables.
     pub variables: &'m [Variable],
-    /// By how much it is moved.
+    /// Values of the variables.
     pub x: &'m DVector<f64>,
     /// The left wheel's design.
     pub design: &'m [Vector3<f64>],
-    /// How its points move.
+    /// The ways in which the variables move its points.
     pub ways: &'m [Way],
 }
 
@@ -139,7 +139,7 @@ pub(super) fn axle_rows<'a>(layout: &'a AxleLayout) -> Result<Box<dyn AxleRows +
 struct Rows<'a, const N: usize> {
     layout: &'a AxleLayout,
     solver: AxleSolver<'a, N>,
-    /// Design and ways of the right wheel, where it has hardpoints of its own.
+    /// Design and ways of the right wheel, if it has hardpoints of its own.
     right: Vec<Vector3<f64>>,
     right_ways: Vec<Way>,
     wanted: Vec<Quantity>,

@@ -27,7 +27,7 @@ const AT_ONCE: usize = 4;
 pub(super) struct Builds<'a> {
     assembler: Assembler,
     scatter: &'a Scatter,
-    /// Build by build, source by source.
+    /// The numbers drawn, `[build][source]`.
     draws: Vec<Vec<f64>>,
     moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
     /// How the variables move the points of the latest build, by rising number of the point.
@@ -48,7 +48,7 @@ impl<'a> Builds<'a> {
         })
     }
 
-    /// What puts the builds of the latest drawing together.
+    /// The assembler of builds of the latest drawing.
     pub(super) fn assembler(&self) -> &Assembler {
         &self.assembler
     }
@@ -58,12 +58,12 @@ impl<'a> Builds<'a> {
         &self.assembler.suspension().mechanism
     }
 
-    /// What scatters.
+    /// The sources of scatter, in the order of the numbers drawn.
     pub(super) fn sources(&self) -> impl Iterator<Item = &'a Source> + use<'a> {
         sources(self.scatter)
     }
 
-    /// The numbers of the builds, build by build and source by source.
+    /// The numbers drawn for the builds, `[build][source]`.
     pub(super) fn draws(&self) -> &[Vec<f64>] {
         &self.draws
     }
@@ -73,7 +73,7 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Makes these the builds of a drawing, and what aligns them.
+    /// Makes these the builds of a drawing. Returns their alignment, if they are aligned.
     pub(super) fn redraw(
         &mut self,
         design: &[Vector3<f64>],

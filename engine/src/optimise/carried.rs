@@ -13,14 +13,14 @@ use crate::solve::Solver;
 
 /// A design that moves along each of the variables.
 pub(super) struct AlongVariables {
-    /// By variable.
+    /// For each variable, the design as a series along it.
     series: Vec<DesignSeries<2>>,
     constants: Constants,
     reads: Slots,
 }
 
 impl AlongVariables {
-    /// For so many variables; `None` where no measure is a force.
+    /// Room for this number of variables. `None` if no measure is a force.
     pub(super) fn new<'m>(
         suspension: &Suspension,
         variables: usize,
@@ -39,7 +39,7 @@ impl AlongVariables {
             })
     }
 
-    /// Takes over a design that moves in these ways.
+    /// Takes a design and the ways in which variables move it.
     pub(super) fn prepare(&mut self, solver: &Solver, design: &[Vector3<f64>], ways: &[Way]) {
         for (column, series) in self.series.iter_mut().enumerate() {
             let own = ways.iter().filter(|way| way.column == column);

@@ -22,11 +22,12 @@ const STEPS: usize = 10;
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// How much there is of each aim: of a front the misfit of each wish; of a price list the misfit of all targets,
-    /// and the move: the root of the sum of its squares in ranges, each times the cost of its variable.
+    /// The amount of each aim. For a front these are the misfits of the wishes; for a price list the misfit of all
+    /// targets and the move, which is the root of the sum of its squares in ranges, each times the cost of its
+    /// variable.
     pub amounts: Vec<f64>,
-    /// What each aim weighs there; they add up to 1. To have one unit less of one costs its weight over that of
-    /// the other. Zeros where nothing is traded.
+    /// The weight of each aim; weights add up to 1. One unit less of an aim costs its weight over that of the other in
+    /// units of the other. Zeros if nothing is traded.
     pub weights: Vec<f64>,
 }
 

@@ -51,7 +51,7 @@ pub(super) struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// Of the start number `start`, that has not begun.
+    /// The course of the run from start number `start`, before its first iteration.
     pub(super) fn new(
         bounds: &'a Bounds,
         options: &'a Options,

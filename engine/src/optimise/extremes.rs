@@ -23,15 +23,15 @@ const FAR: f64 = 1.0;
 
 /// The search for the place where a value is extreme: where its slope vanishes.
 pub(super) struct Search {
-    /// Number of what is sought among the leg's.
+    /// Index of the sought extreme among [`Leg::extremes`].
     pub of: usize,
-    /// The row it is for.
+    /// The row that takes the extreme.
     pub row: usize,
     /// That row's value at the station.
     pub at_station: f64,
-    /// Where to look next.
+    /// The drive value to look at next.
     pub place: f64,
-    /// Whether it has ended.
+    /// Whether the search has ended.
     pub is_found: bool,
     ends: [f64; 2],
     /// The latest place and slope.
@@ -42,7 +42,7 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Writes what is to be sought about a leg, given the values of the parts at its stations and the rows there.
+/// Writes the searches of a leg, given the values of the parts at its stations and the rows there.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
@@ -76,8 +76,8 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// From the parabola through the station of this number and its neighbours; `None` where that has no extreme about
-    /// it.
+    /// Begins a search from the parabola through the station of this number and its neighbours. `None` if the parabola
+    /// has no extreme about the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
@@ -112,7 +112,7 @@ impl Search {
         })
     }
 
-    /// Goes on by the slope found at the place; whether that was near enough.
+    /// Takes a step by the slope found at the place. Returns whether the place was near enough.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

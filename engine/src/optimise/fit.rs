@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 
-/// What the outside world has to do with a run: it may stop it, and watch it.
+/// Means to stop a run, and to watch it.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
     /// Once true, the run ends after the iteration under way, with what it has.
@@ -18,7 +18,7 @@ pub struct Control<'a> {
     pub watch: Option<&'a ProgressCallback<'a>>,
 }
 
-/// Is told the index of a start and its latest iteration.
+/// Receives the index of a start and its latest iteration.
 pub type ProgressCallback<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
 
 /// One iteration.
@@ -72,15 +72,15 @@ pub enum Termination {
     Stationary,
     /// Every step that would lower the cost, however short, leads where there are no residuals.
     NoFeasibleStep(Infeasible),
-    /// Of all designs that are good enough, no other nearby moves less.
+    /// The design is good enough, and no other one nearby that is moves less.
     NearestGoodEnough,
-    /// No design is good enough; of those that are as good as the best, no other nearby moves less.
+    /// No design is good enough. This one is as good as the best, and no other one nearby that is moves less.
     NearestOfTheBest,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
     IterationLimit,
-    /// It was asked to stop.
+    /// The run was asked to stop.
     Interrupted,
 }
 
@@ -124,7 +124,7 @@ impl fmt::Display for Termination {
 pub struct Fit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
-    /// Residuals and Jacobian there.
+    /// Residuals and Jacobian at `x`.
     pub evaluation: Evaluation,
     /// Which variables are at a bound.
     pub holds: Vec<ActiveBound>,
@@ -132,7 +132,7 @@ pub struct Fit {
     pub termination: Termination,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
-    /// How the constraints are kept, where there are any.
+    /// How the constraints are kept, if there are any.
     pub constraints: Option<ConstraintState>,
 }
 
@@ -143,10 +143,10 @@ pub struct ConstraintState {
     pub values: DVector<f64>,
     /// The largest violation.
     pub violation: f64,
-    /// The derivative of half the sum of squared residuals by each row's limit, negated; none where the
-    /// run did not end at a minimum of it.
+    /// The derivative of half the sum of squared residuals by each row's limit, negated; `None` if the run did not end
+    /// at a minimum of that sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Rows and bounds that exclude one another, where there are such.
+    /// Rows and bounds that exclude one another, if there are such.
     pub culprits: Vec<Held>,
 }
 
@@ -172,7 +172,7 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`, the start of number `index`; an error says why there are no
+/// Minimises from the point of the box nearest to `start`, which is the start of number `index`. Errors if there are no
 /// residuals even there.
 pub fn fit(
     index: usize,

@@ -1,4 +1,4 @@
-//! What can be had of several wishes at once: the front of two or three, and the price list of the move.
+//! How far several wishes can be met at once: the front of two or three, and the price list of the move.
 //!
 //! A design is on the *front* of some aims f_1, f_2, ... if nothing within the ranges and constraints is better in
 //! one and no worse in the others. It is traced by minima with bounds on the others (Y. Haimes, L. Lasdon,
@@ -31,11 +31,11 @@ use super::{Bounds, Control, Options};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// So many points of a front of two aims.
+/// Number of points of a front of two aims.
 const POINTS: usize = 50;
 /// The most programs of a front, by point: each gap that turns out empty takes some.
 const EFFORT: usize = 3;
-/// Levels of each aim that is held, of a front of three.
+/// Number of levels of each aim that is held, for a front of three.
 const LEVELS: usize = 6;
 /// An aim is as low as can be up to this ratio.
 const AS_LOW: f64 = 1.01;
@@ -50,14 +50,14 @@ pub(super) struct Found {
     pub x: DVector<f64>,
     /// Amount of each aim.
     pub amounts: Vec<f64>,
-    /// What each aim weighs: (2). Zeros where nothing is traded.
+    /// The weight of each aim by (2); zeros if nothing is traded.
     pub weights: Vec<f64>,
 }
 
 /// A front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traced {
-    /// By rising amount of the first aim.
+    /// The points, by rising amount of the first aim.
     pub points: Vec<Found>,
     /// Points of a front of two aims behind which it is broken.
     pub breaks: Vec<usize>,
@@ -69,15 +69,15 @@ pub(super) struct Tracer<'a, F> {
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Aim>,
-    /// What is held throughout.
+    /// An aim that is held throughout, with its level.
     pub rest: Option<(Aim, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
 }
 
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
-    /// The least of an aim while others are held, from several starts; `None` where none of them comes to keep
-    /// what must hold.
+    /// The least of an aim while others are held, from several starts. `None` if none of them comes to keep the levels
+    /// and constraints.
     pub(super) fn lower(
         &self,
         aim: usize,
@@ -368,7 +368,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Between two points of a front of two aims: where points still may be.
+/// A gap between two points of a front of two aims, in which there may still be points.
 #[derive(Clone, Debug)]
 struct Gap {
     /// The points with the less of the first and of the second aim.
@@ -387,18 +387,18 @@ impl Gap {
         }
     }
 
-    /// Its two sides as shares of the extent of the front.
+    /// The two sides of the gap as shares of the extent of the front.
     fn sides(&self, extent: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (self.high[k] - self.low[k]) / extent[k])
     }
 
-    /// The aim in which it is wider.
+    /// The aim in which the gap is wider.
     fn wider(&self, extent: [f64; 2]) -> usize {
         let [first, second] = self.sides(extent);
         usize::from(second > first)
     }
 
-    /// How wide it is; nothing where one of its ends is better than the other.
+    /// Width of the gap; zero if one of its ends is better than the other.
     fn width(&self, extent: [f64; 2]) -> f64 {
         let [first, second] = self.sides(extent);
         match first.min(second) > 0.0 {
@@ -412,7 +412,7 @@ impl Gap {
     }
 }
 
-/// The points that no other is better than: in one aim, and no worse in the others. Of equal ones the first.
+/// The points than which no other is better in one aim and no worse in the others. Of equal points the first is kept.
 fn best_of(points: &[Found]) -> Vec<usize> {
     let no_worse = |a: &Found, b: &Found| a.amounts.iter().zip(&b.amounts).all(|(a, b)| a <= b);
     let is_best = |k: &usize| {

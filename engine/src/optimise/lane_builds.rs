@@ -15,7 +15,7 @@ pub(super) struct LaneBuilds {
     points: usize,
     /// `[source][build]`
     draws: Vec<f64>,
-    /// Numbers of a source.
+    /// Length of the row of one source in `draws`: the number of builds, rounded up to whole vectors.
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
@@ -26,7 +26,7 @@ pub(super) struct LaneBuilds {
 }
 
 impl LaneBuilds {
-    /// Of builds with these draws, build by build and source by source.
+    /// Room for builds with these draws, `[build][source]`, of designs with `points` points and `variables` variables.
     pub(super) fn new(draws: &[Vec<f64>], points: usize, variables: usize, width: Width) -> Self {
         let at_once = width.lanes();
         let stride = draws.len().next_multiple_of(MOST_LANES);

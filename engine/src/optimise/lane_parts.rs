@@ -11,18 +11,18 @@ use crate::sweep::{Jacobians, place_of};
 /// A measure, made of what lanes tell.
 #[derive(Clone)]
 pub(super) enum LanePart {
-    /// The quantity of this number.
+    /// The value of a quantity, by its number among those that are read.
     Quantity(usize),
     /// A formula of vectors.
     Formula(Measure, Vec<Source>),
 }
 
-/// Where a vector is from: numbers of quantities, or the design.
+/// Where a vector comes from: from quantities, given by their numbers, or from the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// The coordinates of a point.
     Point([usize; 3]),
-    /// Those of two points of the wheel carrier, from the first to the second.
+    /// The coordinates of two points of the wheel carrier: the vector goes from the first to the second.
     Between([[usize; 3]; 2]),
     /// Camber and toe.
     SpinAxis([usize; 2]),
@@ -33,7 +33,8 @@ pub(super) enum Source {
 }
 
 impl LanePart {
-    /// Of a measure; `quantities` are those read so far, to which it adds what it takes. `None` where lanes do not tell it.
+    /// Expresses a measure by quantities that lanes provide, appending those it needs to `quantities`. `None` if lanes
+    /// cannot provide it.
     pub(super) fn of(
         measure: &Measure,
         mechanism: &Mechanism,
@@ -103,7 +104,8 @@ impl Moving<'_> {
 }
 
 impl Source {
-    /// Of what a formula reads; `None` of the turn of the wheel carrier, which is no coordinate.
+    /// The source of a vector that a formula reads. `None` for a stud given by its direction alone: it turns with the
+    /// wheel carrier, and no coordinate that lanes provide tells how.
     fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let mut point =
             |id| Axis::ALL.map(|axis| place_of(quantities, Quantity::Coordinate(id, axis)));

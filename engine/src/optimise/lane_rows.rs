@@ -14,9 +14,9 @@ use crate::sweep::{Gradients, Stations};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// By leg; none where a leg has nothing that is read.
+    /// For each leg what evaluates it; `None` if nothing is read there.
     legs: Vec<Option<Leg<'a>>>,
-    /// The parts of constraints; none where lanes do not tell all of them.
+    /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
     /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
     along: Vec<f64>,
@@ -24,7 +24,7 @@ pub(super) struct LaneRows<'a> {
     slopes: Vec<f64>,
 }
 
-/// A motion with the rack in one place.
+/// The stations of one motion at one rack displacement.
 #[derive(Clone)]
 struct Leg<'a> {
     gradients: Gradients<'a>,
@@ -39,8 +39,8 @@ pub(super) struct Checked<'r> {
 }
 
 impl<'a> LaneRows<'a> {
-    /// For the targets of a layout, with its constraints if they are wanted; `None` where targets cannot be differentiated in
-    /// lanes.
+    /// Prepares the targets of a layout, and its constraints if `with_constraints`. `None` if targets cannot be
+    /// differentiated in lanes.
     pub(super) fn new(
         suspension: &'a Suspension,
         layout: &TargetLayout,
@@ -92,7 +92,7 @@ impl<'a> LaneRows<'a> {
         self.parts.is_some()
     }
 
-    /// Takes over how a design of so many points moves with so many variables.
+    /// Takes the ways in which `variables` variables move a design of `points` points.
     pub(super) fn begin(&mut self, points: usize, ways: &[Way], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
@@ -109,8 +109,8 @@ impl<'a> LaneRows<'a> {
         }
     }
 
-    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their derivatives.
-    /// Returns whether all of it was plain sailing; if not, what is written is not to be used.
+    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their
+    /// derivatives. Returns whether the tracker accepted every station; if not, what is written must not be used.
     pub(super) fn of_leg(
         &mut self,
         number: usize,
@@ -156,7 +156,7 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals of builds and their derivatives, as far as they are plain sailing.
+    /// Writes the residuals of those builds that the tracker accepts, with their derivatives.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,

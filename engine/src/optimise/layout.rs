@@ -15,10 +15,10 @@ use nalgebra::DVector;
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Place of what the target is about among the measures.
+    /// Index of the target's measure among [`TargetLayout::measures`].
     pub measure: usize,
     pub wanted: Sample,
-    /// Residual per deviation.
+    /// Residual per deviation in the unit of the measure.
     pub scale: f64,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct TargetSample {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Check {
     pub part: usize,
-    /// The row of its lower limit, the one of its upper limit; of an equality `equal` alone.
+    /// Row of the lower limit and row of the upper one; an equality has a row in `equal` alone.
     pub lower: Option<usize>,
     pub upper: Option<usize>,
     pub equal: Option<usize>,
@@ -56,15 +56,15 @@ pub(super) struct Extremes {
     pub part: usize,
     /// 1 for the largest values, -1 for the least.
     pub sign: f64,
-    /// The stations where the part is looked at by rising drive value, each with the row of this limit.
+    /// The stations where the part is looked at, by rising drive value, each with the row of this limit.
     pub rows: Vec<(usize, usize)>,
 }
 
-/// A motion with the rack in one place.
+/// The stations of one motion at one rack displacement, with what is looked at there.
 #[derive(Clone, Debug)]
 pub(super) struct Leg {
     pub drive: Drive,
-    /// Towards the kernel's +y.
+    /// Displacement of the rack towards the kernel's +y.
     pub rack: f64,
     pub order: StationOrder,
     pub targets: Vec<Vec<TargetSample>>,
@@ -93,9 +93,9 @@ pub struct RowLabel {
     pub part: usize,
     /// Whether it is the upper limit.
     pub is_upper: bool,
-    /// Number of the motion with the rack in one place.
+    /// Number of the leg: a motion at one rack displacement.
     pub leg: usize,
-    /// The station. The extreme between it and its neighbours, where it is one, takes its place.
+    /// Number of the station. If the part has an extreme between it and its neighbours, the row is about that instead.
     pub station: usize,
 }
 
@@ -104,23 +104,23 @@ pub struct RowLabel {
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
     pub(super) rows: usize,
-    /// What targets of one wheel are about.
+    /// The measures that targets of one wheel are about.
     pub(super) measures: Vec<Measure>,
     /// The targets of an axle.
     pub(super) axle: Option<AxleLayout>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
     pub(super) equalities: usize,
-    /// How often the rows are there: once for each build.
+    /// Number of builds; each has all the rows. 1 if the tuning is not robust.
     pub(super) builds: usize,
-    /// Residual per deviation in tolerances, by target.
+    /// For each target, the residual per deviation in tolerances.
     shares: Vec<f64>,
     rate_order: usize,
-    /// What of wheel and steering axis is read.
+    /// What is read of wheel and steering axis.
     pub(super) reads: Slots,
 }
 
-/// A motion with the rack in one place, while it is collected.
+/// A leg while its stations are collected.
 struct Draft {
     drive: Drive,
     rack: f64,
@@ -138,7 +138,8 @@ impl Draft {
     }
 }
 
-/// The number of the draft of a motion with the rack in one place whose stations begin with these.
+/// Number of the draft with this drive, this rack displacement and stations that begin with these; it is added if there
+/// is none.
 fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
     let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
     drafts.iter().position(same).unwrap_or_else(|| {
@@ -154,7 +155,7 @@ fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) ->
     })
 }
 
-/// The legs of a site, each with the values of its motion.
+/// The motion of a site and the numbers of its drafts, one for each rack displacement.
 fn legs_of<'m>(
     site: &'m Site,
     motion: &'m Motion,
@@ -356,7 +357,7 @@ impl TargetLayout {
         }
     }
 
-    /// Derivatives by the drive that some target or constraint takes.
+    /// Highest order of the derivatives by the drive that a target or a constraint reads.
     pub fn rate_order(&self) -> usize {
         self.rate_order
     }
@@ -366,7 +367,7 @@ impl TargetLayout {
         self.rows * self.builds
     }
 
-    /// What is left to the limit of a row with this value, in the constraint's unit; negative where it is violated.
+    /// Room between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
     pub fn room(&self, row: usize, value: f64) -> f64 {
         match row < self.equalities {
             true => -value.abs(),
@@ -490,10 +491,10 @@ pub struct Deviation {
     pub rms: f64,
     /// The largest deviation, with its sign.
     pub worst: f64,
-    /// The drive value where it is.
+    /// The drive value of the largest deviation.
     pub worst_at: f64,
-    /// The rack's displacement there, towards the kernel's +y.
+    /// The rack displacement of the largest deviation, towards the kernel's +y.
     pub worst_rack: f64,
-    /// Number of stations.
+    /// Number of stations at which the target is compared.
     pub stations: usize,
 }

@@ -68,7 +68,8 @@ fn centroid(design: &[Vector3<f64>], variable: &Variable) -> Vector3<f64> {
     sum * (1.0 / points.len() as f64)
 }
 
-/// The design with its variables moved by `x`.
+/// Writes the design with its variables moved by the offsets `x` into `moved`. Offsets are in the study's axes and
+/// degrees, designs in the kernel's frame.
 pub fn moved_design(
     design: &[Vector3<f64>],
     frame: &Frame,

@@ -11,12 +11,12 @@ use std::ops::Range;
 /// in it to about [`Options::reduction_below`].
 const SAME_MISFIT: f64 = 1e-9;
 
-/// One start and what became of it.
+/// One start and its outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Where it began.
     pub x: DVector<f64>,
-    /// Where it ended, or why there were no residuals where it began.
+    /// The fit at which it ended, or why there are no residuals at its beginning.
     pub outcome: Result<Fit, Infeasible>,
 }
 
@@ -95,20 +95,20 @@ pub fn starting_point(
     })
 }
 
-/// What starts came to that had residuals, with their numbers.
+/// The fits of those starts that have one, with the numbers of the starts.
 pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     let fits = starts.iter().enumerate();
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
 }
 
-/// The least misfit of those that keep the constraints.
+/// The least misfit of the starts that keep the constraints.
 pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     let kept = fits(starts).filter(|(_, fit)| fit.is_feasible());
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Of those that keep the constraints with a misfit up to `good`, the nearest; the earliest of those that are as near up
-/// to a share of the distance.
+/// Chooses the start that moves least among those that keep the constraints with a misfit up to `good`. Of several
+/// whose distance is the least one up to the part `share` of it, the earliest is taken.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,

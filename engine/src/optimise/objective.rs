@@ -43,9 +43,10 @@ pub struct Objective<'a> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     ways: Vec<Way>,
-    /// In lanes, where that can be: the residuals of a design that is plain sailing, and of such builds.
+    /// Lane evaluation of designs (and builds) that the tracker accepts; `None` if a target cannot be read in lanes, or
+    /// if lanes are switched off.
     lanes: Option<LaneRows<'a>>,
-    /// Of a robust tuning, whose residuals are those of builds.
+    /// Only for a robust tuning: the builds that the residuals belong to.
     builds: Option<Builds<'a>>,
     lane_builds: Option<LaneBuilds>,
     built: Vec<Vector3<f64>>,
@@ -53,11 +54,11 @@ pub struct Objective<'a> {
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// With the derivative by the drive of what is read: for extremes.
+    /// Reader with one more derivative by the drive, needed to search for extremes.
     sloped: Option<Reader<3>>,
-    /// Where forces under loads are wanted or limited.
+    /// How forces under loads change with the variables; `None` if no target or constraint is about one.
     moving: Option<AlongVariables>,
-    /// Both wheels, where targets are of an axle.
+    /// The rows of targets of an axle; `None` if there are none.
     axle: Option<Box<dyn AxleRows + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
@@ -76,14 +77,14 @@ struct Visit<'v, 'a> {
     moving: Option<&'v AlongVariables>,
     solver: &'v mut Solver<'a>,
     values: &'v mut PartValues,
-    /// Where the residuals go, from a row on, and the rows of the constraints.
+    /// Destination of the residuals, with the row to begin at, and destination of the constraints' rows in `rows`.
     into: Option<(&'v mut Evaluation, usize)>,
     rows: Option<&'v mut Evaluation>,
 }
 
-/// Reads values and gradients at stations, whatever rates are read there.
+/// A [`Reader`] without its number of coefficients in the type.
 trait ReadStations: Send {
-    /// Takes over a design.
+    /// Makes ready to read poses of this design.
     fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
     /// Visits the stations of a leg.
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
@@ -217,7 +218,7 @@ struct Reading<'r, 'a, const N: usize> {
     solver: &'r Solver<'a>,
     motion: &'r MotionPoint<f64>,
     ways: &'r [Way],
-    /// Where the measure is a force.
+    /// Needed if the measure is a force.
     moving: Option<&'r AlongVariables>,
 }
 
@@ -282,7 +283,7 @@ fn place_in_words(drive: Drive, value: f64) -> String {
     }
 }
 
-/// A design that cannot be solved.
+/// Converts the fault of a design that cannot be solved to the reason for having no residuals.
 pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
     |fault| Infeasible::Refused(fault.describe(mechanism))
 }
@@ -316,7 +317,8 @@ fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// A drive value where nothing can carry the load whose force is read there.
+/// The error for a force that was `found` to be NaN: nothing can carry its load there. `None` for all other measures
+/// and values.
 fn uncarried(measure: &Measure, found: f64, place: &MotionPoint<f64>) -> Option<Infeasible> {
     let is_uncarried = matches!(measure, Measure::Carried(_)) && found.is_nan();
     is_uncarried.then(|| {
@@ -369,8 +371,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// The same, robust: residuals are those of builds, in lanes of a width or build by build. `suspension` is the `study`'s
-    /// own as [`crate::build::Assembler`] has it: it may have a spindle more.
+    /// The problem of a robust tuning, whose residuals are those of builds. They are solved in lanes of this width, or
+    /// build by build without one. `suspension` is the suspension of the `study` as [`crate::build::Assembler`] extends
+    /// it: it may have a spindle point more.
     pub fn of_builds(
         study: &Suspension,
         suspension: &'a Suspension,
@@ -394,7 +397,7 @@ impl<'a> Objective<'a> {
         Ok(objective)
     }
 
-    /// The same in lanes of a width, or station by station: for comparison.
+    /// The problem solved in lanes of this width, or station by station without one, to compare the two.
     #[must_use]
     pub fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
         self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
@@ -433,7 +436,8 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Residuals into `into`, and the rows of the constraints into `rows`, if there are any.
+    /// Moves the design to `x` and writes its residuals into `into`, and the rows of the constraints into `rows`, if
+    /// given.
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
@@ -466,7 +470,8 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// The same of one wheel, in lanes: whether they tell all that is wanted, and the design was plain sailing.
+    /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot provide everything, or if the
+    /// tracker rejects the design; what has been written then is to be overwritten.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Evaluation,
@@ -483,7 +488,7 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// The same, leg by leg.
+    /// Evaluates the moved design in lanes, leg by leg; false as in [`Objective::evaluate_in_lanes`].
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
@@ -514,7 +519,7 @@ impl<'a> Objective<'a> {
         Ok(true)
     }
 
-    /// The residuals of builds of the moved drawing.
+    /// Writes the residuals of all builds of the moved drawing: in lanes where possible, the others one by one.
     fn evaluate_builds(
         &mut self,
         builds: &mut Builds<'a>,
@@ -533,7 +538,7 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// The residuals of some of the builds.
+    /// Writes the residuals of the builds of these numbers, build by build.
     fn evaluate_one_by_one(
         &mut self,
         numbers: impl Iterator<Item = usize>,
@@ -556,8 +561,8 @@ impl<'a> Objective<'a> {
         Ok(())
     }
 
-    /// The one place where poses of one wheel are solved and read: the residuals of the moved design into `into`, from a row
-    /// on, and the rows of the constraints into `rows`.
+    /// Solves and reads the poses of one wheel with the moved design, one by one. Writes the residuals into `into`,
+    /// from the given row on, and the rows of the constraints into `rows`.
     fn evaluate_moved(
         &mut self,
         mut into: Option<(&mut Evaluation, usize)>,

@@ -8,13 +8,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(super) struct Pool<P>(Mutex<Vec<P>>);
 
 impl<P> Pool<P> {
-    /// With those that there are.
+    /// A pool of these problems.
     pub(super) fn of(idle: impl IntoIterator<Item = P>) -> Self {
         Pool(Mutex::new(Vec::from_iter(idle)))
     }
 
-    /// One of them, or a new one; it comes back when it is dropped. What it finds depends on where it is asked alone, so that
-    /// it does not matter which one it is.
+    /// Lends a problem of the pool, or a new one; it comes back when it is dropped. Its results depend only on the
+    /// point at which it is evaluated, so that it does not matter which one it is.
     pub(super) fn lend(&self, make: impl FnOnce() -> P) -> Lent<'_, P> {
         let idle = self.idle().pop();
         Lent {

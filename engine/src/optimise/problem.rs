@@ -88,7 +88,7 @@ pub enum Infeasible {
     /// A residual is not a usable number.
     #[error("residual {row} is {value}")]
     Residual {
-        /// Which residual.
+        /// Index of the residual.
         row: usize,
         /// What it is.
         value: f64,
@@ -96,9 +96,9 @@ pub enum Infeasible {
     /// A derivative is not a usable number.
     #[error("the derivative of residual {row} by variable {column} is {value}")]
     Derivative {
-        /// Of which residual.
+        /// Index of the residual.
         row: usize,
-        /// By which variable.
+        /// Index of the variable.
         column: usize,
         /// What it is.
         value: f64,

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Below this a column counts as zero: the square of a smaller norm is not a normal number.
 const SMALLEST_NORM: f64 = 1.5e-154;
 
-/// The columns of a Jacobian, each times its factor, with zeros below up to so many rows.
+/// Writes the columns of a Jacobian, each times its factor, filled up with zeros to `rows` rows.
 pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to: &mut Vec<f64>) {
     to.clear();
     to.resize(by.len() * rows, 0.0);

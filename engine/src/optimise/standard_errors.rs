@@ -43,8 +43,8 @@ pub struct StandardError {
 const CLOSE: f64 = 0.95;
 
 impl StandardErrors {
-    /// Of a fit; `weights` are the square roots of w, by residual. `None` where there are no more residuals
-    /// than free variables.
+    /// Standard errors of a fit. `weights` are the square roots of w, by residual. `None` if there are no more
+    /// residuals than free variables.
     pub fn of(
         at: &Evaluation,
         holds: &[ActiveBound],

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 /// Something that is lowered or held to a level.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Aim {
-    /// Which residuals of the problem; none for the move from the design.
+    /// Indices of the residuals it is about; `None` for the move from the design.
     rows: Option<Vec<usize>>,
     /// The norm of its residuals over its amount.
     pub unit: f64,
@@ -28,7 +28,7 @@ impl Aim {
         }
     }
 
-    /// Which residuals of the problem it is about; none for the move from the design.
+    /// Indices of the residuals it is about; `None` for the move from the design.
     pub(super) fn rows(&self) -> Option<&[usize]> {
         self.rows.as_deref()
     }
@@ -77,7 +77,7 @@ pub(super) struct Trade<'a, P> {
     lowered: &'a Aim,
     held: Vec<(&'a Aim, f64)>,
     assessment: Assessment,
-    /// Where that is known beforehand.
+    /// The point at which `assessment` is known beforehand.
     known: Option<DVector<f64>>,
 }
 
@@ -99,7 +99,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
         }
     }
 
-    /// The same, the residuals at a point being known; not of problems with rows.
+    /// The trade with known residuals at a point `x`. Only for problems without rows of constraints.
     pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Evaluation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),

@@ -26,19 +26,19 @@ use rayon::prelude::*;
 /// A direction in which a move across the whole range changes the misfit by less than this (in
 /// tolerances) is one that the targets do not see.
 const UNSEEN: f64 = 0.01;
-/// Where no design is good enough, designs are as good as the best up to this ratio of misfits.
+/// If no design is good enough, designs count as being as good as the best up to this ratio of misfits.
 const AS_GOOD: f64 = 1.01;
-/// Moves shorter than this share of the range are none.
+/// Moves shorter than this share of the range do not count as moves.
 const NO_MOVE: f64 = 1e-9;
 /// A target that a move across the range of any variable changes by less than this (in tolerances) is one
 /// that nothing moves.
 const UNMOVED: f64 = 1e-9;
-/// So many of the directions that targets do not see are tried out.
+/// The most directions that targets do not see that are tried out.
 const TRIED_OUT: usize = 8;
-/// So many starts are tried before constraints are said to exclude one another.
+/// Number of starts that are tried before constraints are said to exclude one another.
 const STARTS_BEFORE_REFUSAL: usize = 4;
 
-/// What came of a tuning.
+/// The result of a tuning.
 #[derive(Clone, Debug)]
 pub struct Tuning {
     /// Misfit and deviations of the design the study gives, or why it has none.
@@ -72,28 +72,28 @@ pub struct Best {
     pub design: Vec<Vector3<f64>>,
     /// How well it meets the targets.
     pub after: Fulfilment,
-    /// What the targets tell of the variables there.
+    /// Which directions of the variables the targets see at that design.
     pub identifiability: Identifiability,
-    /// How it keeps the constraints, one by one.
+    /// How it keeps each constraint.
     pub constraints: Vec<ConstraintOutcome>,
-    /// What is known of the variables, where the targets are measurements.
+    /// Standard errors of the variables; only if the targets are measurements.
     pub errors: Option<StandardErrors>,
 }
 
 /// How a constraint is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
-    /// What is left to the limit that is nearest, in the constraint's unit; negative where it is violated.
+    /// Room to the nearest limit, in the constraint's unit; negative if it is violated.
     pub room: f64,
-    /// The drive value of the station where that is or that is next to it; none for what does not change along the
-    /// motion.
+    /// Drive value of the station with the least room, or next to it; `None` if the constraint does not change along
+    /// the motion.
     pub at: Option<f64>,
-    /// By how much, in tolerances, the misfit would fall for a limit one unit further; none where it does not
-    /// bind or the misfit is good enough anyway.
+    /// By how much, in tolerances, the misfit would fall if the limit were one unit further; `None` if the limit does
+    /// not bind, or if the misfit is good enough anyway.
     pub price: Option<f64>,
 }
 
-/// Tunes a suspension. An error says why the design itself cannot be solved.
+/// Tunes a suspension. Errors if the design itself cannot be solved.
 pub fn tune(
     suspension: &Suspension,
     motion: &Motion,
@@ -107,7 +107,7 @@ pub fn tune(
 /// A tuning that is asked for.
 pub(super) struct Asked<'a> {
     suspension: &'a Suspension,
-    /// As builds have it, where the tuning is robust.
+    /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
     assembled: Option<Suspension>,
     motion: &'a Motion,
     optimise: &'a Optimise,
@@ -143,7 +143,7 @@ pub(super) struct Tuner<'a> {
     pub optimise: &'a Optimise,
     pub layout: &'a TargetLayout,
     pub bounds: Bounds,
-    /// Where no variable has moved anything.
+    /// Offsets of the study's own design: all zero.
     pub design: DVector<f64>,
     pub control: Control<'a>,
     problems: Pool<Objective<'a>>,
@@ -354,8 +354,9 @@ impl<'a> Tuner<'a> {
         Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
-    /// Of the starts that keep the constraints and are good enough, the nearest; of others the best; of
-    /// those that keep none the least violated.
+    /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
+    /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
+    /// `least` is the least misfit of those that keep them.
     fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
         let Some(least) = least else {
             let by_violation =
@@ -388,7 +389,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// When a run ends.
+    /// The options that say when a run ends.
     pub(super) fn options(&self) -> Options {
         Options {
             max_iterations: self.optimise.max_iterations,
@@ -415,7 +416,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// What the targets tell apart, directions they do not see tried out.
+    /// Which directions the targets see at a fit. Directions that they do not see are tried out by moving along them.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();

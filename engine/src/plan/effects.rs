@@ -9,13 +9,13 @@ use crate::study::{Order, Study, TimeLaw};
 /// Something that can be computed with a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
-    /// What it is.
+    /// Name of the effect.
     pub name: &'static str,
     /// Whether it is computed.
     pub on: bool,
-    /// What of it, in words; empty where it is off.
+    /// What is computed of it, in words; empty if it is off.
     pub what: String,
-    /// What in the study turned it on; empty where it is off.
+    /// What in the study turned it on; empty if it is off.
     pub because: String,
     /// Estimated cost, in poses without anything else: 0.5 makes a run half as long again. Zero where
     /// the effect is off, whatever else is on.
@@ -33,7 +33,7 @@ mod cost {
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// One output's gradient by all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// What is left of it where one equation in six has to be differentiated.
+    /// The same gradient if only one equation of six has to be differentiated.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
     /// The steering axis as an instantaneous one.
     pub(super) const SCREW_AXIS: f64 = 0.6;
@@ -62,7 +62,7 @@ impl Effect {
     }
 }
 
-/// What is written at a path of keys, with its line.
+/// The text at a path of keys, with its line.
 fn written(study: &Study, path: &[&str], text: &str) -> String {
     match study.line_of(path) {
         Some(line) => format!("{text} (line {line})"),

@@ -50,8 +50,8 @@ use crate::model::{Drive, Mechanism, PointId};
 use crate::number::Vector3;
 use nalgebra::{Matrix5, SMatrix};
 
-/// A part is singular where its measure, a sine, is less than this. Folds are found to rounding; a sine has half as
-/// many digits where it has a double root.
+/// A part counts as singular if its measure, a sine, is less than this. Folds are found to rounding, but a sine has
+/// only half as many digits at a double root.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
 impl Curve<'_> {
@@ -125,8 +125,8 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     Some([upper, tie_rod])
 }
 
-/// The links that have become dependent on each other, with the rack held: those with m not 0 in m C = 0, where C
-/// has lost rank. By their outer ends.
+/// The links that have become dependent on each other, with the rack held: those with m not 0 in m C = 0, if C has lost
+/// rank. They are given by their outer ends.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,
@@ -154,7 +154,7 @@ pub(crate) fn dependent_links(
     loaded.filter_map(|(end, _)| end).collect()
 }
 
-/// The outer end of the link of each of the five equations; `None` where it is none.
+/// For each of the five equations, the outer end of its link; `None` if it is not a link's.
 fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
     use crate::model::Constraint;
     let ends = mechanism.constraints.iter().flat_map(|constraint| {

@@ -38,7 +38,7 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Numbers above this are never estimates, so that what is said of lost digits is not either.
+    /// Numbers above this are never estimates, and so neither is any statement about lost digits.
     pub const ESTIMATED: f64 = 1e3;
 
     /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
@@ -51,7 +51,7 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// From the factors of the Jacobian: about as much work again as making them.
+    /// The condition from the factors of the Jacobian. It takes about as much work as factorising.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
         // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {

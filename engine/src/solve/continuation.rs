@@ -28,7 +28,7 @@ use crate::number::Jet;
 use crate::number::Vector3;
 use std::cmp::Ordering;
 
-/// What moves while the rest is held.
+/// Which quantity moves while the others are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// The drive.
@@ -48,7 +48,7 @@ pub(crate) struct Curve<'a> {
     pub rounding: f64,
     pub work: &'a WorkCounter,
     pub moving: Moving,
-    /// Kind of drive and the value of what is held.
+    /// Kind of drive, and the values of the quantities that are held.
     pub held: MotionPoint<f64>,
 }
 
@@ -57,35 +57,35 @@ pub(crate) struct Curve<'a> {
 pub(crate) struct CurvePoint {
     /// The pose as a series in the arc length.
     pub series: Pose<Jet<f64, 3>>,
-    /// The moving quantity, likewise.
+    /// The moving quantity as a series in the arc length.
     pub moved: Jet<f64, 3>,
     /// Tangent: shift, turn, moving quantity, in sizes.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
     /// Sign given to the determinant of the matrix with the tangent as its last row.
     orientation: f64,
-    /// What the rounding of the equations makes of the point, in sizes.
+    /// Error of the point that comes from the rounding of the equations, in sizes.
     noise: f64,
 }
 
 /// How a path ended before its target.
 #[derive(Clone, Debug)]
 pub(crate) enum PathEnd {
-    /// It turns back here.
+    /// The path turns back at this point.
     Fold(Box<CurvePoint>),
-    /// It could not be followed beyond this value: it meets another path, or nearly.
+    /// The path could not be followed beyond this value: it meets another path, or nearly.
     Unresolved(f64),
 }
 
 /// The longest step, in sizes (or rad).
 const LONGEST_STEP: f64 = 0.1;
-/// The shortest: less than this is lost in the rounding of the pose.
+/// The shortest step, in sizes: less than this is lost in the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
 /// The curve of a mechanism is a few dozen sizes long; a sharp turn costs some forty halvings.
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest turn of the tangent in a step.
 const STRAIGHT: f64 = 0.9;
-/// A corrector settles when its corrections are rounding; it may only do so once they are below this.
+/// A corrector has settled when its corrections are rounding, but not before they are below this, in sizes.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {
@@ -100,8 +100,8 @@ impl CurvePoint {
 }
 
 impl Curve<'_> {
-    /// Follows the curve from a point of it towards `target` (which may be infinite): the point of it
-    /// with that value, or how it ended before.
+    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that
+    /// value, or how the path ended before.
     pub(crate) fn to(
         &self,
         pose: &Pose<f64>,
@@ -192,7 +192,7 @@ impl Curve<'_> {
         }
     }
 
-    /// What the moving quantity is measured in.
+    /// The unit in which the moving quantity is measured.
     fn unit(&self) -> f64 {
         match (self.moving, self.held.drive) {
             (Moving::Drive, Drive::ArmAngle) => 1.0,
@@ -437,7 +437,7 @@ fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
     Some(null)
 }
 
-/// Of six rows and a last one below them; `None` where that is singular.
+/// Factorises the square matrix of six rows with a last one below them. `None` if it is singular.
 fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
     let square = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
     Lu::of(square, 1.0)

@@ -15,11 +15,11 @@ use crate::number::{Matrix3, Vector3};
 
 /// Equations for the pose at a wheel travel, to be solved by Newton's method.
 pub(crate) trait Equations<T> {
-    /// What is solved for.
+    /// The unknown that is solved for.
     type Unknown: Copy;
     /// Its value in the design position.
     fn design(&self) -> Self::Unknown;
-    /// One Newton step: the unknown it leads to, and by how much travel the one before it missed.
+    /// Makes one Newton step. Returns the unknown it leads to, and by how much the unknown before it missed the travel.
     fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
     /// The weighted sum of earlier solutions.
     fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;
@@ -30,8 +30,8 @@ pub(crate) trait Equations<T> {
 /// The most Newton iterations of a solution.
 const MOST_ITERATIONS: usize = 20;
 
-/// Solves until the equations are missed by no more than `tolerance` (a length) or do not get any
-/// better; with the number of times they were evaluated.
+/// Solves until the equations are missed by no more than `tolerance` (a length), or are no longer met any better.
+/// Returns the number of iterations, too.
 #[inline]
 pub(crate) fn solve<T: Scalar, E: Equations<T>>(
     equations: &E,
@@ -60,7 +60,7 @@ pub(crate) struct OneEquation<T> {
 }
 
 impl<T: Scalar> OneEquation<T> {
-    /// Of a design whose mechanism has a closed form.
+    /// The equation of a design with the rack at `rack`. `None` if its mechanism has no closed form.
     pub(crate) fn new(mechanism: &Mechanism, design: &[Vector3<T>], rack: T) -> Option<Self> {
         let form = ClosedForm::new(&Roles::of(mechanism)?, design);
         Some(OneEquation {

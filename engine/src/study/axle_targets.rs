@@ -14,16 +14,16 @@ use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Where a target of an axle is: a curve over one number of the motion, the others held.
+/// Where a target of an axle is looked at: along one number of the motion, with the others held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
     /// The number that it is over.
     pub over: Coordinate,
     /// Its values in the motion, as the study writes them: degrees, lengths along the study's axes.
     pub values: Vec<f64>,
-    /// The rest where it is held: every combination.
+    /// The other numbers, held at these values: every combination.
     pub held: Course,
-    /// What the study says of the rest, in words.
+    /// What the study says of the other numbers, in words.
     pub words: String,
 }
 
@@ -56,7 +56,7 @@ impl AxleSite {
     }
 }
 
-/// What a target or a band says of where it looks.
+/// The keys of a target or a band that say where it is looked at.
 pub(super) struct Where<'w> {
     over: &'w Option<Text>,
     side: &'w Option<Text>,
@@ -130,7 +130,8 @@ impl<'w> Where<'w> {
     }
 }
 
-/// What a band of an axle is about, and where it is looked at; everywhere in the motion without a place.
+/// Reads the quantities that a band of an axle is about, and where it is looked at; `None` in place of a site means
+/// everywhere in the motion.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,

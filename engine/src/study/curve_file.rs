@@ -6,7 +6,7 @@ use super::value::{Number, Text};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What is wanted of a file.
+/// The columns that are wanted from a file.
 pub(super) struct Wished<'a> {
     /// The column of drive values.
     pub drive: &'a str,
@@ -121,7 +121,7 @@ fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, Stu
     Ok(curve)
 }
 
-/// What parts the columns: the first of tab, semicolon and comma that the first line has.
+/// The character that separates columns: the first of tab, semicolon and comma that the first line has.
 fn delimiter(text: &str) -> u8 {
     let header = text.trim_start().lines().next().unwrap_or("");
     let found = ['\t', ';'].into_iter().find(|c| header.contains(*c));

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Designs from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignTable {
-    /// What the columns are; ranges are those of their values.
+    /// The variables of the columns; their ranges are those of the values.
     pub variables: Vec<SweepVariable>,
     /// Row by row.
     values: Vec<f64>,
@@ -107,7 +107,7 @@ impl DesignTable {
     /// Designs as rows of values, a number for each of these variables; their ranges become those of the values.
     ///
     /// # Errors
-    /// What is wrong with them, in words.
+    /// The fault in words, if a table of designs cannot be made of them.
     pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
         if variables.is_empty() {
             return Err("expected at least one variable, found none".to_owned());
@@ -171,7 +171,7 @@ impl DesignTable {
     }
 }
 
-/// What a column moves.
+/// The variable that a column stands for, by its name.
 fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, String> {
     let unit = suspension.length_unit.symbol();
     let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);

@@ -89,8 +89,8 @@ impl Study {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// The same of another text of this study: of the file as it is, where [`Study::text`] has curves from
-    /// files written out.
+    /// As [`Study::with_points_of`], for another text of this study: the file as it is, whereas [`Study::text`] has
+    /// curves from files written out.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle.as_ref().and_then(|a| a.axle.right.as_ref());
         self.rewritten(text, &moved.suspension.design, right.map(|r| &r.design[..]))

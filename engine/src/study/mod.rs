@@ -81,8 +81,8 @@ pub struct Study {
     pub setup: Option<Setup>,
     /// The tolerances, if the study has them.
     pub tolerance: Option<Tolerance>,
-    /// What is asked of both wheels, if the study is of an axle; `suspension` then is its left wheel, and
-    /// `motion` and `outputs` are empty.
+    /// The axle and what is asked of it, if the study is of an axle; `suspension` then is its left wheel, and `motion`
+    /// and `outputs` are empty.
     pub axle: Option<AxleStudy>,
 }
 
@@ -158,7 +158,7 @@ pub struct Outputs {
     pub sensitivities: Vec<PointId>,
     /// Whether each pose is to be proved.
     pub certify: bool,
-    /// Loads whose way through links and joints is reported.
+    /// Loads for which the forces in links and joints are reported.
     pub loads: Vec<Load>,
 }
 
@@ -180,7 +180,7 @@ impl Outputs {
 /// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// What the names of its columns begin with.
+    /// Beginning of the names of its columns.
     pub name: String,
     /// Where the force acts.
     pub at: LoadPoint,
@@ -191,7 +191,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// The same load in the kernel's axes of the other side, which are the mirror image.
+    /// The load in the kernel's axes of the other side, which are the mirror image.
     pub(crate) fn on_other_side(self) -> Load {
         let (force, moment) = (self.force, self.moment);
         Load {
@@ -209,7 +209,7 @@ pub struct Sweep {
     pub designs: Designs,
     /// Whether the curves of every design are kept.
     pub curves: bool,
-    /// What the results are written as.
+    /// The file format of the results.
     pub format: FileFormat,
 }
 
@@ -227,13 +227,13 @@ pub enum Designs {
 /// Designs sampled from ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
-    /// How.
+    /// How the samples are chosen.
     pub method: Sampling,
     /// Number of samples; in a grid, number of its points.
     pub samples: u64,
     /// Seed.
     pub seed: u32,
-    /// What moves.
+    /// The variables.
     pub variables: Vec<SweepVariable>,
 }
 
@@ -242,7 +242,7 @@ pub struct Sampled {
 pub enum Sampling {
     /// Every combination of evenly spaced values, the last variable running fastest.
     Grid,
-    /// As many equal strata of every variable as there are samples, each met once.
+    /// Every variable has as many equal strata as there are samples, and a sample in each.
     LatinHypercube,
     /// A low-discrepancy sequence.
     Sobol,
@@ -254,7 +254,7 @@ pub enum Sampling {
     Saltelli,
 }
 
-/// What the results of a sweep are written as.
+/// The file format of a sweep's results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// Comma-separated values.
@@ -290,8 +290,8 @@ pub struct Move {
 }
 
 impl Move {
-    /// Puts the coordinate of a design where a value of the variable says: there with `absolute`, else so far from
-    /// where it is. The design is in the kernel's frame.
+    /// Moves the coordinate of a design, which is in the kernel's frame, by a value of the variable: to `factor` times
+    /// the value with `absolute`, else that far from where it is.
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;
@@ -326,24 +326,24 @@ pub struct Optimise {
     pub axle: Option<crate::axle::Axle>,
     /// What is traded on the front: two or three wishes, or none.
     pub front: Vec<Wish>,
-    /// The builds whose mean squared misfit is lowered; none for that of the drawing.
+    /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the drawing.
     pub scatter: Option<Scatter>,
 }
 
 /// Builds that scatter as `[tolerance]` says: a fixed sample of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// How many.
+    /// Number of builds.
     pub builds: usize,
     /// Seed they are drawn from.
     pub seed: u32,
     /// What scatters.
     pub contributors: Vec<Contributor>,
-    /// What toe and camber are set again by after assembly, where they are.
+    /// Adjustments by which toe and camber are set again after assembly; `None` if they are not.
     pub adjust: Option<Vec<Adjustment>>,
 }
 
-/// Targets that are one on a front: all of one name.
+/// A wish that is traded on a front: all targets of one name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     /// The name.
@@ -353,8 +353,9 @@ pub struct Wish {
 }
 
 impl Optimise {
-    /// The targets that designs of a sweep are compared with: all of them, or none where a sweep cannot
-    /// compare with each. With each of an axle it can.
+    /// The targets that designs of a sweep are compared with: all of them, or none if there is one that a sweep cannot
+    /// compare with. It can with targets of an axle, and with targets on a characteristic in the study's own motion;
+    /// never with measurements.
     pub fn swept_targets(&self) -> &[Target] {
         let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
         match self.targets.iter().all(is_swept) && !self.fit {
@@ -371,12 +372,12 @@ pub struct Variable {
     pub name: String,
     /// The coordinates it moves, along one axis or those of a direction; none for a turn.
     pub moves: Vec<Move>,
-    /// What it turns, as one of the three components of a rotation vector in degrees.
+    /// The points it turns; the variable then is one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
     /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
     pub range: [f64; 2],
-    /// What a move across the range costs against those of the other variables, where the design that moves
-    /// least is taken.
+    /// Cost of a move across the range, relative to the other variables; it counts where the design that moves least is
+    /// taken.
     pub cost: f64,
 }
 
@@ -449,11 +450,11 @@ pub struct Turn {
 /// What a target is about, as the study speaks of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subject {
-    /// What it is in the kernel's frame.
+    /// The quantities, in the kernel's frame.
     pub about: About,
     /// Name, with the unit, as a column has it.
     pub column: String,
-    /// Kind of quantity.
+    /// Kind of quantity, from which its unit follows.
     pub unit: crate::axle::Unit,
     /// The study's unit of length.
     pub length: LengthUnit,
@@ -464,9 +465,9 @@ pub struct Subject {
 /// What a target is about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum About {
-    /// Something of one wheel.
+    /// A measure of one wheel.
     Wheel(Measure),
-    /// Something of an axle; of either wheel where both are meant.
+    /// A quantity of an axle, or the same quantity of either wheel.
     Axle(Vec<crate::axle::Quantity>),
 }
 
@@ -493,7 +494,7 @@ impl Subject {
         self.unit.from_printed(printed, self.length) * self.sign
     }
 
-    /// What it is of one wheel.
+    /// The measure, if it is of one wheel.
     pub fn of_wheel(&self) -> Option<&Measure> {
         match &self.about {
             About::Wheel(measure) => Some(measure),
@@ -510,15 +511,15 @@ impl Subject {
     }
 }
 
-/// In which motion, and where the rack is.
+/// Where a target or a constraint is looked at: in which motion, and with the rack where.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
     /// Name of a motion; the study's `[motion]` without it.
     pub motion: Option<(String, Motion)>,
-    /// Rack displacements along the study's +y; where the motion has it without any, or straight ahead where
-    /// the motion moves it.
+    /// Rack displacements along the study's +y. If empty, the rack is where the motion has it, or straight ahead if the
+    /// motion moves it.
     pub racks: Vec<f64>,
-    /// Of an axle: over what, and where the rest is.
+    /// For an axle: the number of the motion that it is over, and where the others are held.
     pub axle: Option<AxleSite>,
 }
 
@@ -526,22 +527,22 @@ pub struct Site {
 /// radians per length unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Of what.
+    /// The quantity that the target is about.
     pub of: Subject,
-    /// What is wanted of it.
+    /// What is wanted of that quantity.
     pub wanted: Wanted,
-    /// The deviation that still is acceptable, in the same unit.
+    /// The deviation that still is acceptable, in the unit of the values.
     pub tolerance: f64,
     /// Weight against the other targets.
     pub weight: f64,
-    /// Where.
+    /// Where it is looked at.
     pub site: Site,
-    /// Drive values at which it is compared beside those of the motion.
+    /// Further drive values at which it is compared, beside those of the motion.
     pub stations: Vec<f64>,
 }
 
 impl Target {
-    /// What it is called: the characteristic, or the column without its unit.
+    /// Name of the target: the characteristic's, or the column's without its unit.
     pub fn name(&self, length: LengthUnit) -> String {
         match self.of.as_characteristic() {
             Some(characteristic) => characteristic.info().name.to_owned(),
@@ -558,13 +559,14 @@ impl Target {
         self.stations_among(&motion.values)
     }
 
-    /// These values, and those added for this target.
+    /// The given values, and those added for this target.
     pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
         let added = self.stations.iter().filter(|v| !values.contains(v));
         values.iter().chain(added).copied().collect()
     }
 
-    /// A value of what it is over, as it is printed; `drive` is what drives the study's motion.
+    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is what
+    /// drives the study's own motion.
     pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
         match (&self.site.axle, &self.site.motion) {
             (Some(_), _) => at,
@@ -578,7 +580,8 @@ impl Target {
         self.site == Site::default() && self.of.as_characteristic().is_some()
     }
 
-    /// Whether it is a value or a curve of that: a line in a picture.
+    /// Whether it wants a value or a curve of a characteristic in the study's own motion, so that a picture can show it
+    /// as a line.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
     }
@@ -605,11 +608,11 @@ pub enum Wanted {
     Points(Vec<[f64; 2]>),
     /// Anything between two limits.
     Band {
-        /// The one drive value where it is wanted; the stations of the motion without it.
+        /// The one drive value where it is wanted; `None` for the stations of the motion.
         at: Option<f64>,
-        /// Nothing below this.
+        /// Lower limit; `None` for no limit.
         lower: Option<Limit>,
-        /// Nothing above this.
+        /// Upper limit; `None` for no limit.
         upper: Option<Limit>,
     },
 }
@@ -635,22 +638,22 @@ pub struct Constraint {
     pub name: String,
     /// What must be within limits; all of them.
     pub parts: Vec<Limited>,
-    /// Where, if not in the design position alone.
+    /// Where it must hold; `None` for the design position alone.
     pub site: Option<Site>,
 }
 
 /// A measure that must be within limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limited {
-    /// Of what.
+    /// The measure that must be within the limits.
     pub of: Measure,
-    /// Not less than this.
+    /// Lower limit; `None` for no limit.
     pub lower: Option<f64>,
-    /// Not more than this; with `lower` the same, just this.
+    /// Upper limit; `None` for no limit. Equal to `lower`, it makes an equality.
     pub upper: Option<f64>,
-    /// How much of the measure anybody would see: a millimetre, a degree.
+    /// Change of the measure that counts as one `unit`, such as a millimetre or a degree; residuals are in these.
     pub scale: f64,
-    /// What that is called.
+    /// Name of the unit in which room and violation are printed.
     pub unit: String,
 }
 
@@ -682,7 +685,7 @@ pub struct Adjustment {
     pub name: String,
     /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// How much longer a turn of both threads makes it.
+    /// How much longer one turn makes a rod with a thread at both ends.
     pub per_turn: Option<f64>,
     /// Thickness of the thinnest shim.
     pub step: Option<f64>,
@@ -691,7 +694,7 @@ pub struct Adjustment {
 /// A wanted static value, in radians or length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
-    /// Of which characteristic.
+    /// The characteristic.
     pub characteristic: Characteristic,
     /// The value.
     pub value: f64,
@@ -730,7 +733,7 @@ pub struct Source {
     pub changes: Vec<(BuildParameter, f64)>,
     /// How it scatters.
     pub law: Law,
-    /// Of an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
+    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
     pub side: Option<Side>,
 }
 
@@ -751,14 +754,15 @@ pub enum Law {
     },
 }
 
-/// What something is to keep to, in radians or length units.
+/// A band that a quantity of builds is to keep to, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// What of: a characteristic, or a quantity of an axle (both wheels' where no side is named).
+    /// What must keep to the band: a characteristic, or a quantity of an axle (of both wheels if no side is named).
     pub of: Subject,
-    /// At which drive value, or value of what [`Band::site`] is over; everywhere in the motion, or over it, without it.
+    /// Drive value, or value of the number that [`Band::site`] is over, at which the band holds; `None` for everywhere.
     pub at: Option<f64>,
-    /// Of an axle: over what, and where the rest is; everywhere in the motion without it.
+    /// For an axle: the number of the motion that `at` is a value of, and where the others are held; without it the
+    /// band holds everywhere in the motion.
     pub site: Option<AxleSite>,
     /// Lowest and highest value; infinite where there is none.
     pub between: [f64; 2],

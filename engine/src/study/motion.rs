@@ -46,7 +46,7 @@ impl Drive {
         }
     }
 
-    /// What of the kernel's drives it moves.
+    /// The kernel's drive that it moves.
     pub fn in_kernel(self) -> model::Drive {
         match self {
             Drive::Travel => model::Drive::Travel,
@@ -177,7 +177,7 @@ fn drive_values(
     }
 }
 
-/// What the topology must have for the motion.
+/// Checks that the topology has what the motion needs.
 pub(super) fn check_drive(
     section: &Spanned<file::Motion>,
     motion: &Motion,

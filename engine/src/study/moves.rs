@@ -13,17 +13,17 @@ use toml::Spanned;
 
 /// The keys of a variable that say so.
 pub(super) struct Written<'a> {
-    /// Where the variable is.
+    /// Place of the variable in the file.
     pub place: Span<usize>,
-    /// Name of the hardpoint,
+    /// Name of the hardpoint; this or `hardpoints` is given.
     pub hardpoint: &'a Option<Text>,
-    /// or names of several that move together.
+    /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
     /// How far each of them moves per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// `x`, `y` or `z`,
+    /// `x`, `y` or `z`; this or `direction` is given.
     pub axis: Option<&'a Text>,
-    /// or a direction.
+    /// The direction in which they move.
     pub direction: Option<&'a Coordinates>,
 }
 

@@ -127,7 +127,7 @@ pub(super) fn scatter(
     }))
 }
 
-/// What is traded on the front.
+/// Reads the wishes that are traded on the front.
 fn front(
     section: &file::Optimise,
     targets: &[Target],

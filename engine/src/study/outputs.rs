@@ -174,7 +174,7 @@ pub(super) fn characteristic(
         return problems.refuse(text.span(), message);
     }
     let vehicle = &suspension.vehicle;
-    // What a study calls it; of what no key gives, or what is said below, nothing.
+    // The key or part of a study that meets the need; `None` if no key does, or if the message is made below.
     let key = |need: &Need| match need {
         Need::WheelRadius => Some("radius in [wheel]"),
         Need::Wheelbase => Some("wheelbase in [vehicle]"),

@@ -1,4 +1,4 @@
-//! Where in a study something is written.
+//! The line of a study on which a key is written.
 
 use super::Study;
 use toml_edit::{Document, Item};

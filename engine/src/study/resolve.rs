@@ -1,4 +1,4 @@
-//! From the file as written to what it means.
+//! Resolves the file as written to a study.
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// What the later sections refer to.
+/// What later sections of the file refer to.
 pub(super) struct Context<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
@@ -18,7 +18,7 @@ pub(super) struct Context<'a> {
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
-    /// What acts on the wheel.
+    /// The loads on the wheel.
     pub loads: &'a [Load],
     /// Both wheels, if the study is of an axle.
     pub axle: Option<&'a AxleStudy>,
@@ -28,7 +28,7 @@ pub(super) struct Context<'a> {
     pub directory: &'a Path,
 }
 
-/// What is read of each. All of them are read, so that all that is wrong is said.
+/// Reads each entry. All of them are read even if one is wrong, so that every problem is reported.
 pub(super) fn each<W, T>(
     written: impl IntoIterator<Item = W>,
     read: impl FnMut(W) -> Option<T>,

@@ -1,4 +1,4 @@
-//! What a target wants where: its curve read between its points.
+//! What a target wants at each drive value: its curve is read between its points.
 
 use super::{About, Interpolation, Limit, Target, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
@@ -35,13 +35,13 @@ pub struct AxleSample {
     pub placement: Placement,
     /// The quantity.
     pub quantity: Quantity,
-    /// What is wanted of it; the place on the target's curve as the study writes it.
+    /// What is wanted of the quantity. Its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
 }
 
 impl Target {
-    /// What it wants of an axle: at each place of its curve in every position that is held, of every quantity it is
-    /// about. Nothing of a target of one wheel.
+    /// What the target wants of an axle: for each place of its curve, each held position and each quantity it is about.
+    /// Empty for a target of one wheel.
     pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
         let (About::Axle(quantities), Some(site)) = (&self.of.about, &self.site.axle) else {
             return Vec::new();
@@ -61,7 +61,7 @@ impl Target {
 }
 
 impl Wanted {
-    /// What is wanted at those of the stations that it speaks of, or at its own.
+    /// What is wanted at those stations that the target covers, or at its own drive values.
     pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
         let value = |(drive, value)| Sample {
             drive,
@@ -89,8 +89,8 @@ impl Wanted {
         }
     }
 
-    /// What is wanted of a value or a curve, as (drive value, value): at those of the stations that lie on
-    /// the curve, or at its own places. Of a band nothing.
+    /// What a value or a curve wants, as (drive value, value): at those stations that lie on the curve, or at its own
+    /// drive values. Empty for a band.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
         match self {
             Wanted::At { drive, value } => vec![(*drive, *value)],

@@ -157,7 +157,7 @@ fn add_group_fault(
     }
 }
 
-/// What the ends of springs and rods stand on, where the study says it.
+/// The bodies that ends of springs and rods are mounted on, as far as the study says.
 pub(super) fn bodies(
     bodies: &BTreeMap<Text, Text>,
     mechanism: &mut Mechanism,

@@ -55,7 +55,7 @@ impl SweepVariable {
         evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
     }
 
-    /// Its value in the design the study gives.
+    /// The variable's value in the study's own design.
     pub fn at_design(&self, suspension: &Suspension) -> f64 {
         match (self.absolute, self.moves.as_slice()) {
             (true, [only]) => {

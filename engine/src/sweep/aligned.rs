@@ -1,4 +1,4 @@
-//! Numbers in memory as registers like them.
+//! Numbers in memory that begin with a cache line, as SIMD registers load them fastest.
 
 use std::ops::{Deref, DerefMut};
 
@@ -15,10 +15,10 @@ pub(super) struct Aligned {
 }
 
 impl Aligned {
-    /// So many times the same number.
+    /// `length` times the same number.
     pub(super) fn new(number: f64, length: usize) -> Self {
         let numbers = vec![number; length + IN_LINE - 1];
-        // Speed alone depends on it.
+        // Only the speed depends on the alignment.
         let start = numbers.as_ptr().align_offset(LINE).min(IN_LINE - 1);
         Aligned {
             numbers,

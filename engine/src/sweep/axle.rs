@@ -16,20 +16,20 @@ use crate::model::Side;
 use crate::number::Width;
 use std::borrow::Cow;
 
-/// Where and what of an axle a sweep evaluates.
+/// The positions and quantities of an axle that a sweep evaluates.
 #[derive(Clone, Debug)]
 pub(crate) struct AxleStations<'s> {
     pub axle: Cow<'s, Axle>,
     pub quantities: Vec<Quantity>,
     /// The derivatives in the design position that are asked for, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// Whether some are by the rack.
+    /// Whether some of these derivatives are by the rack.
     pub steers: bool,
-    /// Those of the motion, then the design position and those of targets where they are not among them.
+    /// Positions of the motion, then the design position and those of targets, unless they are among them.
     pub placements: Vec<Placement>,
     of_motion: usize,
     design: usize,
-    /// The printed value of `over` at each.
+    /// For each position, the printed value of the first number that moves.
     values: Vec<f64>,
 }
 
@@ -42,7 +42,7 @@ impl<'s> AxleStations<'s> {
     ) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
-        // On the ground that the motion is on.
+        // The design position, on the kind of ground that the motion has.
         let designed = match plan.course.wheels {
             WheelMotion::Travels { on_plane: true, .. } => Placement::Travels {
                 travels: [0.0; 2],
@@ -73,14 +73,14 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// The numbers of a quantity and of a position that are among those looked at.
+    /// The indices of a quantity and of a position; both must be among those evaluated.
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
         [quantity, station].map(|place| place.expect("the plan has what is looked at"))
     }
 
-    /// As the stations of a sweep.
+    /// The positions as stations of a sweep.
     pub(crate) fn stations(&self) -> Stations {
         Stations::listed(&self.values, self.of_motion, self.design)
     }
@@ -96,7 +96,8 @@ impl<'s> AxleStations<'s> {
         self.quantities.iter().map(column).collect()
     }
 
-    /// An evaluator of designs, in lanes of a width, or one by one alone.
+    /// An evaluator of designs in lanes of this width, or one by one without one. Errors if the axle's own design
+    /// cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let one_by_one: Box<dyn SolvesOneByOne> = match orders.max() {
@@ -122,7 +123,7 @@ impl<'s> AxleStations<'s> {
     }
 }
 
-/// Both wheels of the design of this number, of so many points each.
+/// Both wheels of the design of this number; each wheel has this number of `points`.
 fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
     [left, right].map(|designs| &designs[number * points..(number + 1) * points])
@@ -170,7 +171,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// What is read in the design position.
+    /// Reads the design position.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<Read<'a>> {
         self.solver.prepare(wheels).ok()?;
         let design = self.stations.placements[self.stations.design];

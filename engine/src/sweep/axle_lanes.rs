@@ -24,14 +24,15 @@ pub(super) struct AxleLanes<'a> {
     stations: &'a AxleStations<'a>,
 }
 
-/// Stations that are visited in one go.
+/// Stations that the batch visits together: those with the same heave and rack displacement.
 struct Group {
     rack: f64,
-    /// By their order in the batch.
+    /// Numbers of the stations, in the order in which the batch has them.
     numbers: Vec<usize>,
 }
 
-/// Heave, rack and what moves of a placement; `None` of one that is not for lanes.
+/// Heave, rack displacement and the number that moves (roll angle, or travel of both wheels) of a placement. `None` for
+/// a placement that lanes cannot solve.
 fn parts(placement: &Placement) -> Option<[f64; 3]> {
     match *placement {
         Placement::Roll { heave, roll, rack } => Some([heave, rack, roll]),
@@ -45,7 +46,7 @@ fn parts(placement: &Placement) -> Option<[f64; 3]> {
 }
 
 impl<'a> AxleLanes<'a> {
-    /// A solver of these stations, or why they cannot be had in lanes.
+    /// A solver of these stations, or the reason why lanes cannot solve them.
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
         let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];
@@ -212,12 +213,12 @@ struct Reading<'r, 'a, B: SimdReal> {
     wheels: [&'r LaneWheels<B>; 2],
     left_inputs: &'r mut LaneInputs<B>,
     right_inputs: &'r mut LaneInputs<B>,
-    /// Of the block's stations, those of the batch.
+    /// For each station of this group, its number in the block.
     numbers: &'r [usize],
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
-    /// Where to, as [`Block::from`] has it.
+    /// Destination of the values, laid out as [`Block::from`] returns it.
     values: &'r mut [f64],
 }
 

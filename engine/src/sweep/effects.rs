@@ -1,11 +1,10 @@
 //! Main effects: which variable matters for which output.
 //!
-//! Of designs that have every output. Two views are given. The *change* is that of the plane of least
-//! squares through all designs, from the low end of a variable's range to its high end: it has a sign
-//! and a unit, and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index
-//! S = Var(E[y|x]) / Var(y): the part of the output's variance that goes when this variable is known;
-//! it sees curved responses too. Shares need variables that are sampled independently, so there are
-//! none of designs from a file.
+//! Only designs that have a value for every output count. Two views are given. The *change* is that of the plane of
+//! least squares through all designs, from the low end of a variable's range to its high end: it has a sign and a unit,
+//! and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y):
+//! the part of the output's variance that goes when this variable is known; it sees curved responses too. Shares need
+//! variables that are sampled independently, so there are none of designs from a file.
 //!
 //! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken
 //! together). From other samples the plane's part of it is known, and only what is left of the output when
@@ -43,7 +42,7 @@ pub struct Effects {
     pub deviation: f64,
     /// The part of the variance that the plane of least squares explains.
     pub r2: Option<f64>,
-    /// By variable.
+    /// The effect of each variable.
     pub of: Vec<Effect>,
 }
 
@@ -59,7 +58,7 @@ pub struct Effect {
 }
 
 impl Effects {
-    /// Of every output; `None` where no design has them all.
+    /// Effects on every output. Returns `None` if no design has a value for all outputs.
     pub fn all(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<Effects>> {
         let count = tally.moments.count;
         if count == 0 {
@@ -128,8 +127,8 @@ impl Effects {
     }
 }
 
-/// The sum of squares of an output between the levels of a variable, and the number of levels met. With a plane,
-/// of what is left when that is taken away.
+/// The sum of squares of an output between the levels of a variable, and the number of levels that designs meet. With a
+/// plane, the sum of squares of what is left of the output when the plane is taken away.
 fn between_levels(
     tally: &SweepStatistics,
     variable: usize,
@@ -185,13 +184,14 @@ fn exchanged(tally: &SweepStatistics, variable: usize, k: usize) -> (Option<f64>
 /// The plane of least squares through all designs.
 struct Plane {
     mean: DVector<f64>,
-    /// Of the scaled variables.
+    /// Variances of the scaled variables.
     variances: DVector<f64>,
     factors: nalgebra::Cholesky<f64, nalgebra::Dyn>,
 }
 
 impl Plane {
-    /// `None` where the designs do not determine it.
+    /// The plane through the designs that a tally has summed up. `None` if they do not determine it: too few designs,
+    /// or variables that depend on each other.
     fn of(tally: &SweepStatistics) -> Option<Self> {
         let moments = &tally.moments;
         let (n, d) = (moments.count as f64, moments.u.len());

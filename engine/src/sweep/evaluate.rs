@@ -37,9 +37,9 @@ pub struct FailedStation {
 /// Why a station of a design has no pose, or none of what a rocker moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StationFailure {
-    /// Of a single wheel.
+    /// The wheel of a study of one wheel has no pose.
     Wheel(Failure),
-    /// Of an axle.
+    /// The axle has no position.
     Axle(AxleFailure),
 }
 
@@ -83,14 +83,14 @@ pub struct Block {
 }
 
 impl Block {
-    /// Room for so many outputs at so many stations.
+    /// Room for this number of outputs and stations, with a slope for each output.
     pub fn new(outputs: usize, stations: usize) -> Self {
         Block::with_gains(outputs, stations, outputs)
     }
 
-    /// The same with so many slopes of each design.
+    /// Room for values as in [`Block::new`], with `gains` slopes per design.
     pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
-        // Where there are none, there is a place for them all the same.
+        // `from` points into the slopes, so that there is room for one even if no slope is asked for.
         let gains = gains.max(1);
         Block {
             outputs,
@@ -104,7 +104,7 @@ impl Block {
         }
     }
 
-    /// Makes ready for so many designs. Their values are still those of another block.
+    /// Makes ready for this number of designs. Values are still those of the block before.
     pub(super) fn clear(&mut self, designs: usize) {
         assert!(designs <= BLOCK);
         self.designs = designs;
@@ -207,8 +207,8 @@ impl Block {
     }
 }
 
-/// The points of left and of right wheels, a design's after another's; none of right ones that are mirror images, nor of
-/// a single wheel.
+/// Hardpoints of left and of right wheels, design after design. The second slice is empty for a single wheel, and for
+/// an axle whose right wheel is the mirror image of the left one.
 pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
 /// Solves designs in SIMD lanes.
@@ -225,22 +225,21 @@ pub(super) trait SolvesOneByOne: Send {
 
 /// Finds the slopes that take one derivative more than the values do.
 pub(super) trait FindsSlopes: Send {
-    /// Fills in those of a block that has been evaluated; what is not found is left empty.
+    /// Adds these slopes to a block whose values have been evaluated. A slope that is not found stays NaN.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
 }
 
 /// Evaluates blocks of designs, of a wheel or of an axle. One for each thread.
 ///
-/// Designs are solved in SIMD lanes where what is asked for can be read there; those that are not plain
-/// sailing, and everything else, one by one. Which of the two depends on the design
-/// alone.
+/// Designs are solved in SIMD lanes where everything asked for can be read there. Designs that the tracker rejects, and
+/// all designs otherwise, are solved one by one by the scalar path. The choice depends on the design alone.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,
     pub(super) lanes: Result<Box<dyn SolvesInLanes + 'a>, NotInLanes>,
     one_by_one: Box<dyn SolvesOneByOne + 'a>,
     pub(super) slopes: Option<Box<dyn FindsSlopes + 'a>>,
-    /// Whose right wheels move as the left ones do, and room for those that have hardpoints of their own.
+    /// The axle, if it is one; it makes the right wheels of designs whose right hardpoints differ, in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
@@ -299,7 +298,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::of(suspension.design.len(), one_by_one)
     }
 
-    /// One by one alone, of wheels of so many points.
+    /// An evaluator that solves designs one by one, of wheels with this number of points.
     pub(super) fn of(points: usize, one_by_one: Box<dyn SolvesOneByOne + 'a>) -> Self {
         Evaluator {
             points,
@@ -312,7 +311,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Why no design is solved in lanes; `None` where most are.
+    /// Why no design is solved in lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.lanes.as_ref().err().copied()
     }

@@ -14,7 +14,7 @@ pub struct Candidate {
     /// Its outputs, NaN where there is no value.
     #[serde(with = "super::or_null")]
     pub outputs: Vec<f64>,
-    /// What became of it, where not every station was solved.
+    /// Why not every station was solved; `None` if every one was.
     pub failing: Option<Failing>,
 }
 
@@ -25,7 +25,7 @@ pub struct Front {
     designs: Vec<Candidate>,
 }
 
-/// Written by the designs' numbers, whatever they were compared with before.
+/// Candidates by rising number of the design, in whichever order the front keeps them.
 impl From<Front> for Vec<Candidate> {
     fn from(front: Front) -> Self {
         front.sorted().into_iter().cloned().collect()
@@ -39,9 +39,9 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Takes in a design, given its outputs and which of them are to be small, unless a design that is
-    /// in already is at least as good in all of them. Designs that are no longer on the front leave it.
-    /// Offered in the order of their numbers, of equal designs the first stays.
+    /// Takes in a design, given its outputs and the indices of those that are to be small, unless a design on the front
+    /// is at least as good in all of them. Designs that are no longer on the front leave it. Offered in the order of
+    /// their numbers, of equal designs the first stays.
     pub fn offer(
         &mut self,
         deviations: &[usize],
@@ -51,7 +51,7 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // What was better once will often be so again: it is asked first.
+            // A design that was better once often is so again, so it is compared first.
             self.designs.swap(0, better);
             return;
         }

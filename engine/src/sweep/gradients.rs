@@ -37,21 +37,21 @@ pub struct Gradients<'a> {
     width: Width,
     batch: Batch<'a>,
     reader: LaneReader<'a>,
-    /// Where something is made of velocities.
+    /// What gradients of quantities made of velocities need; `None` if there are no such quantities.
     along_travel: Option<AlongTravel>,
     stations: Stations,
     right: [bool; MOST_LANES],
     found: Found,
     /// Directions that are the same in every lane.
     spread: Vec<f64>,
-    /// The unknowns of a single design on its way.
+    /// The unknowns of a single design at the places of its routes.
     history: Vec<f64>,
 }
 
 /// What has been found, side by side in the lanes.
 #[derive(Clone)]
 struct Found {
-    /// Lanes there are.
+    /// Number of lanes.
     lanes: usize,
     points: usize,
     /// The angles of a pose, `[angle][lane]`.
@@ -68,7 +68,7 @@ struct Found {
 }
 
 impl Found {
-    /// Where the derivatives of an angle go, or those of the sum.
+    /// The memory row that receives the derivatives of this angle, or of the sum of deviations.
     #[inline(always)]
     fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
@@ -119,7 +119,7 @@ impl Deviations<'_> {
 }
 
 impl Jacobians<'_> {
-    /// The station, as [`Stations::number`] has it.
+    /// The number of the station, as [`Stations::number`] returns it.
     pub fn station(&self) -> usize {
         self.station
     }
@@ -137,7 +137,7 @@ impl Jacobians<'_> {
             .vector(&self.found.jacobian, angle, point, design)
     }
 
-    /// Its derivative along a direction, where those are asked for.
+    /// Its derivative along a direction, if directions were asked for.
     #[inline(always)]
     pub fn slope(&self, design: usize, angle: usize, direction: usize) -> f64 {
         let row = angle * self.found.directions + direction;
@@ -146,8 +146,8 @@ impl Jacobians<'_> {
 }
 
 impl<'a> Gradients<'a> {
-    /// Of these quantities; `None` where they, or the mechanism, cannot be differentiated in lanes
-    /// ([`LaneReader::has_gradients`]; the drive must be the travel).
+    /// Prepares gradients of these quantities. Returns `None` if a quantity or the mechanism cannot be differentiated
+    /// in lanes ([`LaneReader::has_gradients`]), or if the drive is not the travel.
     pub fn new(
         suspension: &'a Suspension,
         stations: &Stations,
@@ -189,14 +189,14 @@ impl<'a> Gradients<'a> {
         })
     }
 
-    /// Designs that fit into the lanes.
+    /// Number of designs that fit into the lanes.
     pub fn at_once(&self) -> usize {
         self.width.lanes()
     }
 
-    /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are
-    /// solved. Which designs were right is known afterwards ([`Gradients::is_right`]): what is visited of
-    /// others is anything, NaN included.
+    /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are solved.
+    /// Afterwards [`Gradients::is_right`] tells which designs were right. The numbers of others may be anything, NaN
+    /// included.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
@@ -214,10 +214,10 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets them as if they were
-    /// designs, the number of the group of [`Gradients::side_by_side`] in place of that of a station. Returns whether the
-    /// design was right; if not, what was visited is not to be used. Where rods of rockers are watched from station to
-    /// station it is not.
+    /// As [`Gradients::jacobians`] for a single design, whose stations are side by side in the lanes: the visitor gets
+    /// them as if they were designs, with the number of a group of [`Gradients::side_by_side`] in place of the number
+    /// of a station. Returns whether the design was right; if not, what was visited must not be used. It never is if
+    /// rods of rockers are watched from station to station.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -254,7 +254,7 @@ impl<'a> Gradients<'a> {
         is_right
     }
 
-    /// Room for the slopes along directions that are so many numbers, given for so many lanes.
+    /// Makes room for slopes along directions that are given as `along` numbers, for `lanes` lanes.
     fn make_room(&mut self, along: usize, lanes: usize) {
         let one = self.found.points * 3 * lanes;
         assert!(along.is_multiple_of(one), "whole directions");
@@ -280,7 +280,7 @@ impl<'a> Gradients<'a> {
         self.is_right(0)
     }
 
-    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; none where it is never right.
+    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; empty if it is never right.
     pub fn side_by_side(&self) -> Vec<Vec<usize>> {
         if self.reader.watches_rods() {
             return Vec::new();
@@ -321,11 +321,11 @@ impl<'a> Gradients<'a> {
     }
 }
 
-/// What is formed.
+/// What an evaluation forms.
 enum Task<'t> {
     /// Every angle's derivatives, to be handed over.
     Jacobians(&'t mut dyn FnMut(&Jacobians<'_>)),
-    /// Every angle's derivatives along directions, likewise.
+    /// Every angle's derivatives along directions, to be handed over.
     Slopes {
         along: &'t [f64],
         visit: &'t mut dyn FnMut(&Jacobians<'_>),
@@ -336,9 +336,9 @@ enum Task<'t> {
 
 struct Evaluation<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
-    /// One in each lane; or a single one, in all of them.
+    /// One design per lane, or a single design repeated in all lanes.
     designs: &'s [Vector3<f64>],
-    /// The unknowns of the single design: its stations are side by side in the lanes.
+    /// The unknowns of a single design whose stations are side by side in the lanes; `None` if lanes hold designs.
     tracked: Option<&'s [f64]>,
     task: Task<'t>,
 }
@@ -465,7 +465,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
             let by = like.load(&gradient[place..]);
             let mut k = 0;
             while k < TOGETHER {
-                // Beyond the last direction it is formed again, to no use.
+                // Beyond the last direction its sum is formed again and not used.
                 let direction = first + k.min(together - 1);
                 let rate = like.load(&along[direction * length + place..]);
                 sums[k] = sums[k].plus_product(by, rate);
@@ -485,24 +485,25 @@ pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r LaneMembers<B>,
-    /// The designs along the travel, where something is made of velocities, and room for a gradient.
+    /// The designs as series along the travel, if a quantity is made of velocities, and room for a gradient.
     series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
-    /// Stations in all, and the first one with the rack where it is.
+    /// Number of all stations, and number of the first one at this rack displacement.
     count: usize,
     first: usize,
     task: Task<'t>,
-    /// Of the deviations so far.
+    /// Weighted sum of squared deviations of the poses visited so far.
     sum: B,
     found: &'r mut Found,
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
-    /// How much the derivatives of an angle count: 1, or what the sum of deviations makes of it, to which it is added.
+    /// The factor of an angle's derivatives: 1, or for a sum of deviations its derivative by the angle. The angle's
+    /// deviation is then added to the sum.
     #[inline(always)]
     fn weight(&mut self, angle: usize, station: usize) -> B {
         let one = self.rack.one();
@@ -528,7 +529,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// In a function of its own, which poses of one design side by side share with those of many designs.
+/// Out of line, so that poses of one design side by side and poses of many designs share the code.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     station: usize,
@@ -612,7 +613,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
     }
 
-    /// Adds the gradients of quantities that no velocity is in, each times its weight, to the row of the first.
+    /// Adds the gradients of those of the numbered quantities that are not made of velocities, each times its weight,
+    /// to the row of the first.
     #[inline(always)]
     fn add_gradients(
         &mut self,
@@ -646,8 +648,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Adds the gradient of a quantity made of velocities, times a weight, to its row: in a function of its own, since its many
-/// series would take room on the stack of every pose.
+/// Adds the gradient of a quantity made of velocities, times a weight, to its row. Out of line, since its many series
+/// would take room on the stack of every pose.
 struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     number: usize,

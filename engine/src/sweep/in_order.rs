@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Pieces of work, for each thread, that may have been begun and not been taken.
+/// Pieces of work per thread that may have been begun and not yet been taken.
 const AHEAD: u64 = 8;
 
 /// Does the pieces of work numbered `range` on the threads of the current rayon pool, each thread with
@@ -33,7 +33,7 @@ pub fn in_order<W, T: Send, E: Send>(
     };
     rayon::broadcast(|_| {
         let mut own = None;
-        // Others are not to wait for what will not come.
+        // If this thread panics, the others must not wait for its result.
         let _ends = EndsOnPanic(&queue);
         while let Some(turn) = queue.turn() {
             match turn {
@@ -53,7 +53,7 @@ pub fn in_order<W, T: Send, E: Send>(
     failed.map_or(Ok(()), Err)
 }
 
-/// What is done, being done and to do.
+/// The pieces of work that are done, under way and still to do.
 struct Queue<T, F, E> {
     /// The most pieces that have been begun and not been taken.
     most: u64,
@@ -62,13 +62,13 @@ struct Queue<T, F, E> {
 }
 
 struct State<T, F, E> {
-    /// The next piece to begin, and where they end.
+    /// Number of the next piece to begin, and the end of the range.
     next: u64,
     end: u64,
     /// The first piece that has not been taken, and what has become of it and of those after it, as far as they are done.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
-    /// What takes them; with the thread that does, while it does.
+    /// Takes results; `None` while a thread is using it.
     take: Option<F>,
     failed: Option<E>,
 }
@@ -112,7 +112,7 @@ impl<T, F, E> Queue<T, F, E> {
         }
     }
 
-    /// A piece is done.
+    /// Notes the result of a piece that is done.
     fn put(&self, number: u64, result: Option<T>) {
         let mut state = self.state();
         // Nothing waits any more where it has ended early.

@@ -11,15 +11,15 @@ use crate::solve::{Acceptance, Batch, LanePose, Visit};
 /// Why no design of a sweep is solved in SIMD lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotInLanes {
-    /// Nobody asked for lanes.
+    /// Designs were asked to be solved one by one.
     Asked,
     /// The drive, or the study's own design, is not one for the tracker.
     Mechanism,
     /// Two stations coincide, or one is out of all reach.
     Stations,
-    /// Something that is asked for cannot be read there.
+    /// Something that is asked for cannot be read in lanes.
     Reading,
-    /// Both wheels of an axle are moved by travels of their own.
+    /// The wheels of an axle are moved by travels of their own, or their mean travel follows from a load.
     Travels,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct LaneSolver<'a> {
 }
 
 impl<'a> LaneSolver<'a> {
-    /// A solver of these quantities, or why they cannot be had in lanes.
+    /// A solver of these quantities, or the reason why lanes cannot provide them.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -157,7 +157,7 @@ impl SimdTask for Evaluation<'_, '_> {
     }
 }
 
-/// Puts designs side by side. Lanes for which there are none repeat the last.
+/// Puts designs side by side in the lanes. Lanes beyond the last design repeat it.
 #[inline(always)]
 pub(super) fn gather<B: SimdReal>(
     designs: &[Vector3<f64>],
@@ -207,7 +207,7 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
-/// What is done in the poses of a group: one type, so that the way to them is compiled once.
+/// What is done in the poses of a group. One type for both, so that the tracker is compiled once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
     /// Values are read.
     Values(&'v mut Reading<'r, B>),
@@ -233,11 +233,11 @@ pub(super) struct Reading<'r, B: SimdReal> {
     rack: B,
     /// Lanes that are right so far.
     right: B::Mask,
-    /// Stations in all, and the first one with the rack where it is.
+    /// Number of all stations, and number of the first one at this rack displacement.
     count: usize,
     first: usize,
     design_station: usize,
-    /// Where to, as [`Block::from`] has it.
+    /// Destination of the values, laid out as [`Block::from`] returns it.
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }

@@ -10,7 +10,7 @@ use crate::number::Vector3;
 use crate::solve::Solver;
 use std::ops::ControlFlow;
 
-/// One design at a time. `N` coefficients of a pose's series at every station.
+/// Evaluates one design at a time, with `N` coefficients of the pose's power series at every station.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
@@ -26,7 +26,7 @@ pub(super) struct OneByOne<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
-    /// Of these quantities.
+    /// Evaluates these quantities, at these stations, with the solver of the suspension.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,

@@ -1,4 +1,4 @@
-//! What a sweep computes of each design, and the workers that do it.
+//! What a sweep computes for each design, and the workers that do it.
 
 use super::axle::AxleStations;
 use super::in_order;
@@ -20,21 +20,21 @@ use crate::study::{
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
-/// What a sweep computes of each design.
+/// What a sweep computes for each design.
 #[derive(Clone, Debug)]
 pub struct SweepPlan<'s> {
-    /// What the results are.
+    /// Describes the results, as `sweep.json` has it.
     pub record: SweepRecord,
-    /// Where each design is solved.
+    /// The stations at which each design is solved.
     pub stations: Stations,
-    /// What is read off each pose, targets' characteristics included.
+    /// The quantities that are read off each pose, those of targets included.
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    /// By quantity: the derivative by the drive of one that is none itself; of an axle the derivatives that are asked
-    /// for.
+    /// For each quantity: its derivative by the drive, unless it is a derivative itself; for an axle the derivatives
+    /// that are asked for.
     gains: Vec<Vec<Gain>>,
-    /// Of an axle, instead of the quantities.
+    /// For an axle: its stations and quantities; `quantities` above is then unused.
     axle: Option<AxleStations<'s>>,
     targets: Vec<SweptTarget>,
     samples: Samples,
@@ -47,21 +47,21 @@ struct Gain {
     column: String,
     unit: String,
     factor: f64,
-    /// Its number among the slopes of a block.
+    /// Index among the slopes of a block.
     slope: usize,
 }
 
-/// A target over the stations.
+/// A target with what it wants at each station.
 #[derive(Clone, Debug)]
 struct SweptTarget {
-    /// What it is called in columns.
+    /// Its name in the names of columns.
     name: String,
     tolerance: f64,
     weight: f64,
     wishes: Vec<SweptWish>,
 }
 
-/// What is wanted of a quantity, by number, at a station.
+/// What is wanted of a quantity at a station, both by number.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -208,7 +208,7 @@ impl<'s> SweepPlan<'s> {
         self.worker_of_width(Some(Width::widest()))
     }
 
-    /// The same, designs in lanes of a width, or one by one alone.
+    /// A worker that solves designs in lanes of this width, or all of them one by one without one.
     pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
         let (values, stations) = (self.values.len(), &self.stations);
         let (evaluator, block) = match &self.axle {
@@ -242,7 +242,7 @@ impl<'s> SweepPlan<'s> {
         go_on: impl Fn() -> bool + Sync,
         mut take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
     ) {
-        // Breaking off is no error; it only ends the hand-over.
+        // An early end is no error.
         let _: Result<(), ()> = in_order(
             blocks,
             || self.worker().expect("the same design was accepted before"),
@@ -254,12 +254,13 @@ impl<'s> SweepPlan<'s> {
         );
     }
 
-    /// What is read of each position of an axle, targets' quantities included; nothing of one wheel.
+    /// The quantities that are read in each position of an axle, those of targets included; empty for a study of one
+    /// wheel.
     pub fn axle_quantities(&self) -> &[crate::axle::Quantity] {
         self.axle.as_ref().map_or(&[], |axle| &axle.quantities)
     }
 
-    /// The points of a design, in the kernel's frame.
+    /// The points of the design of this number, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = &self.study.suspension;
         let mut values = vec![0.0; self.samples.variables().len()];
@@ -311,12 +312,12 @@ impl<'s> SweepPlan<'s> {
         columns
     }
 
-    /// Fills in the outputs of a design of a block.
+    /// Fills in the outputs of a design, given by its number in the block.
     fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
             let cell = cells.next().expect("a cell for each output");
-            // What is not finite is no value; no negative zeros.
+            // A number that is not finite becomes NaN, and a negative zero becomes 0.
             *cell = match value.is_finite() {
                 true => value + 0.0,
                 false => f64::NAN,
@@ -364,7 +365,7 @@ impl<'s> SweepPlan<'s> {
         }
     }
 
-    /// What became of each design of a block.
+    /// Fills in why each design of a block was not solved at every station, if it was not.
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);
@@ -435,12 +436,12 @@ impl Worker<'_> {
         self.evaluator.one_by_one()
     }
 
-    /// Why no design is solved in SIMD lanes; `None` where most are.
+    /// Why no design is solved in SIMD lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.evaluator.not_in_lanes()
     }
 
-    /// The values the rows last asked for were made of.
+    /// The values behind the rows that were last asked for.
     pub fn block(&self) -> &Block {
         &self.block
     }
@@ -566,7 +567,7 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         (sweep.curves, sweep.format),
         match samples {
             Samples::Sampled(sampled) => {
-                // Designs of a sequence do not depend on how many there are.
+                // Designs that are points of a sequence do not depend on the number of samples.
                 let samples = match sampled.method {
                     Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
                     Sampling::Grid | Sampling::LatinHypercube => sampled.samples,

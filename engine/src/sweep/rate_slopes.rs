@@ -1,7 +1,8 @@
-//! How what is made of velocities changes in the design position: `motion_ratio`, `roll_centre_height` and the like.
+//! Slopes in the design position of quantities that are made of velocities: `motion_ratio`, `roll_centre_height` and
+//! the like.
 //!
-//! Their derivatives by the drive take accelerations, which the lanes do not have. It is one pose of each design, so
-//! they are found one design at a time, with the series of the whole chain.
+//! Their derivatives by the drive need accelerations, which lanes do not have. Only one pose of each design is needed,
+//! so they are found one design at a time, with power series.
 
 use super::Stations;
 use super::evaluate::{Block, FindsSlopes, Pairs};
@@ -13,11 +14,12 @@ use crate::number::Vector3;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Fills in the slopes of what is made of velocities.
+/// Fills in the slopes of quantities that are made of velocities.
 pub(super) struct RateSlopes<'a> {
-    /// Those quantities, by number, with the rockers that each moves with.
+    /// The quantities with their numbers, and the rockers that each moves with.
     quantities: Vec<(usize, Quantity, Vec<RockerId>)>,
-    /// The design position, by number of the station, alone as an order of stations, and its rack displacement.
+    /// The design position: number of its station, an order of this station alone, and its drive value and rack
+    /// displacement.
     station: usize,
     order: StationOrder,
     motion: MotionPoint<f64>,
@@ -29,8 +31,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Of the quantities for which there `is_wanted` a slope; `None` where none of these is made of velocities. An
-    /// error says why the suspension's own design cannot be solved.
+    /// Prepares the slopes of those velocity-dependent quantities for which `is_wanted` is true. Returns `None` if
+    /// there are none. Errors if the suspension's own design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,

@@ -1,4 +1,4 @@
-//! `sweep.json`: what a sweep is, but for its results.
+//! `sweep.json`: the description of a sweep, without its results.
 //!
 //! With the rows and statistics of its parts it is all that `--resume`, `hardpoint merge` and a page need: what
 //! each column is, how designs were sampled, how they are divided into parts.
@@ -15,15 +15,15 @@ pub const FORM: u32 = 2;
 /// group of the usual size. It must not depend on the machine: parts are the same whoever does them.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
-/// What a sweep is, but for its results.
+/// The description of a sweep, without its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepRecord {
     /// `FORM`.
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 of everything the results depend on, but for the number of designs where they are those of a
-    /// sequence, of which a longer one begins with the shorter.
+    /// SHA-256 of everything the results depend on. The number of designs is left out where they are points of a
+    /// sequence, since a longer one begins with the shorter.
     pub digest: String,
     /// Name of the study.
     pub study: String,
@@ -43,11 +43,11 @@ pub struct SweepRecord {
     pub drive: String,
     /// Stations each design is solved at.
     pub stations: usize,
-    /// What moves.
+    /// The variables.
     pub variables: Vec<VariableRecord>,
-    /// What is kept of each design.
+    /// The outputs that are kept of each design.
     pub outputs: Vec<OutputColumn>,
-    /// What is wanted.
+    /// The targets that designs are compared with.
     pub targets: Vec<TargetColumn>,
     /// Whether there are curves of every design.
     pub curves: bool,
@@ -83,7 +83,7 @@ pub struct MoveRecord {
     pub factor: f64,
 }
 
-/// What a column says of an output.
+/// Which number of an output a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -97,7 +97,7 @@ pub enum Kind {
     Gain,
     /// Root mean square deviation from a target, in tolerances.
     Rms,
-    /// Root of the weighted mean of the squares of these.
+    /// Root of the weighted mean of the squares of all targets' root mean square deviations.
     Misfit,
 }
 
@@ -108,7 +108,7 @@ pub struct OutputColumn {
     pub column: String,
     /// The output it is about, as in `camber`.
     pub output: String,
-    /// What it says of it.
+    /// Which number of the output it holds.
     pub kind: Kind,
     /// Its unit; empty for a plain number.
     pub unit: String,
@@ -121,16 +121,17 @@ pub struct OutputColumn {
 pub struct TargetColumn {
     /// The column of curves it is about, as in `camber_deg`.
     pub column: String,
-    /// In the column's unit.
+    /// Tolerance, in the column's unit.
     pub tolerance: f64,
-    /// Against the other targets.
+    /// Weight relative to the other targets.
     pub weight: f64,
-    /// Drive values, or those of what a target of an axle is over, and wanted values; of a band none.
+    /// Drive values (for an axle, values of the number that the target is over) with the wanted values; empty for a
+    /// band.
     pub points: Vec<[f64; 2]>,
 }
 
 impl SweepRecord {
-    /// Designs in a block: [`BLOCK`], or fewer so that no group of Saltelli's samples is divided.
+    /// Number of designs in a block: [`BLOCK`], or fewer so that no group of Saltelli's samples is divided.
     pub fn block(&self) -> u64 {
         match self.group() {
             Some(group) => BLOCK as u64 / group * group,
@@ -138,7 +139,7 @@ impl SweepRecord {
         }
     }
 
-    /// The number of designs in a group of Saltelli's samples.
+    /// The number of designs in a group of Saltelli's samples; `None` for other methods.
     pub fn group(&self) -> Option<u64> {
         (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
     }
@@ -159,7 +160,7 @@ impl SweepRecord {
         self.blocks().div_ceil(self.blocks_of_part.max(1))
     }
 
-    /// The blocks of a part.
+    /// Numbers of the blocks of a part.
     pub fn blocks_of(&self, part: u64) -> Range<u64> {
         let size = self.blocks_of_part;
         part * size..self.blocks().min((part + 1) * size)
@@ -172,12 +173,12 @@ impl SweepRecord {
         up_to(shard - 1)..up_to(shard)
     }
 
-    /// Tells this sweep from all others, those of fewer designs of the same sequence too.
+    /// A text that tells this sweep from all others, also from those of fewer designs of the same sequence.
     pub fn run_digest(&self) -> String {
         format!("{}-{}", self.digest, self.designs)
     }
 
-    /// Whether this is another sweep with more designs of its sequence.
+    /// Whether this sweep has the designs of `other` and further ones of the same sequence.
     pub fn continues(&self, other: &SweepRecord) -> bool {
         let longer = SweepRecord {
             designs: self.designs,
@@ -192,7 +193,7 @@ impl SweepRecord {
         self.designs.min(blocks.end * self.block()) - blocks.start * self.block()
     }
 
-    /// The designs of a block.
+    /// Numbers of the designs of a block.
     pub fn designs_of(&self, block: u64) -> Range<u64> {
         let size = self.block();
         block * size..self.designs.min((block + 1) * size)
@@ -239,12 +240,12 @@ impl SweepRecord {
         }
     }
 
-    /// The outputs that are deviations from targets, by number.
+    /// Indices of the outputs that are deviations from targets.
     pub fn deviations(&self) -> Vec<usize> {
         self.outputs_of(Kind::Rms).collect()
     }
 
-    /// The misfit among the outputs, by number.
+    /// Index of the misfit among the outputs, if there are targets.
     pub fn misfit(&self) -> Option<usize> {
         self.outputs_of(Kind::Misfit).next()
     }

@@ -10,7 +10,7 @@ use crate::model::{Drive, Mechanism};
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// What became of each design; `None` where every station was solved.
+    /// Why each design was not solved at every station; `None` if it was.
     pub failing: Vec<Option<Failing>>,
     /// `[design][variable]`
     pub variables: Vec<f64>,
@@ -27,8 +27,8 @@ pub struct Failing {
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,
-    /// The drive value of the one nearest to the design position, as printed. None where the design
-    /// cannot be solved at all.
+    /// The drive value, as printed, of that one which is nearest to the design position. `None` if the design cannot be
+    /// solved at all.
     pub at: Option<f64>,
 }
 
@@ -38,13 +38,13 @@ impl Rows {
         self.failing.len()
     }
 
-    /// The variables of a design, by its place.
+    /// The variables of a design, by its index in the rows.
     pub fn variables(&self, place: usize) -> &[f64] {
         let width = self.variables.len() / self.designs();
         &self.variables[place * width..][..width]
     }
 
-    /// The outputs of a design, by its place.
+    /// The outputs of a design, by its index in the rows.
     pub fn outputs(&self, place: usize) -> &[f64] {
         let width = self.outputs.len() / self.designs();
         &self.outputs[place * width..][..width]
@@ -52,7 +52,8 @@ impl Rows {
 }
 
 impl Failing {
-    /// Of stations without a pose; this is the one nearest to the design position.
+    /// Describes a design that has stations without a pose; `failure` and `at` are those of the station nearest to the
+    /// design position.
     pub(super) fn stations(failure: &StationFailure, at: f64) -> Self {
         Failing {
             status: failure.word().to_owned(),
@@ -68,7 +69,7 @@ impl Failing {
         }
     }
 
-    /// Of a design that cannot be solved at all.
+    /// Describes a design that cannot be solved at all; all its `stations` fail.
     pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),

@@ -23,7 +23,7 @@ impl Samples {
         }
     }
 
-    /// What moves.
+    /// The variables.
     pub fn variables(&self) -> &[SweepVariable] {
         match self {
             Samples::Sampled(sampled) => &sampled.variables,
@@ -73,7 +73,7 @@ impl Samples {
     }
 }
 
-/// Where in its range variable `k` of a sampled design is.
+/// Place of variable `k` of a sampled design in its range, from 0 to 1.
 fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
     let (seed, count) = (sampled.seed, sampled.variables.len());
     match sampled.method {

@@ -1,11 +1,11 @@
-//! Where every design of a sweep is solved.
+//! The stations at which every design of a sweep is solved.
 
 use crate::model::{Axis, Drive, Frame};
 use crate::solve::StationOrder;
 use crate::study::Motion;
 
-/// Drive values times rack displacements: those of the motion first, then those needed besides, for
-/// the design position and for targets.
+/// Every combination of drive values and rack displacements. Of both, those of the motion come first, then those needed
+/// besides, for the design position and for targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stations {
     /// What drives.
@@ -18,9 +18,9 @@ pub struct Stations {
     of_motion: usize,
     /// How many of the rack displacements are the motion's.
     racks_of_motion: usize,
-    /// The rack displacement, by number, at which the design position and targets are looked at.
+    /// Index of the rack displacement at which the design position and targets are looked at.
     home: usize,
-    /// The drive value of the design position, by number.
+    /// Index of the drive value of the design position.
     design: usize,
 }
 
@@ -48,8 +48,8 @@ impl Stations {
         }
     }
 
-    /// Stations that are a list, named by these values, the first so many of the motion, one of them the design
-    /// position.
+    /// Stations that are a list rather than combinations: `values` name them, the first `of_motion` are the motion's,
+    /// and number `design` is the design position.
     pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
             of_motion,
@@ -58,8 +58,8 @@ impl Stations {
         }
     }
 
-    /// The stations of an order, the rack in one place (towards the kernel's +y); none of them counts as the design
-    /// position or as a target's.
+    /// The stations of an order at one rack displacement (towards the kernel's +y). None of them counts as the design
+    /// position.
     pub(crate) fn at_rack(drive: Drive, order: &StationOrder, rack: f64) -> Self {
         let values = order.values().len();
         Stations {
@@ -83,19 +83,19 @@ impl Stations {
         self.station_order.values()
     }
 
-    /// The number of the station with this rack displacement and drive value, both by number.
+    /// The number of the station with this rack displacement and drive value, given by their indices.
     #[inline]
     pub fn number(&self, rack: usize, value: usize) -> usize {
         rack * self.values().len() + value
     }
 
-    /// The drive value of a station, by number.
+    /// Index of the drive value of a station.
     #[inline]
     pub fn value_of(&self, station: usize) -> usize {
         station % self.values().len()
     }
 
-    /// The rack displacement of a station, by number.
+    /// Index of the rack displacement of a station.
     pub fn rack_of(&self, station: usize) -> usize {
         station / self.values().len()
     }
@@ -105,20 +105,20 @@ impl Stations {
         self.number(self.home, self.design)
     }
 
-    /// The station at which a target looks at this drive value.
+    /// The number of the station at which a target looks at this drive value, if there is one.
     pub fn at(&self, value: f64) -> Option<usize> {
         let value = self.values().iter().position(|v| *v == value)?;
         Some(self.number(self.home, value))
     }
 
-    /// The motion's own stations, rack displacement by rack displacement.
+    /// Numbers of the motion's own stations, rack displacement by rack displacement.
     pub fn of_motion(&self) -> impl Iterator<Item = usize> + '_ {
         let racks = 0..self.racks_of_motion;
         racks.flat_map(move |rack| (0..self.of_motion).map(move |value| self.number(rack, value)))
     }
 }
 
-/// The number of a place in a list, to which it is added where it is not there.
+/// Index of `place` in the list; it is appended if it is not there.
 pub(crate) fn place_of<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! Statistics that can be added up: of a block, of a run, of all shards.
+//! Statistics that can be added up: those of a block, of a run, of all shards.
 //!
 //! Statistics are made of the rows of one block. Those of a part absorb its blocks in their order, those of
 //! the sweep its parts in theirs. So every sum has one order of additions, whatever the threads and shards
@@ -16,13 +16,13 @@ const EXAMPLES: usize = 5;
 /// Statistics of some designs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepStatistics {
-    /// Designs looked at.
+    /// Number of designs.
     pub designs: u64,
-    /// Those solved at every station.
+    /// Number of designs solved at every station.
     pub solved: u64,
-    /// Those solved one by one, which the SIMD lanes left.
+    /// Number of designs that the SIMD lanes left to be solved one by one.
     pub one_by_one: u64,
-    /// Why the others were not, in the order the reasons came up.
+    /// Why the others were not solved at every station, in the order in which the reasons came up.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
@@ -30,7 +30,7 @@ pub struct SweepStatistics {
     pub best: Vec<Candidate>,
     /// The designs that no other is better than in every target, where there are several.
     pub front: Front,
-    /// Sums over designs with every output there is.
+    /// Sums over designs that have a value for every output.
     pub moments: Moments,
     /// Sums by the level of each variable.
     pub levels: BinnedSums,
@@ -45,13 +45,13 @@ pub struct FailureCount {
     pub status: String,
     /// Why.
     pub reason: String,
-    /// How many.
+    /// Number of designs that failed for it.
     pub designs: u64,
     /// Their stations without a pose.
     pub stations: u64,
     /// The drive value nearest to the design position at which one failed.
     pub nearest: Option<f64>,
-    /// The first of them.
+    /// Numbers of the first of these designs.
     pub examples: Vec<u64>,
 }
 
@@ -67,7 +67,7 @@ pub struct OutputRange {
 }
 
 impl SweepStatistics {
-    /// Of no designs.
+    /// Statistics of no designs.
     pub fn empty(record: &SweepRecord) -> Self {
         SweepStatistics {
             designs: 0,
@@ -83,7 +83,7 @@ impl SweepStatistics {
         }
     }
 
-    /// Of the rows of a block.
+    /// Statistics of the rows of one block.
     pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
         let mut tally = SweepStatistics::empty(record);
         let (misfit, deviations) = (record.misfit(), record.deviations());
@@ -150,7 +150,7 @@ impl SweepStatistics {
         tally
     }
 
-    /// Whether these are statistics of designs of this sweep.
+    /// Whether these statistics have the shape of this sweep's.
     pub fn are_of(&self, record: &SweepRecord) -> bool {
         let empty = SweepStatistics::empty(record);
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];

@@ -178,7 +178,7 @@ impl<'p> Places<'p> {
         state
     }
 
-    /// The axle with the travels so far apart, the ground turned by so much.
+    /// The axle with the travels moved apart by `apart` and the ground turned by `turn`.
     fn state(
         &self,
         place: &Place,

@@ -10,7 +10,7 @@ use crate::number::{Vector3, Width};
 use crate::sweep::{BLOCK, Block, Evaluator, NotInLanes};
 
 impl Problem<'_> {
-    /// Why no build is solved in SIMD lanes; `None` where most are.
+    /// Why no build is solved in SIMD lanes; `None` if most are.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Some(Width::widest())).ok()?;
         builder.evaluator.not_in_lanes()
@@ -36,7 +36,8 @@ impl Problem<'_> {
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
-    /// The same of every wheel: of an axle left and right, each in the frame of a left one. A reject says which it is of.
+    /// Every wheel of the build of this number: for an axle left and right, each in the frame of a left one. An error
+    /// names the wheel that cannot be put together.
     pub fn built_wheels(&self, number: u64) -> Result<Vec<Suspension>, (Option<Side>, Reject)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
@@ -55,10 +56,10 @@ impl Problem<'_> {
 /// A build that could not be put together: its number, the wheel of an axle, and why not.
 type Unbuilt = (u64, Option<Side>, Reject);
 
-/// What came of the builds of a block.
+/// What became of the builds of a block that failed.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
-    /// How many builds have no pose somewhere in the motion, and the number of the first.
+    /// Number of builds without a pose somewhere in the motion, and number of the first of them.
     pub(super) incomplete: (u64, Option<u64>),
 }
 
@@ -76,7 +77,7 @@ pub(super) struct Builder<'a> {
     draws: Vec<f64>,
     /// `[source][build]`
     draws_of_block: Vec<f64>,
-    /// Where in the block each of the designs stands.
+    /// Index in the block of each design.
     places: Vec<usize>,
 }
 

@@ -65,7 +65,7 @@ impl Tolerance {
         self.each_source().count()
     }
 
-    /// What scatters by itself, contributor by contributor.
+    /// The sources, contributor by contributor.
     pub(super) fn each_source(&self) -> impl Iterator<Item = &Source> {
         self.scatter.iter().flat_map(|c| &c.sources)
     }

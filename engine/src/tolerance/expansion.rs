@@ -28,11 +28,11 @@ const MOST_SOURCES: usize = 120;
 /// Mean and variance by the derivatives at the drawing.
 #[derive(Clone, Debug)]
 pub struct Expansion {
-    /// By cell and source: g.
+    /// `[cell][source]`: g.
     pub gradient: Vec<f64>,
     /// By cell: the first-order variance.
     pub variance: Vec<f64>,
-    /// By cell: mean by first order, less the drawn value: of laws that are not about 0.
+    /// By cell: mean by first order, less the drawn value. Laws that are not centred on 0 cause it.
     pub shift: Vec<f64>,
     /// By cell: what second order adds to the mean, and to the variance. NaN where it is not known.
     pub second: Vec<[f64; 2]>,
@@ -40,7 +40,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Of a study's tolerances.
+    /// Expands every value of a study about the drawn design. Errors if that cannot be built or aligned.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
@@ -87,7 +87,7 @@ impl Expansion {
         (!bend.is_nan()).then_some(bend < HOLDS)
     }
 
-    /// What first order leaves of the variance of the builds.
+    /// The part of the builds' variance that first order does not explain.
     pub fn remainder(&self, cell: usize, spread: &Spread) -> Remainder {
         let variance = spread.sigma * spread.sigma;
         let explained = self.variance[cell] / variance;
@@ -113,19 +113,20 @@ impl Expansion {
     }
 }
 
-/// The part of the variance of builds that the first-order parts of the contributors leave: curvature and interaction, and
-/// by what the sample is off.
+/// The part of the variance of builds that the first-order parts of the contributors leave: curvature, interaction and
+/// sampling error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
-    /// So that this and the contributors' parts, over the builds' variance, make 1.
+    /// The remainder over the builds' variance: with the parts of the contributors it adds up to 1.
     pub part: f64,
     /// Its standard error.
     pub error: f64,
-    /// What second order says it is; NaN where that is not known.
+    /// The same part by second order; NaN if that is not known.
     pub second: f64,
 }
 
-/// Of one wheel: how fast every value changes with each source, and what second order adds.
+/// For a study of one wheel: how fast every value changes with each source (`[cell][source]`), and what second order
+/// adds to its mean and variance (`[cell]`).
 fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;
@@ -189,8 +190,8 @@ fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, bends)
 }
 
-/// What second order adds, of what can be read, from the second derivatives of all cells along sums of sources, each in its
-/// standard deviation.
+/// What second order adds to mean and variance of each cell, from the second derivatives of all cells along sums of
+/// sources, each in its standard deviation. NaN for cells that are not `readable`.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
@@ -243,7 +244,7 @@ struct Poses<'p> {
     readable: &'p [bool],
     slots: Slots,
     constants: Constants,
-    /// By station.
+    /// The pose of each station, if it has one.
     poses: Vec<Option<SolvedStation>>,
 }
 

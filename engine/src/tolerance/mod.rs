@@ -1,4 +1,4 @@
-//! What manufacturing scatter does to curves and figures.
+//! The effect of manufacturing scatter on curves and figures.
 //!
 //! Parts scatter by independent numbers z with mean m and variance s^2 ([`crate::study::Source`]). Whatever is read off a
 //! build is, about the drawing,
@@ -49,13 +49,13 @@ pub struct Problem<'a> {
     pub study: &'a Study,
     /// Its tolerances.
     pub tolerance: &'a Tolerance,
-    /// What is looked at: the study's outputs, then those of bands.
+    /// Columns of the values: the study's outputs, then those of bands.
     pub outputs: Vec<Column>,
-    /// Where: the stations of the motion, the drawn position, the places of bands.
+    /// Stations at which they are read: those of the motion, the drawn position, those of bands.
     pub stations: Stations,
     /// By band: the output and the station of each value, and between what they are to be.
     bands: Vec<Banded>,
-    /// What builds each wheel: left, then right.
+    /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
     looked: Looked,
 }
@@ -63,7 +63,7 @@ pub struct Problem<'a> {
 /// The values of a band: output and station of each, and between what they are to be.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// What is looked at.
+/// The quantities whose scatter is computed.
 enum Looked {
     /// Characteristics of one wheel.
     Wheel {
@@ -75,7 +75,7 @@ enum Looked {
 }
 
 impl<'a> Problem<'a> {
-    /// Of a study. An error says why its own design cannot be solved, or not be aligned.
+    /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
         match &study.axle {
             None => Problem::of_wheel(study, tolerance),
@@ -197,7 +197,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Of one wheel, what is looked at.
+    /// The characteristics of a study of one wheel, in the order of [`Problem::outputs`]; empty for an axle.
     fn characteristics(&self) -> &[Characteristic] {
         match &self.looked {
             Looked::Wheel {
@@ -217,14 +217,14 @@ impl<'a> Problem<'a> {
         output * self.stations.count() + station
     }
 
-    /// By band, the values that are to keep to it, by number.
+    /// For each band, the numbers ([`Problem::cell`]) of the values that are to keep to it.
     pub fn cells_of_bands(&self) -> impl Iterator<Item = Vec<usize>> + '_ {
         let cell = |[output, station]: &[usize; 2]| self.cell(*output, *station);
         let bands = self.bands.iter();
         bands.map(move |(places, _)| places.iter().map(cell).collect())
     }
 
-    /// Of an axle, the position of every station; empty of one wheel.
+    /// The position of every station of an axle; empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
         match &self.looked {
             Looked::Wheel { .. } => &[],

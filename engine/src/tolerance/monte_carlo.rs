@@ -14,12 +14,12 @@ use std::ops::ControlFlow;
 /// Sums that are formed side by side.
 const SIDE_BY_SIDE: usize = 8;
 
-/// What builds came to.
+/// The result of many builds.
 #[derive(Clone, Debug)]
 pub struct MonteCarlo {
     /// Number of builds.
     pub builds: u64,
-    /// By cell.
+    /// The spread of each cell.
     pub spreads: Vec<Spread>,
     /// Builds that cannot be put together, by word.
     pub rejects: BTreeMap<&'static str, Rejected>,
@@ -36,13 +36,13 @@ pub struct MonteCarlo {
 /// Builds that cannot be put together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
-    /// How many.
+    /// Number of builds that were rejected for this reason.
     pub builds: u64,
-    /// Number of the first,
+    /// Number of the first of these builds.
     pub first: u64,
-    /// which of its wheels, of an axle,
+    /// For an axle: the wheel of the first that cannot be put together.
     pub side: Option<Side>,
-    /// and why.
+    /// Why the first cannot be put together.
     pub why: Reject,
 }
 
@@ -86,7 +86,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Of the builds of a block that go together.
+    /// Sums over the builds of one block; powers are of the deviations from the values as `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {
@@ -173,7 +173,7 @@ pub fn monte_carlo(
     monte_carlo_in(Some(Width::widest()), problem, drawn, note)
 }
 
-/// As [`monte_carlo`], in lanes of a width, or build by build.
+/// As [`monte_carlo`], in lanes of this width, or build by build without one.
 pub fn monte_carlo_in(
     width: Option<Width>,
     problem: &Problem,

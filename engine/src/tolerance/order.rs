@@ -1,8 +1,8 @@
 //! Percentiles: of n values the smallest that so many percent of them do not exceed, exactly, in bounded memory.
 //!
-//! Of every value a few *windows* are kept, within which percentiles can still lie; outside only counts are. Whenever the
-//! number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds lies between those order
-//! statistics of the n that are
+//! For every value a few *windows* are kept, within which percentiles can still lie; outside them values are only
+//! counted. Whenever the number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds
+//! lies between those order statistics of the n that are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
@@ -29,24 +29,24 @@ const NONE: [f64; 2] = [f64::INFINITY; 2];
 /// The windows of every value, by cell, each from its least to its greatest value, by rising values.
 type Windows = Vec<[[f64; 2]; MOST]>;
 
-/// What some builds add.
+/// The contribution of some builds.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
     /// `[cell]`: how many values are below the first window, between the first and the second, and so on.
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
-    /// Where those of each cell end.
+    /// For each cell, the end of its values in `kept`.
     ends: Vec<usize>,
 }
 
 /// The order of all values.
 pub(super) struct Order {
-    /// For whoever sifts.
+    /// The current windows, for builds that are still to be sifted.
     windows: Mutex<Arc<Windows>>,
 }
 
-/// What has been gathered.
+/// The contributions of all builds so far.
 pub(super) struct Gathered {
     windows: Arc<Windows>,
     cells: Vec<Cell>,
@@ -64,7 +64,7 @@ struct Cell {
 }
 
 impl Order {
-    /// Of so many cells; every value is kept at first.
+    /// An order of this many cells with nothing gathered; at first every value is kept.
     pub(super) fn of(cells: usize) -> (Order, Gathered) {
         let mut all = [NONE; MOST];
         all[0] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -240,7 +240,8 @@ impl Cell {
     }
 }
 
-/// Where what lay between windows lies between those that each lie within one of them.
+/// The gap between the windows `now` that takes the values of a gap between the windows `then`; each new window lies
+/// within an old one.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,
@@ -252,13 +253,13 @@ fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
 struct Ranks<'c> {
     cell: &'c Cell,
     windows: &'c [[f64; 2]; MOST],
-    /// How many of the values that are kept come before each, and in all.
+    /// For each kept value, the number of kept values before it; at the end their total.
     before: Vec<u64>,
     count: u64,
 }
 
 impl<'c> Ranks<'c> {
-    /// Of a cell that is compact.
+    /// Ranks of the values of a cell that is compact: values rise, each there once.
     fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
         let mut before = Vec::with_capacity(cell.kept.len() + 1);
         let mut sum = 0;

@@ -1,21 +1,21 @@
-//! What builds one wheel: parts are changed by what was drawn, and put together.
+//! Builds one wheel: parts are changed by the numbers drawn at random, and put together.
 
 use crate::build::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
 use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
 
-/// What builds one wheel.
+/// Builds one wheel.
 pub(super) struct Workshop {
     /// Puts builds together.
     pub(super) assembler: Assembler,
     pub(super) alignment: Option<Alignment>,
-    /// Of an axle, whose parts these are.
+    /// For an axle: the wheel whose parts these are.
     pub(super) side: Option<Side>,
 }
 
 impl Workshop {
-    /// Of a wheel as drawn.
+    /// Prepares to build a wheel from its drawing.
     pub(super) fn of(
         study: &Study,
         tolerance: &Tolerance,
@@ -34,7 +34,7 @@ impl Workshop {
         })
     }
 
-    /// The dimensions that a source changes in this wheel: none where it is of the other.
+    /// The dimensions that a source changes in this wheel; none if the source belongs to the other wheel.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
         match source.side == self.side {
             true => &source.changes,
@@ -42,7 +42,7 @@ impl Workshop {
         }
     }
 
-    /// The same, with what the adjustments have to be.
+    /// The dimensions that a source changes in this wheel, with the changes of the adjustments that keep it aligned.
     pub(super) fn direction(&self, built: &Built, source: &Source) -> Vec<(BuildParameter, f64)> {
         let changes = self.changes(source);
         match &self.alignment {

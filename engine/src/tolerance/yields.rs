@@ -10,24 +10,24 @@ use super::{Expansion, MonteCarlo, Problem};
 const SAMPLE: u64 = 20_000;
 /// A tolerance may be looser where doubling it costs less than this of the yield.
 const LITTLE: f64 = 0.001;
-/// Where hardly a build keeps to the bands, or the contributor is more than this of a variance, nothing is called loose.
+/// Nothing is called loose if the yield is below this, or if the contributor has more than this share of a variance.
 const SMALL: f64 = 0.05;
 
 /// The yield of a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
-    /// Of the builds.
+    /// Share of the builds that keep to the band.
     pub monte_carlo: f64,
-    /// By the first-order answer, over a sample of draws.
+    /// The same share by the first-order answer, over a sample of draws.
     pub linear: f64,
 }
 
 /// Yields, and what each contributor is worth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yields {
-    /// Of each band.
+    /// Yield of each band.
     pub bands: Vec<BandYield>,
-    /// Of all bands together.
+    /// Yield of all bands together: of builds that keep to every one.
     pub all: BandYield,
     /// Contributors, the one first whose halving gains most.
     pub ranking: Vec<Ranking>,

@@ -3,7 +3,7 @@
 
 use std::io::BufRead;
 
-/// What comes next.
+/// The next piece of markup.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Event {
     /// An element begins.
@@ -127,7 +127,7 @@ impl<R: BufRead> Markup<R> {
         Ok(tag)
     }
 
-    /// What stands before a byte, which is left, or the end.
+    /// The text before the byte `stop`, which is not consumed, or before the end.
     fn until(&mut self, stop: u8) -> Result<String, String> {
         let mut bytes = Vec::new();
         loop {

@@ -23,7 +23,7 @@ const STYLE: &str = include_str!("style.css");
 /// The drawing of the mechanism and its controls.
 const STAGE: &str = include_str!("stage.html");
 
-/// What a page consists of. All but the study's name and the line about the run is HTML.
+/// The parts of a page. All but the study's name and the line about the run are HTML.
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
@@ -36,7 +36,7 @@ struct Page<'a, Data> {
     controls: &'static str,
     main: String,
     files: &'a [String],
-    /// What the script reads.
+    /// The data that the script reads.
     data: Data,
     /// The page's own script.
     glue: &'static str,

@@ -27,7 +27,7 @@ const GLUE: &str = concat!(
 /// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
 const MOST_NUMBERS: usize = 30_000;
 
-/// What the page's script reads.
+/// The data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
     record: &'a Record,
@@ -181,7 +181,7 @@ fn failures(run: &Run) -> String {
     }
 }
 
-/// What has to be said of the accuracy.
+/// Remarks on the accuracy of every design.
 fn remarks(run: &Run) -> String {
     let of_design = |design: &DesignRecord| {
         let remarks = design.remarks.iter();
@@ -267,7 +267,7 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
     )
 }
 
-/// How the constraints are kept, and what has to be said of them and the targets.
+/// The section on how the constraints are kept, with remarks on constraints and targets.
 fn constraints(tuning: &TuningSummary) -> String {
     let violated = tuning.violated();
     let mark = |row| violated.contains(&row).then_some("unmet");
@@ -281,7 +281,7 @@ fn constraints(tuning: &TuningSummary) -> String {
     shown
 }
 
-/// What moving further buys.
+/// The section on the misfit that moving further would save.
 fn prices_section(tuning: &TuningSummary) -> String {
     tuning.prices_table().map_or_else(String::new, |table| {
         format!(include_str!("prices.html"), table = table.html())

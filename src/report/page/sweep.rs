@@ -27,7 +27,7 @@ const GLUE: &str = concat!(
 /// The most rows of a table.
 const MOST_ROWS: usize = 50;
 
-/// What the page's script reads.
+/// The data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
     columns: Vec<Column<'a>>,
@@ -329,7 +329,7 @@ fn best_table(run: &SweepRun) -> Table {
     table
 }
 
-/// By rising deviation from the first target.
+/// The designs of the Pareto front, by rising deviation from the first target.
 fn front_table(run: &SweepRun) -> Table {
     let record = &run.record;
     let mut table = Table::with_columns(header(record));

@@ -11,7 +11,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale that shows all of the values with about so many ticks.
+    /// A scale that shows all of the values with about `ticks` ticks.
     pub(super) fn showing(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))

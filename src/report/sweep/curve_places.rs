@@ -1,4 +1,4 @@
-//! Where the stations of a sweep are, as the columns of its curves say it.
+//! The columns of a sweep's curves that say where a station is.
 
 use crate::model::Axis;
 use crate::report::axle::Place;

@@ -14,16 +14,16 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct SweepDirectory {
     path: PathBuf,
-    /// What the sweep is.
+    /// Description of the sweep.
     pub record: SweepRecord,
 }
 
-/// What there is of a sweep.
+/// The parts of a sweep that are done.
 #[derive(Clone, Debug)]
 pub struct Done {
-    /// Of all parts that are whole, in their order.
+    /// Merged statistics of all complete parts, in order.
     pub statistics: SweepStatistics,
-    /// The parts that are not, by number.
+    /// Numbers of the parts that are missing or incomplete.
     pub missing: Vec<u64>,
 }
 
@@ -125,7 +125,7 @@ impl SweepDirectory {
         })
     }
 
-    /// Where it is.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

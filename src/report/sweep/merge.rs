@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 pub struct Parts {
     /// The sweep as one part.
     pub record: SweepRecord,
-    /// Of all of them.
+    /// Statistics over all parts.
     pub statistics: SweepStatistics,
-    /// By part, where it is.
+    /// For each part, the index of its directory in `directories`.
     places: Vec<usize>,
     directories: Vec<SweepDirectory>,
 }
@@ -87,7 +87,7 @@ impl Parts {
         })
     }
 
-    /// Where they are.
+    /// Paths of the directories that hold them.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
         self.directories.iter().map(SweepDirectory::path)
     }

@@ -23,7 +23,7 @@ pub(super) const FORM: u32 = 2;
 pub struct PartRecord {
     /// `FORM`.
     pub form: u32,
-    /// That of the sweep.
+    /// Digest of the sweep.
     pub digest: String,
     /// Number of the part, from 0.
     pub part: u64,
@@ -31,18 +31,18 @@ pub struct PartRecord {
     pub rows_length: u64,
     /// Length of the file with its curves, where there is one.
     pub curves_length: Option<u64>,
-    /// What follows from its rows.
+    /// Statistics of its rows.
     pub statistics: SweepStatistics,
 }
 
-/// What has become of a part.
+/// The outcome of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartOutcome {
-    /// It is whole, by this process or another.
+    /// The part is complete, done by this process or another.
     Whole,
-    /// It was to be ended early; nothing of it is kept.
+    /// The sweep was interrupted; nothing of the part is kept.
     Interrupted,
-    /// Another process is at it.
+    /// Another process is working on it.
     Busy,
 }
 

@@ -11,9 +11,9 @@ use std::path::Path;
 /// A sweep, or as much of it as there is.
 #[derive(Clone, Debug)]
 pub struct SweepRun {
-    /// What it is.
+    /// Description of the sweep.
     pub record: SweepRecord,
-    /// What it came to.
+    /// Summary of its results.
     pub summary: SweepSummary,
     /// How designs were chosen.
     pub choice: Choice,

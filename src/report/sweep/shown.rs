@@ -1,4 +1,4 @@
-//! Which designs of a sweep are shown where not all can be.
+//! Which designs of a sweep are shown if not all can be.
 
 use super::SweepSummary;
 use crate::sweep::{Rows, SweepRecord};
@@ -9,14 +9,15 @@ use std::collections::BTreeSet;
 const MOST_NUMBERS: usize = 45_000;
 const MOST_DESIGNS: usize = 4_000;
 
-/// What is shown: the best, the Pareto front, examples of failures, and of the others every so many-th.
+/// The designs that are shown: the best, the Pareto front, examples of failures, and of the others those at regular
+/// intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Shown whatever their numbers are.
     always: BTreeSet<u64>,
     /// Designs of the front that are among them.
     pub front: Vec<u64>,
-    /// Of all designs, those whose numbers are multiples of this.
+    /// Designs whose number is a multiple of this are shown, too.
     pub every: u64,
 }
 
@@ -70,7 +71,7 @@ fn common_divisor(a: u64, b: u64) -> u64 {
 /// Rows of designs, column by column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ShownDesigns {
-    /// Their numbers, rising.
+    /// Numbers of the designs, rising.
     pub design: Vec<u64>,
     /// `[column][row]`: variables, then outputs; `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,

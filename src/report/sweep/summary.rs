@@ -1,4 +1,4 @@
-//! What a sweep came to.
+//! The summary of a sweep.
 
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
@@ -31,12 +31,12 @@ pub struct SweepSummary {
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
-    /// By rising misfit.
+    /// The best designs, by rising misfit.
     pub(in crate::report) best: Vec<DesignSummary>,
-    /// What has to be said of the outputs, a line each.
+    /// Remarks on the outputs, a line each.
     #[serde(default)]
     pub(in crate::report) notes: Vec<String>,
-    /// By number, where there are several targets; the rows are in `pareto.csv`.
+    /// Numbers of the designs on the Pareto front, if there are several targets; the rows are in `pareto.csv`.
     pub(in crate::report) pareto: Option<Vec<u64>>,
 }
 
@@ -65,7 +65,7 @@ pub(in crate::report) struct OutputSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct EffectSummary {
     variable: String,
-    /// From the low to the high end of the variable's range.
+    /// Change of the output from the low to the high end of the variable's range.
     change: Option<f64>,
     /// First-order Sobol index.
     share: Option<f64>,
@@ -79,7 +79,7 @@ pub(in crate::report) struct DesignSummary {
     pub(in crate::report) misfit: f64,
     /// Target by target, in tolerances.
     pub(in crate::report) rms: Vec<f64>,
-    /// By variable.
+    /// Values of the variables.
     pub(in crate::report) variables: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ impl SweepSummary {
         self.done == self.designs
     }
 
-    /// What has to be said of the outputs, a line each.
+    /// Remarks on the outputs, a line each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -184,7 +184,7 @@ impl SweepSummary {
         table
     }
 
-    /// For programs: what each variable does to each output.
+    /// A table of the effect of each variable on each output, for programs.
     pub fn effects_table(&self) -> Table {
         let mut table = Table::new(["output", "variable", "change", "share", "total"]);
         for output in &self.outputs {
@@ -201,7 +201,7 @@ impl SweepSummary {
         table
     }
 
-    /// Which designs the statistics are of, where they are not all.
+    /// In words, which designs the statistics are of, if they are not of all.
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
@@ -225,8 +225,8 @@ impl SweepSummary {
         table
     }
 
-    /// The numbers of at most so many designs that are worth a look: the best and some of the front, or
-    /// without targets those with the least or the largest value of an output.
+    /// The numbers of at most `most` designs that are worth a look: the best and some of the front or, without targets,
+    /// those with the least or the largest value of an output.
     pub fn telling(&self, most: usize) -> Vec<u64> {
         let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
         let front = self.pareto.as_deref().unwrap_or_default();
@@ -246,7 +246,7 @@ impl SweepSummary {
         telling
     }
 
-    /// How many designs are on the Pareto front, where there is one.
+    /// Number of designs on the Pareto front, if there is one.
     pub fn on_front(&self) -> Option<usize> {
         self.pareto.as_ref().map(Vec::len)
     }

@@ -58,7 +58,7 @@ impl SweepText {
     }
 }
 
-/// What has become of a block.
+/// The results of a block.
 pub struct Finished {
     /// Its rows, as they stand in the file.
     pub designs: Vec<u8>,

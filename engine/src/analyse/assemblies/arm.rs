@@ -48,7 +48,7 @@ struct Piece {
     next_try: f64,
 }
 
-/// One of the four.
+/// One of the four assemblies at an arm angle.
 struct Branch {
     form: ClosedForm<Interval>,
     plain: ClosedForm<f64>,

@@ -79,20 +79,21 @@ impl AssemblyMode {
     }
 }
 
-/// What was found at one travel.
+/// The assemblies that were found at one travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
-    /// What tells assemblies of this mechanism apart.
+    /// The modes by which assemblies of this mechanism are told apart.
     pub traits: Vec<AssemblyMode>,
-    /// By arm angle; without an arm, by the rotation from the design position.
+    /// The assemblies, by rising arm angle or, for a mechanism without an arm, by the rotation from the design
+    /// position.
     pub found: Vec<Assembly>,
-    /// Where it could not be decided whether there is one more; nothing for all but degenerate designs.
+    /// Places where it could not be decided whether there is another assembly; empty for all but degenerate designs.
     pub undecided: Vec<Undecided>,
     /// Pieces of the arm's turn, or boxes of poses, that were looked at.
     pub looked_at: usize,
 }
 
-/// Where something is left open.
+/// A place where it was left open whether there is an assembly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
     /// Between two angles of the first arm (radians).
@@ -165,7 +166,7 @@ impl Solver<'_> {
     }
 }
 
-/// What tells assemblies of a mechanism apart.
+/// The modes by which assemblies of a mechanism are told apart.
 fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
         (Some(roles), _) if roles.is_strut() => vec![AssemblyMode::Strut, AssemblyMode::TieRod],
@@ -288,7 +289,8 @@ impl<'a> Search<'a> {
         self.all.traits.iter().map(alike).collect()
     }
 
-    /// Something that has a trait's sign.
+    /// A number whose sign tells the two variants of `of` apart. `None` if the mechanism has no such mode, or if the
+    /// equations cannot be factorised there.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);

@@ -78,7 +78,7 @@ enum Verdict {
     None,
     /// There is one, in this box.
     One(Cell),
-    /// This is left, with what each variable moves the equations by.
+    /// This part of the box is left, with the change of the equations that each variable can make.
     Open(Cell, [f64; 6]),
 }
 
@@ -222,7 +222,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// Where the knuckle's origin can be: within reach of every rod.
+/// A box of positions that the knuckle's origin can have: those within reach of every rod.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
         let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
@@ -412,7 +412,7 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     finite.then_some(rows)
 }
 
-/// What two intervals have in common.
+/// The intersection of two intervals; `None` if it is empty.
 fn common(a: Interval, b: Interval) -> Option<Interval> {
     let (low, high) = (a.low.max(b.low), a.high.min(b.high));
     (low <= high).then(|| Interval::bounds(low, high))

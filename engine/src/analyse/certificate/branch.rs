@@ -16,8 +16,8 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// As [`Solver::for_each_pose`], with a proof of every pose: that it is right, and that it lies on the branch
-    /// of the design position. What cannot be proved is refused.
+    /// As [`Solver::for_each_pose`], with a proof of every pose: that it is right, and that it lies on the branch of
+    /// the design position. A pose that cannot be proved counts as a failure.
     ///
     /// # Errors
     /// If the design position itself is singular.

@@ -100,7 +100,7 @@ impl Certifier<'_> {
     }
 }
 
-/// An interval widened by so much on both sides.
+/// An interval widened by `by` on both sides.
 fn around(interval: Interval, by: f64) -> Interval {
     interval + Interval::bounds(-by, by)
 }

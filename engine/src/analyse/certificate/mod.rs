@@ -79,12 +79,12 @@ pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
     scale: f64,
-    /// By kind of drive, made when first needed.
+    /// The equations for each kind of drive, made when first needed.
     equations: [OnceCell<Quadratic>; 2],
 }
 
 impl<'m> Certifier<'m> {
-    /// For this design.
+    /// Prepares proofs of poses of this design.
     pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Self {
         Certifier {
             mechanism,

@@ -48,7 +48,7 @@ struct Bend {
 /// The equations of one design with one kind of drive.
 pub(crate) struct Quadratic {
     drive: Drive,
-    /// What counts as 1: a power of two next to the size.
+    /// The length that counts as 1: a power of two next to the size.
     scale: f64,
     /// Design position of the knuckle's origin.
     origin: Vector3<f64>,
@@ -66,7 +66,7 @@ pub(crate) struct PoseBend {
     /// Number of the pair.
     pub pair: usize,
     pub middle: f64,
-    /// What the middle may be off by, rounding of the sums it goes into included.
+    /// Bound on the error of the middle, rounding of the sums it enters included.
     pub off: f64,
 }
 
@@ -172,7 +172,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// The same, drive and rack anywhere in intervals.
+    /// As [`Quadratic::displacement`], with drive and rack anywhere in intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,
@@ -291,7 +291,7 @@ fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
     from_fn(|j| gradient[j])
 }
 
-/// How far an interval reaches from a number in it, at most.
+/// The largest distance of a number of the interval from `middle`.
 pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
     let reach = (interval.high - middle).max(middle - interval.low);
     // A difference of doubles is zero only where they are equal; the next number after zero would make

@@ -50,7 +50,7 @@ impl Gradients {
     }
 }
 
-/// What is differentiated by what.
+/// A quantity and what it is differentiated by.
 struct Task<'t> {
     subject: &'t Subject<'t>,
     outputs: Vec<Characteristic>,

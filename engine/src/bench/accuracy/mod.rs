@@ -18,11 +18,11 @@ use crate::study::Study;
 /// One way to a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What is compared with what.
+    /// Which kind of choices is compared.
     pub family: Family,
     /// The way.
     pub method: String,
-    /// What is varied along the way.
+    /// The setting that is varied.
     pub setting: String,
     /// Time per pose.
     pub time: Timing,
@@ -32,7 +32,7 @@ pub struct Measurement {
     pub evaluations: Option<f64>,
 }
 
-/// What is compared with what.
+/// Kinds of choices that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Poses by formulation, arithmetic and tolerance; error in degrees of camber.

@@ -19,8 +19,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Writes the derivatives of all quantities by the drive, as [`LaneReader::values`] does, from what has been
-    /// read with its rates. NaN for what is made of velocities: it would take accelerations.
+    /// Writes the derivatives of all quantities by the drive, as [`LaneReader::values`] does, from what has been read
+    /// with its rates. NaN for quantities that are made of velocities, whose derivatives would need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;

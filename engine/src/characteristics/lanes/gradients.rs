@@ -9,8 +9,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Whether the derivatives by the hardpoints can be had in lanes: not of an instantaneous steering axis, nor of what
-    /// is made of velocities of springs and rockers.
+    /// Whether lanes can provide the derivatives by the hardpoints. They cannot for an instantaneous steering axis, nor
+    /// for quantities made of velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {

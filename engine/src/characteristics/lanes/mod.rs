@@ -32,15 +32,16 @@ pub struct LaneReader<'a> {
     slots: Slots,
     /// The points whose coordinates are read.
     points: Vec<PointId>,
-    /// Of all points that are read, those that the knuckle carries, and the place of each in that list.
+    /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of the point `id` of the
+    /// mechanism, or `None` if that point is not among them.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
-    /// Whether there are others.
+    /// Whether anything off the knuckle is read: another body's point, or a rocker.
     reads_others: bool,
     /// The rockers that what is read moves with, and those that turn them: their places take velocities.
     rockers: Vec<RockerId>,
     rates: bool,
-    /// Derivatives by the rack as well.
+    /// Whether derivatives by the rack are read, too.
     by_rack: bool,
 }
 
@@ -49,7 +50,7 @@ pub struct LaneReader<'a> {
 enum Evaluation {
     /// By its own formula.
     Formula(Characteristic),
-    /// As the slope of this angle by the drive: driven by the travel, that is what its gain is.
+    /// As the slope of this angle by the drive. It is the angle's gain where the travel drives.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -61,7 +62,7 @@ enum Evaluation {
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
     inputs: Inputs<B>,
-    /// Where the points are, and their velocities.
+    /// Positions of the points, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
     /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
     by_rack: [Vector3<B>; 2],
@@ -69,13 +70,13 @@ pub struct LaneInputs<B> {
 }
 
 impl<B> LaneInputs<B> {
-    /// Makes ready for the stations with the rack in another place, outward from the design position.
+    /// Makes ready for the stations at another rack displacement, which are visited outward from the design position.
     #[inline(always)]
     pub fn begin(&mut self) {
         self.rods.begin();
     }
 
-    /// What formulas read.
+    /// The inputs of formulas.
     #[inline(always)]
     pub fn inputs(&self) -> &Inputs<B> {
         &self.inputs
@@ -135,7 +136,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// A reader of slots, with their velocities if so wanted, for formulas that are evaluated elsewhere.
+    /// A reader of slots, with their velocities if `rates` is true, for formulas that are evaluated elsewhere. `None`
+    /// if lanes cannot read one of them.
     pub fn of_slots(
         mechanism: &'a Mechanism,
         batch: &Batch<'_>,
@@ -146,7 +148,7 @@ impl<'a> LaneReader<'a> {
         LaneReader::reading(mechanism, batch, constants, slots, Vec::new(), rates)
     }
 
-    /// Of slots and points.
+    /// A reader of these slots and of the coordinates of these points. `None` if one of them cannot be read in lanes.
     fn reading(
         mechanism: &'a Mechanism,
         batch: &Batch<'_>,
@@ -192,7 +194,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// With the velocities by the rack; needs those by the drive, and the wheel centre.
+    /// The reader with velocities by the rack, too, if `is_wanted`. They are read only if the reader reads velocities
+    /// by the drive and the wheel centre.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);
@@ -224,7 +227,7 @@ impl<'a> LaneReader<'a> {
         self.rates
     }
 
-    /// What is to be read off the poses of designs, given as their points.
+    /// Prepares to read poses of these designs, given as their points.
     #[inline(always)]
     pub fn wheels<B: SimdReal>(
         &self,
@@ -244,7 +247,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Room for what is read; nothing is yet.
+    /// Room for what is read, all of it NaN.
     #[inline(always)]
     pub fn inputs<B: SimdReal>(&self, like: B) -> LaneInputs<B> {
         let unknown = like.lit(f64::NAN);
@@ -258,7 +261,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Reads what is of the designs, before the first of their poses.
+    /// Reads the slots that depend on the designs alone, before the first of their poses.
     #[inline(always)]
     pub fn read_designs<B: SimdReal>(&self, design: &[Vector3<B>], into: &mut LaneInputs<B>) {
         into.inputs.read_design(self.mechanism, design, self.slots);

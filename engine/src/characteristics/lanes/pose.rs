@@ -1,4 +1,4 @@
-//! What poses in lanes tell of their parts.
+//! Reads the parts of poses in lanes.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::reading::{Moving, Posed};
@@ -39,7 +39,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// In a function of its own, which all that visit poses share.
+/// Out of line, so that all visitors of poses share the code.
 struct ReadingPose<'r, 'm, B: SimdReal, P> {
     reader: &'r LaneReader<'m>,
     wheels: &'r LaneWheels<B>,
@@ -106,9 +106,9 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     at: &'r P,
     /// Velocities, where they are wanted.
     rates: Option<&'r LaneRates<B>>,
-    /// Where something is read that the knuckle does not carry.
+    /// Needed if a part is read that the knuckle does not carry.
     configuration: Option<&'r Configuration<'c, B>>,
-    /// Lanes where all that has been told is well known.
+    /// Lanes in which everything read so far is well known.
     right: B::Mask,
 }
 

@@ -1,20 +1,20 @@
-//! The rods of rockers on their way from station to station.
+//! Watches the rods of rockers from station to station.
 
 use crate::mechanism::{Configuration, RodReach, Twist};
 use crate::model::RockerId;
 use crate::number::{Outlined, SimdReal};
 
-/// Where the rods of rockers were.
+/// The places of the rods of rockers at stations visited before.
 #[derive(Clone, Debug)]
 pub(super) struct RodsOnTheirWay<B> {
     /// At the first station and at the last.
     rods: Vec<[RodReach<B>; 2]>,
-    /// Whether there has been a station with the rack in its place.
+    /// Whether a station at this rack displacement has been visited.
     has_begun: bool,
 }
 
 impl<B> RodsOnTheirWay<B> {
-    /// Makes ready for stations with the rack in another place.
+    /// Makes ready for stations at another rack displacement.
     #[inline(always)]
     pub(super) fn begin(&mut self) {
         self.has_begun = false;
@@ -22,7 +22,7 @@ impl<B> RodsOnTheirWay<B> {
 }
 
 impl<B: SimdReal> RodsOnTheirWay<B> {
-    /// Of so many rockers; `nothing` is not a number.
+    /// Starts with no rod seen yet for this number of rockers; `nothing` is a NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         RodsOnTheirWay {

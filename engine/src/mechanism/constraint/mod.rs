@@ -26,7 +26,7 @@ use crate::model::{Constraint, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// One scalar constraint, with what of it depends on the design alone.
+/// One scalar constraint, with everything of it that depends on the design alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Row<T> {
     Link(Link<T>),
@@ -35,7 +35,7 @@ pub(crate) enum Row<T> {
 }
 
 impl<T: Real> Row<T> {
-    /// One of a constraint's rows, by its number among them.
+    /// Row `number` of a constraint, for a design.
     #[inline(always)]
     pub(crate) fn of(
         constraint: Constraint,
@@ -54,8 +54,8 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// The same of parts whose dimensions are held apart: the points of the body, every point as the undisplaced
-    /// knuckle carries it, and the length of a rod.
+    /// Row `number` of a constraint, for parts with dimensions of their own: the points of the body, every point where
+    /// the undisplaced knuckle carries it, and the length of a rod.
     #[inline(always)]
     pub(crate) fn of_parts(
         constraint: Constraint,

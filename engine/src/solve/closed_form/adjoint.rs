@@ -50,7 +50,7 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// l, and carried back to the design position
+    /// l, and below it l carried back to the design position
     tie_rod: Vector3<T>,
     tie_rod_in_knuckle: Vector3<T>,
     /// t x l
@@ -65,14 +65,15 @@ pub(crate) struct Adjoint<'a, T> {
     upper: UpperJoint<T>,
 }
 
-/// How the force at the upper end is borne.
+/// The member that bears the force at the upper end.
 enum UpperEnd<T> {
     Strut {
         top: PointId,
         /// The two points that give the line its direction.
         lower: PointId,
         upper: PointId,
-        /// Their distance, inverted, and the place of the mount along the line, both in the design position.
+        /// `inverse_base`: one over their distance. `designed`: place of the mount along the line. Both in the design
+        /// position.
         inverse_base: T,
         designed: T,
     },
@@ -96,7 +97,7 @@ struct Legs<T> {
 
 /// The outer joint of an arm in a pose.
 struct Joint<T> {
-    /// From the design position.
+    /// Displacement from the design position.
     moved: Vector3<T>,
     /// rho/rho^2
     radius: Vector3<T>,
@@ -104,13 +105,14 @@ struct Joint<T> {
 
 /// The upper end in a pose.
 enum UpperJoint<T> {
-    /// Way slid along the strut line over the distance of the points that give its direction.
+    /// How far the knuckle has slid along the strut line, over the distance of the points that give the line's
+    /// direction.
     Strut(T),
     Arm(Joint<T>),
 }
 
 impl<T: Real> Legs<T> {
-    /// Of an arm, its joint on a circle.
+    /// Legs of an arm whose outer joint moves on this circle.
     #[inline(always)]
     fn of(arm: Arm, design: &[Vector3<T>], circle: &Circle<T>) -> Self {
         let [outer, front, rear] = [design[arm.outer.0], design[arm.front.0], design[arm.rear.0]];
@@ -129,7 +131,7 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// With the joint here.
+    /// The outer joint at this position.
     #[inline(always)]
     fn at(&self, joint: Vector3<T>) -> Joint<T> {
         Joint {
@@ -138,10 +140,11 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// Adds what they contribute to a gradient by bearing a force; the rest of what the outer joint does, too.
+    /// Adds to a gradient what the legs contribute by bearing `force`, and `rest`, which is what else the outer joint
+    /// contributes.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
-        // Of the forces in the legs, which add up to it, each over the length of its leg.
+        // The forces in the two legs add up to `force`; each is taken over the length of its leg.
         let both = force.dot(at.radius);
         let rear = (both * self.along) - force.dot(self.axis);
         let front = both - rear;
@@ -184,8 +187,8 @@ impl<T: Real> Members<T> {
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
-    /// Of a state, that is the configuration `at`, moving by the travel with the ball joint's velocity and a turn
-    /// of the knuckle.
+    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and
+    /// `turn` are the velocity of the lower ball joint and the angular velocity of the knuckle by the travel.
     #[inline(always)]
     pub(crate) fn of(
         roles: &'a Roles,

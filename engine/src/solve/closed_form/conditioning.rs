@@ -17,8 +17,8 @@
 use super::{ClosedForm, State};
 
 impl ClosedForm<f64> {
-    /// About the condition number in a state, the mechanism being of this size; `rate` is how far the pose
-    /// moves per unit of travel, where that drives.
+    /// An estimate of the condition number in a state of a mechanism of this size. `rate` is how far the pose moves per
+    /// unit of travel; `None` if the arm's angle drives.
     #[inline]
     pub(crate) fn condition(&self, state: &State<f64>, size: f64, rate: Option<f64>) -> f64 {
         let tie_rod_squared = self.tie_squared - 2.0 * self.tie_difference;

@@ -1,4 +1,4 @@
-//! Strut and double wishbone in closed form: pose of the knuckle from the angle of the lower arm.
+//! Strut and double wishbone in closed form: the pose of the knuckle from the angle of the lower arm.
 //!
 //! All vectors start at the lower ball joint; subscript 0 is the design position.
 //!
@@ -87,7 +87,7 @@ pub(crate) struct ClosedForm<T> {
     tie_by_u: T,
     /// (t0.t0 - L^2)/2
     tie_difference: T,
-    /// +1 or -1: the assembly the design is in.
+    /// The sign of ga in the design, +1 or -1: which assembly it is.
     side: T,
     wheel_centre: Carried<T>,
     /// u
@@ -151,7 +151,7 @@ impl<T: Real> ClosedForm<T> {
         ClosedForm::with_carrier(roles, design).0
     }
 
-    /// The constants of a design, and what carries further vectors of its knuckle.
+    /// The constants of a design, and the carrier for further vectors of its knuckle.
     #[inline(always)]
     pub(crate) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
@@ -213,7 +213,8 @@ impl<T: Real> ClosedForm<T> {
         self.at_knowing(cosine, sine, rack, None)
     }
 
-    /// As [`ClosedForm::at`], where more is known of [`ClosedForm::upper_square`] than the angle tells.
+    /// As [`ClosedForm::at`], with a better value of [`ClosedForm::upper_square`] than the one that follows from the
+    /// angle.
     #[inline(always)]
     pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> State<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
@@ -309,9 +310,9 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The same design with its upper end on the other side (a strut the other way up, the mount below the
-    /// foot; or w of the other sign), the tie rod's end on the other side of its plane, or both: the other
-    /// assemblies of the same lengths.
+    /// Another assembly of the same lengths: with `upper_across`, the upper end is on the other side (a strut the other
+    /// way up, with the mount below the foot; or w of the other sign); with `tie_rod_across`, the tie rod's end is on
+    /// the other side of its plane.
     pub(crate) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
         if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
@@ -330,7 +331,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// The same state by a better value of ga^2 G than it was formed with.
+    /// The state with a better value of ga^2 G than it was formed with.
     pub(crate) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
         State {
             ga: self.side * (square / state.gram).sqrt(),
@@ -339,7 +340,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Of what holds the upper end, at an arm angle: negative where the mechanism cannot be assembled.
+    /// The square under the root of whatever holds the upper end, at the arm angle with this cosine and sine; negative
+    /// where the mechanism cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
     }
@@ -361,7 +363,7 @@ const LEAST: f64 = 0.0625;
 const LEAST_UPPER: f64 = 0.25;
 
 impl<B: SimdReal> State<B> {
-    /// Where the closed form is well conditioned: nothing that it divides by is small. False for NaN.
+    /// Lanes in which the closed form is well conditioned: nothing that it divides by is small. False for NaN.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
         let least = self.ga.lit(LEAST);

@@ -1,4 +1,4 @@
-//! Which hardpoint plays which part in the closed form, and what makes a design degenerate there.
+//! Which hardpoint has which role in the closed form, and what makes a design degenerate there.
 
 use super::ClosedForm;
 use super::upper::Upper;
@@ -18,7 +18,7 @@ pub(crate) struct Roles {
     pub(crate) wheel_centre: PointId,
 }
 
-/// What holds the upper end of the steering axis.
+/// The member that holds the upper end of the steering axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum UpperRoles {
     Strut {

@@ -97,8 +97,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// d, s and a margin that vanishes where there is no d. NaN beyond. `square` is [`Upper::square`] where more is
-    /// known of it than the joint tells.
+    /// Returns d, s and a margin. The margin vanishes where d ceases to exist; beyond, all are NaN. `square` is a
+    /// better value of [`Upper::square`] than the one that follows from the joint, if there is one.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
         let known = |own: T| square.map_or(own, |square| own.also(square));
@@ -160,7 +160,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// What the upper end takes a square root of: of the strut's length, or of the arm's lever.
+    /// The square of which the upper end takes the root: of the strut's length, or of the arm's lever.
     pub(crate) fn square(&self, ball_joint: Vector3<T>) -> T {
         match self {
             Upper::Strut {

@@ -29,23 +29,23 @@ use super::{Carried, ClosedForm, State};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// How a pose changes, at a rate of its own.
+/// Rates of a pose, all up to one common factor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Velocity<T> {
-    /// Of the lower ball joint.
+    /// Velocity of the lower ball joint.
     pub ball_joint: Vector3<T>,
     /// Angular velocity of the knuckle.
     pub turn: Vector3<T>,
-    /// Of the vector along the steering axis.
+    /// Rate of the vector along the steering axis.
     pub steering_axis: Vector3<T>,
-    /// Of the height of the wheel centre.
+    /// Vertical velocity of the wheel centre.
     pub rise: T,
-    /// Of the arm's angle.
+    /// Angular rate of the arm.
     pub arm_angle: T,
 }
 
 impl<T: Real> Velocity<T> {
-    /// The same at another rate.
+    /// The rates times a factor.
     #[inline(always)]
     pub(crate) fn scaled(&self, factor: T) -> Self {
         Velocity {
@@ -59,7 +59,7 @@ impl<T: Real> Velocity<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// How a state changes, the arm's angle given by the tangent of its half.
+    /// The rates of a state in which the tangent of half the arm's angle is `tangent`.
     #[inline(always)]
     pub(crate) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
         let (d, g) = (state.d, state.g);
@@ -93,8 +93,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Angular velocity of the knuckle by the displacement of the rack with the arm at rest, and how fast the wheel
-    /// centre rises. It turns by k about d: l.(k d x t) = l.y.
+    /// Angular velocity of the knuckle by the displacement of the rack, with the arm at rest, and vertical velocity of
+    /// the wheel centre. The knuckle turns by k about d, with l.(k d x t) = l.y.
     #[inline(always)]
     pub(crate) fn steered(&self, state: &State<T>) -> (Vector3<T>, T) {
         let rod = state.tie_rod_outer() - state.g;

@@ -175,7 +175,7 @@ impl Solver<'_> {
     }
 }
 
-/// The pose a part of the way along its series.
+/// The pose at `step` of its series.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);

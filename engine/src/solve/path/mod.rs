@@ -39,16 +39,16 @@ pub struct Solver<'m> {
     tracker: Option<PoseTracker<'m>>,
     /// What the tracker found at the last visit.
     tracked: TrackedPoses,
-    /// For the predictor of the step-by-step path; made when first needed.
+    /// Series of the design, for predictions of the continuation; made when first needed.
     design_series: Option<DesignSeries<3>>,
     lifted_is_current: bool,
     size: f64,
-    /// The largest coordinate, at least the size: what positions are rounded at.
+    /// The largest coordinate, but at least the size: rounding of positions is relative to it.
     coordinate_scale: f64,
     pub(crate) work: WorkCounter,
 }
 
-/// Gets the number of a station and its pose, or the reason there is none; may break off the march.
+/// Receives the number of a station and its pose, or the reason why there is none; may break off the march.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -56,8 +56,8 @@ type Visitor<'v, 'm> =
 pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 
 impl<'m> Solver<'m> {
-    /// A solver for this mechanism, at first for this design. Others should be near it: where they are not, they
-    /// are solved all the same, but more slowly.
+    /// A solver for this mechanism, at first for this design. Designs far from it are solved as well, but more slowly.
+    /// Errors if the design cannot be solved.
     pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
         let mut solver = Solver {
             mechanism,
@@ -76,7 +76,7 @@ impl<'m> Solver<'m> {
         Ok(solver)
     }
 
-    /// Takes over another design of the same mechanism.
+    /// Takes another design of the same mechanism. Errors if it cannot be solved.
     pub fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.design.copy_from_slice(design);
         for (i, p) in design.iter().enumerate() {
@@ -127,13 +127,13 @@ impl<'m> Solver<'m> {
         self.mechanism
     }
 
-    /// Leaves every pose to the continuation: more slowly to the same poses, for comparison.
+    /// A solver that leaves every pose to the continuation, which finds the same poses more slowly: for comparison.
     pub fn by_continuation(mut self) -> Self {
         self.tracker = None;
         self
     }
 
-    /// What was done since the solver was made.
+    /// Counts of the work done since the solver was made.
     pub fn work(&self) -> Work {
         self.work.work()
     }
@@ -169,7 +169,7 @@ impl<'m> Solver<'m> {
         self.march(drive, station_order, rack, &mut visit)
     }
 
-    /// The same, compiled once for all visitors.
+    /// As [`Solver::for_each_pose`], compiled once for all visitors.
     fn march(
         &mut self,
         drive: Drive,
@@ -194,7 +194,8 @@ impl<'m> Solver<'m> {
                     rack,
                 };
                 let here = match tracked.poses[station] {
-                    // Known exactly; the tracker's is it but for rounding, which counts beside a rocker's toggle.
+                    // The design pose is known exactly. The tracker's differs by rounding, which matters next to a
+                    // rocker's toggle.
                     _ if point == design.1 => Ok(design),
                     Ok(pose) => Ok((pose, point)),
                     Err(_) => {
@@ -215,7 +216,7 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Why the tracker left a station of the last visit to the continuation; `None` where it did not.
+    /// Why the tracker left a station of the last visit to the continuation; `None` if it did not.
     pub fn rejection(&self, station: usize) -> Option<Rejection> {
         self.tracked.poses.get(station)?.err()
     }
@@ -236,7 +237,7 @@ impl<'m> Solver<'m> {
         });
     }
 
-    /// The place at zero drive with the rack displaced, from the design position.
+    /// Follows the path from the design position to zero drive with the rack displaced.
     fn displaced(&mut self, design: &Station, rack: f64) -> Result<Station, Failure> {
         let point = MotionPoint { rack, ..design.1 };
         self.advance(design, point)
@@ -263,7 +264,7 @@ impl<'m> Solver<'m> {
         (pose, point)
     }
 
-    /// The path on which `moving` moves and the rest is held as at `held`.
+    /// The curve on which `moving` moves and everything else is held as at `held`.
     pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
         self.lift();
         Curve {
@@ -279,7 +280,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Brings the lifted design up to date.
+    /// Makes the series of the current design, unless they are up to date.
     fn lift(&mut self) {
         if !self.lifted_is_current {
             match &mut self.design_series {
@@ -325,7 +326,7 @@ impl<'m> Solver<'m> {
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
-    /// The place at `to`, followed from another.
+    /// Follows the path from a place to the motion point `to`.
     fn advance(&mut self, from: &Station, to: MotionPoint<f64>) -> Result<Station, Failure> {
         if to == from.1 {
             return Ok(*from);

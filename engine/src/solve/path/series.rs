@@ -1,4 +1,4 @@
-//! What is known of a pose once it is found: its derivatives, its condition, the loads it carries.
+//! What follows from a pose once it is found: its derivatives and its condition.
 //!
 //! All of it depends on the pose and the motion alone, not on how the pose was found or what was visited before.
 
@@ -36,8 +36,8 @@ impl Solver<'_> {
         Ok(configuration)
     }
 
-    /// The configuration with the factors of its Jacobian, if there was a need for them; with `linearise` there
-    /// is.
+    /// The configuration in a pose as a power series along the motion, with the factors of its Jacobian if the series
+    /// needs them or `linearise` is true.
     pub(crate) fn factorised_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -56,9 +56,8 @@ impl Solver<'_> {
         Ok((configuration, factors))
     }
 
-    /// The series of a pose by the closed form, with about its condition number; `None` where there is no closed
-    /// form, or it does not give this pose, or is one
-    /// that the tracker would not vouch for.
+    /// The series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed
+    /// form, if it does not give this pose, or if the pose is one that the tracker would reject.
     pub(crate) fn closed_form_series<const N: usize>(
         &self,
         pose: &Pose<f64>,
@@ -76,7 +75,7 @@ impl Solver<'_> {
             w.closed_form_evaluations += 1;
             w.right_hand_sides += N as u64 - 1;
         });
-        // The path may have passed a toggle: then the closed form speaks of another assembly.
+        // If the path has passed a toggle, the closed form gives another assembly.
         let mut turned = 0.0;
         for (k, column) in series.rotation.columns.iter().enumerate() {
             turned += (column.map(|c| c[0]) - pose.rotation.columns[k]).norm_squared();
@@ -122,7 +121,7 @@ impl Solver<'_> {
     }
 }
 
-/// The series with another constant part.
+/// The series with its constant part replaced.
 #[inline]
 fn with_constant<const N: usize>(
     series: Vector3<Jet<f64, N>>,

@@ -1,25 +1,26 @@
-//! Which lanes the tracker vouches for, and why it does not vouch for the others.
+//! Which lanes the tracker accepts, and why it rejects the others.
 
 use crate::number::SimdReal;
 
-/// Why the tracker does not vouch for a pose. Continuation takes over from the last one it does vouch for.
+/// Why the tracker rejects a pose. The continuation takes over from the last pose that it accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rejection {
     /// A rod or an axis is too short to have a direction.
     NoLength,
     /// Newton's method did not settle.
     NotSettled,
-    /// What the equations are divided by is too small.
+    /// A number that the equations are divided by is too small.
     IllConditioned,
-    /// The slope of the path, or what may not vanish, changed by more than half (or doubled) in one step.
+    /// The slope of the path, or a number that may not vanish, fell below half of its value or more than doubled in one
+    /// step.
     ChangedTooMuch,
     /// The mechanism turned too far in one step, or from the design position.
     TurnedFar,
     /// The path is as steep as beside a fold.
     FoldNear,
-    /// The pose is right, but what is read off it is not well known there.
+    /// The pose is right, but something that is read off it is not well known there.
     ReadingUncertain,
-    /// The station lies nowhere on the way: out of all reach, or where another one lies.
+    /// The route does not visit the station: it is out of all reach, or has the same value as another one.
     NotOnTheWay,
 }
 
@@ -36,7 +37,7 @@ impl Rejection {
         Rejection::NotOnTheWay,
     ];
 
-    /// What it says, for tables.
+    /// The reason in words, for tables.
     pub fn describe(self) -> &'static str {
         match self {
             Rejection::NoLength => "a rod or axis is too short to have a direction",
@@ -50,7 +51,7 @@ impl Rejection {
         }
     }
 
-    /// The number that stands for it in a lane; 0 stands for none.
+    /// The number that stands for this reason in a lane; 0 stands for no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
         1.0 + self as u8 as f64
@@ -69,7 +70,7 @@ pub struct Acceptance<B: SimdReal> {
 }
 
 impl<B: SimdReal> Acceptance<B> {
-    /// Of every lane.
+    /// Accepts every lane.
     #[inline(always)]
     pub fn everywhere(like: B) -> Self {
         Acceptance {

@@ -23,7 +23,7 @@ pub(crate) struct ByArm {
     roles: Roles,
     /// Slope of the half tangent by the drive, in the base design.
     slope: f64,
-    /// The steepest it may get.
+    /// The steepest slope that is accepted.
     steepest: f64,
 }
 
@@ -47,7 +47,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     }
 }
 
-/// A pose, by the state of the closed form.
+/// A pose, given by a state of the closed form.
 pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
@@ -92,7 +92,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// What turning about the steering axis lifts the wheel by, the travel takes back.
+    /// Turning about the steering axis lifts the wheel; a motion by the travel takes that back.
     #[inline(always)]
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
         let (turn, rise) = self.design.form.steered(&self.state);
@@ -103,7 +103,8 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// By the travel, the slope of the arm has been looked at; by its angle, nothing turns fast.
+    /// Every lane: if the travel drives, the guards have checked the slope of the arm; if the arm's angle drives,
+    /// nothing turns fast.
     #[inline(always)]
     fn knows(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()
@@ -158,15 +159,16 @@ impl<B: SimdReal> LaneAdjoint<B> for Adjoint<'_, B> {
 /// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
 /// one. Beyond, a fold is near: rounding grows with the slope, and in rates with its cube.
 pub(crate) const STEEPEST: f64 = 3.0;
-/// The farthest the arm may be turned, as a tangent of half the angle,
+/// The farthest the arm may be turned, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
-/// and in one step.
+/// The farthest the arm may turn in one step, as a change of that tangent.
 const LONGEST: f64 = 0.1;
 /// Pairs of corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
-    /// For a mechanism with these roles in a closed form; `None` where `base` is no start.
+    /// Prepares to solve designs of a mechanism with these roles in its closed form. `None` if designs near `base`
+    /// cannot be tracked.
     pub(crate) fn of(
         roles: Roles,
         base: &[Vector3<f64>],
@@ -188,7 +190,7 @@ impl ByArm {
         })
     }
 
-    /// The steering axis, through the two joints.
+    /// The steering axis, which runs through the two joints.
     pub(crate) fn steering_axis(&self) -> SteeringAxis {
         let (lower, upper) = (self.roles.ball_joint(), self.roles.upper_end());
         SteeringAxis::Through { lower, upper }
@@ -235,7 +237,7 @@ impl ByArm {
         });
     }
 
-    /// A wheel on its own, of a design of this batch.
+    /// The equations of a single wheel, for a design of this batch.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -258,8 +260,8 @@ impl ByArm {
         }
     }
 
-    /// Accepts lanes where the closed form is well conditioned and the arm on its branch, the inverse of the way from
-    /// the guard before in the drive being given on the stations' legs.
+    /// Accepts lanes where the closed form is well conditioned and the arm is on its branch. `inverse_step` is one over
+    /// the change of the drive since the guard before; it is given on the legs of stations.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -290,16 +292,16 @@ impl ByArm {
     }
 }
 
-/// A wheel on its own.
+/// The equations of a single wheel.
 pub(super) struct ArmCorner<'w, 'd, B, V> {
     way: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     drive: Drive,
     tolerance: B,
     visitor: &'w mut V,
-    /// The tangent by the drive, by which corrections go.
+    /// Derivative of the tangent by the drive, with which corrections are made.
     slope: B,
-    /// Of the last correction: the state it came to, its step, and how far from the travel wanted it was before and after.
+    /// Result of the last correction: new state, step taken, and travel error before and after it.
     state: State<B>,
     step: B,
     missed: [B; 2],
@@ -324,8 +326,8 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.way.slope * place.along_slope])
     }
 
-    /// Two corrections at a time: one is always needed, and a branch that cannot be foreseen would cost more than the second.
-    /// By the arm angle there is nothing to solve.
+    /// Makes two corrections at a time: one is always needed, and a branch that cannot be predicted would cost more
+    /// than the second. If the arm's angle drives there is nothing to solve.
     #[inline(always)]
     fn correct(
         &mut self,
@@ -390,7 +392,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     }
 }
 
-/// What is watched along the path.
+/// Numbers whose change from place to place is guarded along the path.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
@@ -401,8 +403,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// At zero drive: of the design's own slope, which beside a fold is far from that of the base design, where the
-    /// other way from the fold is near.
+    /// The guard of a place at zero drive. `rate` is the design's own slope: beside a fold it is far from that of the
+    /// base design.
     #[inline(always)]
     fn start(state: &State<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -413,7 +415,7 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// At the place after this one, a step of the drive further on.
+    /// The guard of the next place on the leg, whose slope is the one over the step between the two.
     #[inline(always)]
     fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
@@ -427,7 +429,7 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_near, Rejection::TurnedFar);
     }
 
-    /// Accepts lanes where the arm is not going to be steep.
+    /// Accepts lanes where the slope of the arm, extrapolated to the next place, is not steep.
     #[inline(always)]
     fn check_slope(&self, before: &Self, steepest: f64, accepted: &mut Acceptance<B>) {
         let ahead = self.rate + (self.rate - before.rate);
@@ -435,8 +437,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_flat, Rejection::FoldNear);
     }
 
-    /// Accepts lanes where nothing changed so much since the place before that it could have vanished on the
-    /// way.
+    /// Accepts lanes where slope and margin have not changed so much since the place before that one could have
+    /// vanished between the two.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let is_steady =
@@ -448,21 +450,22 @@ impl<B: SimdReal> BranchGuard<B> {
     }
 }
 
-/// A wheel of a pair.
+/// The equations of one wheel of a pair.
 pub(super) struct ArmWheel<'w, 'd, B> {
     way: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     on_knuckle: WheelOnKnuckle<B>,
     tolerance: f64,
-    /// The last state looked at.
+    /// The state of the last linearisation or correction.
     state: State<B>,
-    /// Of the last linearisation: how far it was from the travel wanted, and the tangent by the travel.
+    /// From the last linearisation: remaining travel error, and the derivative of the unknown (the half-angle tangent)
+    /// by travel.
     missed: B,
     by_travel: B,
 }
 
 impl ByArm {
-    /// A wheel of a pair, of a design of this batch.
+    /// The equations of one wheel of a pair, for a design of this batch.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,

@@ -1,4 +1,4 @@
-//! Six unknowns: where the knuckle is, by the closure equations themselves.
+//! Six unknowns: the pose of the knuckle, by the closure equations themselves.
 //!
 //! The unknowns are the displacement of the knuckle's origin and its rotation from the design position, as
 //! tan(angle/2) times the axis. At a prediction, Newton's method on five constraints and the travel
@@ -51,9 +51,9 @@ use crate::number::{Outlined, SimdReal};
 use std::array::from_fn;
 use std::cell::{Cell, Ref, RefCell};
 
-/// Of displacement and rotation.
+/// Unknowns of a pose: three of the displacement of the knuckle's origin, three of its rotation (a Rodrigues vector).
 pub(crate) const UNKNOWNS: usize = 6;
-/// The least determinant of a block, in those of the base design.
+/// The least determinant of a block, as a share of the base design's.
 const LEAST: f64 = 0.25;
 /// The least pivot of the base design.
 const LEAST_PIVOT: f64 = 1e-3;
@@ -63,11 +63,11 @@ const LARGEST_CORRECTION: f64 = 0.02;
 /// the determinants this keeps Newton's method on the branch it is on: see `tests/lanes.rs`, where every lane is
 /// compared with the continuation.
 const LONGEST: f64 = 0.1;
-/// The least turn of the knuckle by the rack displaced by one size, squared: the steering axis is that of the
+/// The least square of the turn of the knuckle per size of rack displacement: the steering axis is the axis of this
 /// turn.
 const LEAST_STEERING: f64 = 0.25;
-/// The least squared sine of its angle to the level: neither inclination of a steering axis that lies flat can
-/// be told well.
+/// The least squared sine of the steering axis's angle to the level: neither inclination of an axis that lies flat is
+/// well known.
 const LEAST_UPRIGHT: f64 = 0.04;
 /// The fastest turn of the knuckle by a travel of one size, squared.
 const FASTEST_TURN: f64 = 100.0;
@@ -91,7 +91,7 @@ pub(crate) struct ByLinkage {
 struct Order {
     rows: [usize; 6],
     columns: [usize; 6],
-    /// Where each row has come to.
+    /// The place of each row in this order.
     places: [usize; 6],
 }
 
@@ -130,14 +130,13 @@ impl<'d, B: Real> LinkageDesign<'d, B> {
     }
 }
 
-/// The blocks of a Jacobian. They are filled in where they are: to move them about would take a quarter of
-/// the time.
+/// The blocks of a Jacobian. They are filled in place: moving them about would take a quarter of the time.
 struct Blocks<B> {
     order: Order,
     inverse_size: B,
-    /// Rows of A above those of C,
+    /// Rows of A above rows of C.
     left: [Vector3<B>; 6],
-    /// of B above those of D.
+    /// Rows of B above rows of D.
     right: [Vector3<B>; 6],
     inverse_a: Inverse<B>,
     /// Rows of A^-1 B.
@@ -145,7 +144,7 @@ struct Blocks<B> {
     inverse_s: Inverse<B>,
 }
 
-/// The inverse of a matrix of three rows, and the determinant of that.
+/// The inverse of a matrix of three rows, and the matrix's determinant.
 #[derive(Clone, Copy)]
 struct Inverse<B> {
     matrix: Matrix3<B>,
@@ -184,7 +183,7 @@ fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B>
 }
 
 impl<B: Real> Blocks<B> {
-    /// Of a Jacobian of which nothing is known yet.
+    /// Blocks of zeros, to be filled in before they are used.
     #[inline(always)]
     fn unformed(order: Order, inverse_size: B) -> Self {
         let zero = inverse_size.zero();
@@ -204,13 +203,13 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// The square of a turn by a length, given as that by a size.
+    /// Converts the square of a turn per size to the square of a turn per length.
     #[inline(always)]
     fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.lit(square)
     }
 
-    /// Takes down a row of the Jacobian.
+    /// Stores a row of the Jacobian.
     #[inline(always)]
     fn put(&mut self, number: usize, wrench: &Wrench<B>) {
         let Wrench { force, moment, .. } = *wrench;
@@ -221,7 +220,7 @@ impl<B: Real> Blocks<B> {
         self.right[place] = three(&row, &self.order.columns, 3);
     }
 
-    /// Eliminates, once all rows are there.
+    /// Forms inverses and determinants, once all rows are stored.
     #[inline(always)]
     fn eliminate(&mut self) {
         let [a0, a1, a2, ..] = self.left;
@@ -289,7 +288,7 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// The multipliers with J^T (...) = wrench.
+    /// The multipliers m with J^T m = wrench.
     #[inline(always)]
     fn solve_transposed(&self, wrench: &Wrench<B>) -> [B; 6] {
         let (force, moment) = (wrench.force, wrench.moment * self.inverse_size);
@@ -320,13 +319,13 @@ impl<B: Real> Blocks<B> {
     }
 }
 
-/// The derivative.
+/// The first derivatives of a vector of series.
 #[inline(always)]
 fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
     Vector3::new(vector.x[1], vector.y[1], vector.z[1])
 }
 
-/// What the unknowns become by a twist of the mechanism.
+/// The unknowns after a small twist of the knuckle.
 #[inline(always)]
 fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
     let [x, y, z, a, b, c] = unknowns;
@@ -343,7 +342,7 @@ pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
     travel: B,
-    /// Room for the equations about the pose; whether they are there.
+    /// Room for the equations about the pose; `is_linear` says whether they have been formed.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
 }
@@ -382,7 +381,7 @@ impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
 }
 
 impl<B: SimdReal> Linear<B> {
-    /// Of which nothing is known yet.
+    /// Equations of zeros, to be formed before they are used.
     #[inline(always)]
     fn unformed(way: &ByLinkage, like: B) -> Self {
         let zero = like.zero();
@@ -512,7 +511,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 }
 
-/// What gradients take, by the closure equations.
+/// Forms gradients from the closure equations in a pose.
 struct LinkageAdjoint<'p, B> {
     closure: &'p Closure<B>,
     at: &'p Configuration<'p, B>,
@@ -546,7 +545,7 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
 
     #[inline(always)]
     fn work(self) {
-        // Where the travel stands says nothing about the rows.
+        // The rows do not depend on the value of the travel.
         let driver = Driver::Travel(self.at.rack.zero());
         for number in 0..6 {
             let (_, wrench) = self.closure.row(number, self.at, driver);
@@ -556,14 +555,14 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
     }
 }
 
-/// What gradients along the travel take, by the closure equations as series.
+/// Forms gradients as series along the travel from the closure equations as series.
 pub(crate) struct SeriesAdjoint<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,
     blocks: Blocks<Jet<B, 2>>,
 }
 
-/// Takes away what the closure equations make of a derivative by the pose.
+/// Subtracts from a gradient what the closure equations contribute by a derivative by the pose.
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,
@@ -591,7 +590,7 @@ impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
 }
 
 impl<B: SimdReal> SeriesAdjoint<'_, B> {
-    /// As [`LaneAdjoint::subtract`], of series along the travel.
+    /// As [`LaneAdjoint::subtract`], for series along the travel.
     #[inline(always)]
     pub(crate) fn subtract(&self, wrench: &Wrench<Jet<B, 2>>, gradient: &mut [Vector3<Jet<B, 2>>]) {
         self.at.rack.0[0].outlined(SubtractingSeries {
@@ -624,7 +623,8 @@ impl ByLinkage {
         }
     }
 
-    /// For a mechanism driven by its travel; `None` where `base` is no start.
+    /// Prepares to solve designs of a mechanism driven by its travel. `None` if another quantity drives, or if designs
+    /// near `base` cannot be tracked.
     pub(crate) fn of(
         mechanism: &Mechanism,
         base: &[Vector3<f64>],
@@ -670,7 +670,7 @@ impl ByLinkage {
         });
     }
 
-    /// A wheel on its own, of a design of this batch.
+    /// The equations of a single wheel, for a design of this batch.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -686,7 +686,7 @@ impl ByLinkage {
         }
     }
 
-    /// A wheel of a pair, of a design of this batch.
+    /// The equations of one wheel of a pair, for a design of this batch.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,
@@ -710,14 +710,14 @@ impl ByLinkage {
     }
 }
 
-/// Newton's steps in the six unknowns.
+/// Newton steps in the six unknowns.
 struct NewtonSteps<'w, 'd, B> {
     way: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
-    /// The equations about the last unknowns they were formed at.
+    /// The equations about the unknowns at which they were last formed.
     linear: RefCell<Linear<B>>,
-    /// Of the linearisation with which each lane settled.
+    /// Determinants of A and S in the linearisation with which each lane converged.
     determinants: [B; 2],
 }
 
@@ -734,7 +734,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Linearises about unknowns, lanes being frozen that have settled. Returns the step to where the equations hold.
+    /// Linearises about unknowns. Determinants of lanes that have settled are kept. Returns the configuration there,
+    /// and the Newton step.
     #[inline(always)]
     fn linearise(
         &mut self,
@@ -760,7 +761,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, step)
     }
 
-    /// Where a step is small.
+    /// Lanes in which a step is no larger than a prediction may be wrong.
     #[inline(always)]
     fn is_near(&self, step: &Twist<B>) -> B::Mask {
         let like = step.shift.x;
@@ -769,8 +770,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
-    /// Looks at what a step has come to: where the residuals are rounding, and the unknowns with what is left of them
-    /// taken away by the Jacobian at hand, for the sake of rates.
+    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the
+    /// unknowns corrected once more with the Jacobian at hand, for the sake of rates.
     #[inline(always)]
     fn look(
         &mut self,
@@ -819,11 +820,11 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// A wheel on its own.
+/// The equations of a single wheel.
 pub(super) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
     steps: NewtonSteps<'w, 'd, B>,
     visitor: &'w mut V,
-    /// Where the prediction of this place was near.
+    /// Lanes in which the prediction of this place was near.
     is_near: B::Mask,
 }
 
@@ -893,17 +894,17 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_,
     }
 }
 
-/// A wheel of a pair.
+/// The equations of one wheel of a pair.
 pub(super) struct LinkageWheel<'w, 'd, B> {
     steps: NewtonSteps<'w, 'd, B>,
     on_knuckle: WheelOnKnuckle<B>,
-    /// Of the last linearisation: the way to the travel wanted, and that by the travel.
+    /// From the last linearisation: the remaining step to the wanted travel, and the derivative of the pose by travel.
     rest: Twist<B>,
     by_travel: Twist<B>,
 }
 
 impl<B: SimdReal> LinkageWheel<'_, '_, B> {
-    /// Centre, from the origin of the knuckle, and spin axis.
+    /// The wheel centre relative to the origin of the knuckle, and the spin axis.
     #[inline(always)]
     fn carried(&self, rotation: &Matrix3<B>) -> (Vector3<B>, Vector3<B>) {
         let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
@@ -993,8 +994,8 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
 }
 
 impl Order {
-    /// The order of complete pivoting, moments divided by the size; `None` where the matrix is singular
-    /// or as good as that.
+    /// The order that complete pivoting finds, with moments divided by the size. `None` if the matrix is singular or as
+    /// good as singular.
     fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
         let mut a = wrenches.map(|row| {
             let mut row = row.to_row();
@@ -1030,7 +1031,7 @@ impl Order {
     }
 }
 
-/// What is watched along the path.
+/// Numbers whose change from place to place is guarded along the path.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     /// The knuckle's turn, as tan(angle/2) times the axis.
@@ -1048,8 +1049,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
-    /// Accepts lanes where nothing changed so much since the place before that it could have vanished on the
-    /// way.
+    /// Accepts lanes where no determinant has changed so much since the place before that it could have vanished
+    /// between the two, and where the knuckle has not turned far.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;

@@ -54,13 +54,13 @@ pub struct Batch<'a> {
     mechanism: &'a Mechanism,
     way: Method,
     drive: Drive,
-    /// One for each displacement of the rack.
+    /// A route for each displacement of the rack.
     routes: Vec<Route>,
     /// Pairs of points whose distance must be a length.
     distinct: Vec<(PointId, PointId)>,
     /// The square of the shortest length.
     shortest: f64,
-    /// How far anything may be from its length.
+    /// The largest residual that counts as rounding, as a length.
     tolerance: f64,
 }
 
@@ -70,10 +70,10 @@ enum Method {
     Linkage(ByLinkage),
 }
 
-/// What is read off the poses.
+/// Receives the poses that the tracker solves.
 pub trait Visit<B: SimdReal> {
-    /// A pose. Lanes that are not accepted hold anything, NaN included. Stations that no lane is accepted at
-    /// are not visited.
+    /// Receives a pose. Lanes that are not accepted may hold anything, NaN included. A station is left out if no lane
+    /// was accepted at the place before it on its leg.
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
 }
 
@@ -81,9 +81,9 @@ pub trait Visit<B: SimdReal> {
 #[derive(Clone)]
 pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
-    /// The point of the knuckle that poses tell.
+    /// The origin of the knuckle in the design position; poses give its position.
     origin: Vector3<B>,
-    /// Whether all rods have a length.
+    /// Lanes in which all rods have a length.
     distinct: B::Mask,
 }
 
@@ -107,7 +107,7 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
-/// What the gradients in all poses of a design have in common, where there is something.
+/// What the gradients in all poses of a design have in common; `None` for a mechanism without a closed form.
 pub struct LaneMembers<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
@@ -129,26 +129,27 @@ impl<B: SimdReal> LaneDesign<'_, B> {
 
 /// The mechanism in a pose, in each lane.
 pub trait LanePose<B: SimdReal> {
-    /// Where a vector of the knuckle points now.
+    /// A vector of the knuckle in this pose.
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B>;
-    /// Where the knuckle's origin is now.
+    /// Position of the knuckle's origin.
     fn origin(&self) -> Vector3<B>;
-    /// A point of the steering axis, the vector along it, and where both are well known: an instantaneous axis
-    /// takes a knuckle that the rack turns, and about anything but a level.
+    /// A point of the steering axis, the vector along it, and the lanes in which both are well known. An instantaneous
+    /// axis is well known if the rack turns the knuckle enough, and about an axis that does not lie flat.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// The derivatives by the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity by the rack's displacement, the travel held, from the
     /// rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
-    /// Where velocities are well known: the knuckle does not turn fast, as it does beside a fold.
+    /// Lanes in which velocities are well known: those in which the knuckle does not turn fast, as it does beside a
+    /// fold.
     fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
-    /// The same as a configuration, with the rack where it is.
+    /// The pose as a configuration with this rack displacement.
     fn configuration(&self, rack: B) -> Configuration<'_, B>;
-    /// What gradients take, driven by the travel; from the configuration and the rates of this pose.
+    /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
         &'p self,
         members: &'p LaneMembers<B>,
@@ -156,7 +157,7 @@ pub trait LanePose<B: SimdReal> {
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p;
 
-    /// Where a point of the knuckle is now.
+    /// Position of a point of the knuckle.
     #[inline(always)]
     fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
         self.origin() + self.vector(&point.0)
@@ -175,18 +176,18 @@ pub trait LaneAdjoint<B: SimdReal> {
 pub struct LaneRates<B> {
     origin: Vector3<B>,
     turn: Vector3<B>,
-    /// Of the vector along the steering axis, where it runs through two joints.
+    /// Rate of the vector along the steering axis; it has a meaning only where the axis runs through two joints.
     steering_axis: Vector3<B>,
 }
 
 impl<B: SimdReal> LaneRates<B> {
-    /// Of a vector of the knuckle that points here now.
+    /// Rate of a vector fixed to the knuckle, from the vector in this pose.
     #[inline(always)]
     pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
         self.turn.cross(now)
     }
 
-    /// Of a point of the knuckle that is here now.
+    /// Velocity of a point fixed to the knuckle, from its position in this pose.
     #[inline(always)]
     pub fn point(&self, at: &impl LanePose<B>, now: Vector3<B>) -> Vector3<B> {
         self.origin + self.turn.cross(now - at.origin())
@@ -210,17 +211,17 @@ impl<B: SimdReal> LaneRates<B> {
 
 /// Steps longer than this part of the size are broken up.
 const LONGEST_STEP: f64 = 0.02;
-/// How far anything may be from its length, in parts of the reach: a few roundings. Rates beside a fold feel
-/// whatever is left a thousandfold.
+/// The largest residual that counts as rounding, as a part of the largest coordinate: a few roundings. What is left
+/// disturbs rates beside a fold a thousandfold.
 const TOLERANCE: f64 = 1e-15;
-/// Rods shorter than this part of the reach are left to the continuation.
+/// Designs with rods shorter than this part of the largest coordinate are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
-/// How many sizes from the origin accuracy is kept.
+/// Mechanisms farther from the origin than this, in sizes, are not tracked, since accuracy would be lost.
 const FAR: f64 = 100.0;
 
 impl<'a> Batch<'a> {
-    /// For designs of this mechanism that are not far from `base`, with the rack at each of `racks`
-    /// (towards the kernel's +y); `None` where they cannot be solved in lanes.
+    /// Prepares to solve designs of this mechanism that are not far from `base`, with the rack at each of `racks`
+    /// (towards the kernel's +y). `None` if they cannot be solved in lanes.
     pub fn new(
         mechanism: &'a Mechanism,
         base: &[Vector3<f64>],
@@ -254,17 +255,17 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Whether it visits every station: two may not coincide, and none be out of all reach.
+    /// Whether the tracker visits every station. It does not if two stations coincide, or if one is out of all reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// What drives.
+    /// The drive.
     pub fn drive(&self) -> Drive {
         self.drive
     }
 
-    /// Whether this is the steering axis that [`LanePose::steering_axis`] speaks of.
+    /// Whether `axis` is the steering axis that [`LanePose::steering_axis`] returns.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
         match &self.way {
             Method::Arm(way) => axis == Some(way.steering_axis()),
@@ -278,12 +279,13 @@ impl<'a> Batch<'a> {
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
     }
 
-    /// How many unknowns a single design has on its way with the rack at its `rack`-th place.
+    /// Length of the history of a single design along the route at the `rack`-th rack displacement: unknowns times
+    /// places.
     pub(crate) fn steps(&self, rack: usize) -> usize {
         self.unknowns() * self.routes[rack].places.len()
     }
 
-    /// Of one wheel.
+    /// Number of unknowns per station of one wheel.
     fn unknowns(&self) -> usize {
         match self.way {
             Method::Arm(_) => 1,
@@ -291,7 +293,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// The constants of designs, a point of all lanes after another.
+    /// The constants of designs, given as their points, each with all lanes.
     #[inline(always)]
     pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         outlined!(
@@ -330,7 +332,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Visits every station with the rack at its `rack`-th place. The design must be of this batch.
+    /// Visits every station with the rack at its `rack`-th displacement. The design must be of this batch.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -373,18 +375,18 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// How gradients of what is made of velocities are formed: by the closure equations as series along the travel.
+/// Forms gradients of quantities made of velocities, by the closure equations as series along the travel.
 #[derive(Clone, Debug)]
 pub(crate) struct AlongTravel(ByLinkage);
 
-/// Designs in lanes as series along the travel, along which they stay what they are.
+/// Designs in lanes as series along the travel, which are constant.
 pub(crate) struct SeriesDesign<B> {
     design: Vec<Vector3<Jet<B, 2>>>,
     closure: Closure<Jet<B, 2>>,
 }
 
 impl AlongTravel {
-    /// For designs of a mechanism like this one, driven by the travel; `None` where `base` is no start.
+    /// Prepares for designs of this mechanism near `base`, driven by the travel. `None` if they cannot be tracked.
     pub(crate) fn of(mechanism: &Mechanism, base: &[Vector3<f64>]) -> Option<Self> {
         ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
     }
@@ -406,7 +408,7 @@ impl AlongTravel {
         }
     }
 
-    /// What gradients take at a configuration of [`SeriesDesign::along`].
+    /// Prepares gradients at a configuration of [`SeriesDesign::along`].
     #[inline(always)]
     pub(crate) fn adjoint<'p, B: SimdReal>(
         &self,
@@ -418,7 +420,7 @@ impl AlongTravel {
 }
 
 impl<B: SimdReal> SeriesDesign<B> {
-    /// A configuration of the design along the travel, from how the knuckle moves there.
+    /// The configuration as a first-order series along the travel, from the rates of the knuckle.
     #[inline(always)]
     pub(crate) fn along<'p>(
         &'p self,
@@ -449,14 +451,14 @@ impl<B: SimdReal> SeriesDesign<B> {
 
 /// Stations of one design side by side, a station in each lane.
 impl Batch<'_> {
-    /// The stations in the order in which [`Batch::revisit`] has them, as many at a time as there are lanes.
+    /// The stations in the order in which [`Batch::revisit`] puts them into the lanes.
     pub fn revisited(&self, rack: usize) -> impl Iterator<Item = usize> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of a design that all lanes hold, from the `history` of its [`Batch::track_one`], which must have
-    /// accepted all of them: a station in each lane, group by group, the number of the group in place of that of a station.
-    /// Lanes for which there are no more stations repeat the last.
+    /// Visits the stations of a design that all lanes hold, a station in each lane. `history` is that of
+    /// [`Batch::track_one`], which must have accepted every station. The visitor gets the number of a group of stations
+    /// in place of a station's number. Lanes beyond the last station repeat it.
     #[inline(always)]
     pub fn revisit<B: SimdReal>(
         &self,

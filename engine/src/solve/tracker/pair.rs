@@ -33,25 +33,25 @@ use crate::solve::StationOrder;
 const MOST_ROUNDS: usize = 5;
 /// The least rise of a contact point by the travel of its wheel.
 const LEAST_RISE: f64 = 0.5;
-/// How far apart the heights of both contact points may be, in the tolerance of a length: a height is a sum of
-/// more roundings.
+/// How far apart the heights of both contact points may be, in tolerances of a length: a height is a sum of more
+/// roundings.
 const OF_HEIGHTS: f64 = 4.0;
 
-/// What the stations of a route are.
+/// The quantity whose values are the stations of a route.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PairDrive {
     /// Equal travels of both wheels, each on a level pad.
     Heave,
     /// Roll angles on a plane ground.
     Roll {
-        /// From the middle of the axle to a contact point, about.
+        /// Approximate distance of a contact point from the middle of the axle.
         half_track: f64,
         /// Loaded radius of the wheels.
         radius: f64,
     },
 }
 
-/// The stations that are visited in one go.
+/// Stations that are visited together.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll; 0 in heave.
@@ -70,7 +70,7 @@ pub struct PairBatch<'a> {
     routes: Vec<Route>,
 }
 
-/// Where an axle stands.
+/// The position of an axle, in each lane.
 #[derive(Clone, Copy)]
 pub struct Stand<B> {
     /// Travels of left and right wheel.
@@ -81,9 +81,9 @@ pub struct Stand<B> {
     pub roll: B,
 }
 
-/// What is read off the poses of both wheels.
+/// Receives the poses of both wheels.
 pub trait VisitPair<B: SimdReal> {
-    /// The poses of left and right wheel, each in its own frame, as [`Visit::pose`](super::Visit::pose) has them.
+    /// Receives the poses of left and right wheel, each in its own frame, as [`Visit::pose`](super::Visit::pose) does.
     fn pair<P: LanePose<B>>(
         &mut self,
         station: usize,
@@ -93,25 +93,25 @@ pub trait VisitPair<B: SimdReal> {
     );
 }
 
-/// How a wheel moves, to first order, from unknowns that are near a pose.
+/// A wheel linearised about unknowns that are near a pose.
 pub(super) struct Linear<B: SimdReal> {
     /// The wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
-    /// Velocity of the wheel centre and angular velocity, to the pose at the travel wanted,
+    /// Displacement of the wheel centre and turn from the unknowns to the pose at the wanted travel.
     pub rest: [Vector3<B>; 2],
-    /// and from there on by the travel.
+    /// Velocity of the wheel centre and angular velocity by the travel.
     pub rate: [Vector3<B>; 2],
-    /// Whether the pose is near.
+    /// Lanes in which that pose is near.
     pub is_near: B::Mask,
 }
 
-/// What unknowns have come to.
+/// A wheel after a correction of its unknowns.
 pub(super) struct Corrected<B: SimdReal, const N: usize> {
-    /// Where the residuals are rounding.
+    /// Lanes whose residuals are rounding.
     pub is_settled: B::Mask,
-    /// The unknowns, what is left of the residuals taken away.
+    /// The unknowns, corrected once more for the residuals that are left.
     pub unknowns: [B; N],
     /// The wheel centre.
     pub centre: Vector3<B>,
@@ -121,19 +121,19 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, of `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// What is watched along the path.
+    /// Numbers whose change from place to place is guarded along the path.
     type Guard: Copy;
 
     /// Derivatives of the unknowns by travel and by the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises at unknowns near the pose at a travel, lanes being frozen that have settled.
+    /// Linearises about unknowns near the pose at a travel. Lanes that have settled keep what the guard needs.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
-    /// The unknowns at a travel so much beyond that of the linearisation.
+    /// The unknowns at the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
-    /// Looks at unknowns that should be those at a travel.
+    /// Checks unknowns that should be those at a travel.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
-    /// Accepts lanes that are well conditioned and on their branch, `step` being the way from the guard before in
-    /// travel, on the stations' legs.
+    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the guard
+    /// before; it is given on the legs of stations.
     fn check(
         &self,
         unknowns: &[B; N],
@@ -161,7 +161,8 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
     }
 }
 
-/// Height of the contact point over the ground's origin, with its change by the motions of the wheel.
+/// Height of the contact point over the ground's origin at the wanted travel, and its derivative by travel, both to
+/// first order.
 #[inline(always)]
 fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
     let lever = ground.contact_lever(wheel.axis, radius);
@@ -176,8 +177,8 @@ fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B;
 }
 
 impl<'a> PairBatch<'a> {
-    /// For axles of these mechanisms near `bases`, left and right, each in its own frame; `None` where they cannot
-    /// be solved in lanes.
+    /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in its own frame. `None` if they
+    /// cannot be solved in lanes.
     pub fn new(
         mechanisms: [&'a Mechanism; 2],
         bases: [&[Vector3<f64>]; 2],
@@ -202,7 +203,7 @@ impl<'a> PairBatch<'a> {
         })
     }
 
-    /// Whether it visits every station: two may not coincide, and none be out of all reach.
+    /// Whether every station is visited. One is not if it coincides with another, or if it is out of all reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -219,8 +220,8 @@ impl<'a> PairBatch<'a> {
         vec![like.zero(); (2 * unknowns + 1) * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of this number. The designs, left and right, must be of [`PairBatch::wheel`], and
-    /// `points` what they were made of.
+    /// Visits the stations of entry `stations` of those given to [`PairBatch::new`]. The designs, left and right, must
+    /// be of [`PairBatch::wheel`], and `points` must be the points they were made of.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -269,7 +270,7 @@ impl<'a> PairBatch<'a> {
         }
     }
 
-    /// Both wheels, of designs of this batch.
+    /// The equations of both wheels, for designs of this batch.
     #[inline(always)]
     fn pair<'w, B, W, V, const N: usize>(
         &'w self,
@@ -298,21 +299,21 @@ impl<'a> PairBatch<'a> {
     }
 }
 
-/// Both wheels of an axle, each of `N` unknowns: those of the left wheel, those of the right one and half the difference of
-/// their travels are the unknowns.
+/// The equations of both wheels of an axle, each with `N` unknowns. The unknowns are those of the left wheel, those of
+/// the right one, and half the difference of their travels.
 struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     batch: &'w PairBatch<'w>,
     wheels: [W; 2],
     /// How far apart the heights of both contact points may be.
     level: B,
-    /// Where both wheels stand on one ground: their loaded radius.
+    /// Loaded radius of the wheels, if both stand on one ground.
     radius: Option<f64>,
     visitor: &'w mut V,
     /// The ground at this place, in the left wheel's frame.
     ground: Ground<B>,
-    /// Where the prediction of this place was near,
+    /// Lanes in which the prediction of this place was near.
     is_near: B::Mask,
-    /// and where both contact points rise as their wheels do.
+    /// Lanes in which both contact points rise as their wheels do.
     rises: B::Mask,
 }
 
@@ -326,7 +327,7 @@ impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     }
 }
 
-/// The unknowns of both wheels and half the difference of their travels.
+/// Splits the unknowns into those of each wheel and half the difference of their travels.
 #[inline(always)]
 fn parted<B: Copy, const N: usize, const ALL: usize>(unknowns: &[B; ALL]) -> ([[B; N]; 2], B) {
     const { assert!(ALL == 2 * N + 1) };
@@ -336,7 +337,7 @@ fn parted<B: Copy, const N: usize, const ALL: usize>(unknowns: &[B; ALL]) -> ([[
     (wheels, unknowns[2 * N])
 }
 
-/// The same as one.
+/// Joins the unknowns of both wheels and half the difference of their travels.
 #[inline(always)]
 fn joined<B: Copy, const N: usize, const ALL: usize>(wheels: &[[B; N]; 2], half: B) -> [B; ALL] {
     const { assert!(ALL == 2 * N + 1) };
@@ -354,7 +355,7 @@ where
     V: VisitPair<B>,
 {
     const MOST_ROUNDS: usize = MOST_ROUNDS;
-    /// Those of both wheels, and their travels.
+    /// Guards of both wheels, and their travels.
     type Guard = ([Option<W::Guard>; 2], [B; 2]);
 
     #[inline(always)]
@@ -497,7 +498,7 @@ where
     }
 }
 
-/// [`Wheel::linear`] in a function of its own, for both wheels.
+/// [`Wheel::linear`], out of line, for both wheels.
 #[inline(always)]
 fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     wheel: &mut W,
@@ -512,7 +513,7 @@ fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     )
 }
 
-/// [`Wheel::corrected`] likewise.
+/// [`Wheel::corrected`], out of line, for both wheels.
 #[inline(always)]
 fn corrected<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     wheel: &mut W,

@@ -1,4 +1,4 @@
-//! A single design: one number at a time, for nothing is gained from lanes that all hold the same.
+//! Tracks a single design, one number at a time, since nothing is gained from lanes that all hold the same.
 
 use super::{Acceptance, Batch, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -6,42 +6,42 @@ use crate::model::{Drive, Mechanism};
 use crate::number::{Matrix3, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::StationOrder;
 
-/// Ways that are kept, each for a drive, a rack and an order of stations.
+/// The most ways that are kept, each for a drive, a rack displacement and an order of stations.
 const MOST_KEPT: usize = 32;
 
 /// Tracks one design after another of a mechanism.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTracker<'m> {
     mechanism: &'m Mechanism,
-    /// Designs are taken to be near this one.
+    /// The design near which others are expected to be.
     base: Vec<Vector3<f64>>,
     width: Width,
     ways: Vec<Way<'m>>,
-    /// Room for the unknowns.
+    /// Room for the unknowns at the places of a route.
     history: Vec<f64>,
 }
 
-/// The way through the stations.
+/// A way through stations, prepared for one drive, rack displacement and list of values.
 #[derive(Clone, Debug)]
 struct Way<'m> {
     drive: Drive,
     rack: f64,
     values: Vec<f64>,
-    /// None where the mechanism cannot be tracked.
+    /// `None` if the mechanism cannot be tracked.
     batch: Option<Batch<'m>>,
 }
 
-/// What the tracker makes of a design.
+/// The poses of a design that the tracker found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrackedPoses {
-    /// By station.
+    /// For each station its pose, or why the tracker has none.
     pub poses: Vec<Result<Pose<f64>, Rejection>>,
-    /// Rounds of corrections.
+    /// Number of rounds of corrections.
     pub rounds: u64,
 }
 
 impl TrackedPoses {
-    /// Of nothing tracked yet.
+    /// Forgets all poses: until they are tracked, the stations count as not visited.
     pub(crate) fn clear(&mut self, station_order: &StationOrder) {
         self.poses.clear();
         let nowhere = Err(Rejection::NotOnTheWay);
@@ -61,7 +61,7 @@ impl<'m> PoseTracker<'m> {
         }
     }
 
-    /// Finds the poses of a design at every station, as far as the guards let pass; `found` has been cleared.
+    /// Finds the poses of a design at every station, as far as the guards accept them. `found` must have been cleared.
     pub(crate) fn track(
         &mut self,
         design: &[Vector3<f64>],
@@ -98,7 +98,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Where a leg has come to its end before a station, the reason is that of the leg.
+            // Stations that a leg did not reach have the leg's reason.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {
@@ -114,8 +114,8 @@ impl<'m> PoseTracker<'m> {
 }
 
 impl Batch<'_> {
-    /// Tracks a single design with the rack at its `rack`-th place, and adds to `history` what [`Batch::revisit`] takes.
-    /// Returns whether it was accepted everywhere.
+    /// Tracks a single design with the rack at its `rack`-th displacement, and appends to `history` the unknowns that
+    /// [`Batch::revisit`] needs. Returns whether every station was accepted.
     pub(crate) fn track_one(
         &self,
         width: Width,
@@ -139,19 +139,19 @@ impl Batch<'_> {
 struct Tracking<'t, 'm> {
     batch: &'t Batch<'m>,
     design: &'t [Vector3<f64>],
-    /// The number of the rack's place, and where that is.
+    /// Index of the rack displacement, and the displacement.
     number: usize,
     rack: f64,
-    /// Takes the poses by station, if it has room for them.
+    /// Receives the poses by station; empty if poses are not wanted.
     into: &'t mut [Result<Pose<f64>, Rejection>],
-    /// Takes the unknowns, place by place.
+    /// Receives the unknowns, place by place.
     history: &'t mut Vec<f64>,
-    /// Takes the rounds of corrections.
+    /// Receives the number of rounds of corrections.
     rounds: &'t mut u64,
 }
 
 impl SimdTask for Tracking<'_, '_> {
-    /// Why it ended before the last station, above the design position and below.
+    /// Why the tracker did not get to the last station, above the design position and below it.
     type Output = [Option<Rejection>; 2];
 
     #[inline(always)]
@@ -201,7 +201,7 @@ impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
     }
 }
 
-/// What the first lanes of a vector hold.
+/// The first lane of each component.
 #[inline(always)]
 fn first_of<B: SimdReal>(vector: Vector3<B>) -> Vector3<f64> {
     vector.map(

@@ -8,23 +8,24 @@
 use crate::number::Jet;
 use crate::solve::StationOrder;
 
-/// Places that values are predicted from,
+/// Number of places from which values are predicted.
 const NEIGHBOURS: usize = 8;
-/// and slopes: a slope corrects what a prediction misses, so it need not be as good.
+/// Number of places from which slopes are predicted. A slope only corrects what a prediction misses, so it need not be
+/// as good.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Nothing takes so many steps to get to: it is for the continuation to say so.
+/// A value that takes more steps is taken to be out of all reach, and left to the continuation.
 const MOST_STEPS: f64 = 1e3;
-/// Weights of places visited before, by their numbers; where there are fewer, the rest have none.
+/// Weights of places visited before, with their numbers. If there are fewer places, the other entries have weight 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
-/// Where a place lies from the one before.
+/// The part of the route that a place belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
-    /// At zero drive, the rack on its way, and the heave at which both wheels are to roll.
+    /// At zero drive, while the rack moves to its displacement and, for wheels that roll, the heave to its value.
     Rack,
     /// Above the design position.
     Up,
-    /// Below it.
+    /// Below the design position.
     Down,
 }
 
@@ -36,45 +37,45 @@ impl Leg {
     }
 }
 
-/// A place on the way.
+/// A place of the route.
 #[derive(Clone, Debug)]
 pub(crate) struct RouteStep {
     /// Value of the drive.
     pub value: f64,
     /// Displacement of the rack.
     pub rack: f64,
-    /// Mean travel of both wheels where these roll; else 0.
+    /// Mean travel of both wheels if these roll; else 0.
     pub heave: f64,
-    /// The station that lies here; none where a long step is broken up.
+    /// The station at this place; `None` for a place that breaks up a long step.
     pub station: Option<usize>,
     pub leg: Leg,
-    /// From the place before on this leg.
+    /// Change of the drive from the place before on this leg.
     pub step: f64,
-    /// Predicts the value here...
+    /// Predicts the unknowns here, together with the three steps along slopes of the base design that follow.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// ... together with this much of the drive along the slope of the base design: the first step has
-    /// nothing else to go by.
+    /// Step of the drive along the slope by the drive: the first step has nothing else to be predicted from.
     pub along_slope: f64,
-    /// ... and this much of the rack along the slope by the rack,
+    /// Step of the rack along the slope by the rack.
     pub along_rack: f64,
-    /// and of the heave along that by the travel.
+    /// Step of the heave along the slope by the travel.
     pub along_heave: f64,
-    /// Predicts the slope by the drive here; none where there is but one place to go by.
+    /// Predicts the slope by the drive here; `None` if there is only one place to predict it from.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
-/// The places in the order of the visit: the design position, the rack to where it is to be, the stations.
+/// The places in the order in which they are visited: the design position, those on the way of the rack to its
+/// displacement, the stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
-    /// Whether every station lies on it: not those at a value that another one has already, nor those out of
+    /// Whether the route visits every station. It leaves out a station with the same value as another, and one out of
     /// all reach.
     pub is_complete: bool,
 }
 
 impl Route {
-    /// The way through the stations in steps of the drive no longer than `longest`, rack and heave going to their
-    /// places first, in steps of either no longer than `longest_of_lead`.
+    /// The route through the stations in steps of the drive no longer than `longest`. Before, rack and heave go to
+    /// their values in steps of either no longer than `longest_of_lead`.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave]: [f64; 2],
@@ -186,7 +187,7 @@ fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     Some(steps)
 }
 
-/// The line through the two places before, equally far apart.
+/// Extrapolates the line through the two places before, all three being equally far apart.
 fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
     let mut stencil = [(0, 0.0); NEIGHBOURS];
     match number {
@@ -200,7 +201,7 @@ fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
 /// Values of the drive in the order of the visit, from zero outward on both sides.
 struct Visited {
     values: Vec<f64>,
-    /// The numbers of those above zero and of those below.
+    /// Indices of the values above zero and of those below.
     sides: [Vec<usize>; 2],
 }
 
@@ -214,7 +215,7 @@ impl Visited {
         self.values.push(value);
     }
 
-    /// The places nearest to a value that is farther out than all of them.
+    /// The indices of the places nearest to a value that is farther out than all places on its side.
     fn nearest(&self, value: f64, count: usize) -> Vec<usize> {
         let own = &self.sides[Self::side(value)];
         let across = &self.sides[1 - Self::side(value)];
@@ -229,8 +230,8 @@ impl Visited {
         numbers
     }
 
-    /// Of the weights prod (x - x_m)/(x_j - x_m) and their derivatives by x one `part`; `first` is the number
-    /// of the place at zero.
+    /// For each neighbour j: `part` of the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative by x. `first`
+    /// is the index of the place at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,

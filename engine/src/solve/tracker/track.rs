@@ -1,11 +1,11 @@
-//! The way from place to place, whatever the unknowns are: they are predicted from the places before, corrected by Newton's
-//! method until what is left is rounding, and guarded.
+//! The loop from place to place, whatever the unknowns are: they are predicted from the places before, corrected by
+//! Newton's method until the residuals are rounding, and guarded.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
 use crate::number::SimdReal;
 
-/// What the tracker says at the end of its way.
+/// The result of tracking a route.
 #[derive(Clone, Copy)]
 pub struct Tracked<B: SimdReal> {
     /// Which lanes are accepted to the end, above the design position and below.
@@ -22,17 +22,17 @@ impl<B: SimdReal> Tracked<B> {
     }
 }
 
-/// The equations for the `N` unknowns of a place, and where the poses that solve them go.
+/// The equations for the `N` unknowns of a place, and the visitor of the poses that solve them.
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Corrections a lane may take to settle.
     const MOST_ROUNDS: usize;
-    /// What is watched along the path.
+    /// Numbers whose change from place to place is guarded along the path.
     type Guard: Copy;
 
-    /// The unknowns as the places before have them.
+    /// The unknowns as predicted from the places before.
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; N];
-    /// One correction, the first of a place being number 1. Returns where what is left is rounding. Lanes that have settled
-    /// stay where they are.
+    /// Makes one correction; the first of a place is round 1. Returns the lanes whose residuals are rounding. Lanes
+    /// that have settled keep their unknowns.
     fn correct(
         &mut self,
         place: &RouteStep,
@@ -40,7 +40,8 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         settled: B::Mask,
         round: usize,
     ) -> B::Mask;
-    /// Accepts lanes that are well conditioned and on their branch, from the guard of the place before, if there is one.
+    /// Accepts lanes that are well conditioned and on their branch, which is judged from the guard of the place before,
+    /// if there is one. Returns the guard of this place.
     fn check(
         &mut self,
         place: &RouteStep,
@@ -58,7 +59,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     );
 }
 
-/// Visits every place, `history` having room for the unknowns of all.
+/// Visits every place. `history` must have room for the unknowns of all.
 #[inline(always)]
 pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,
@@ -79,7 +80,7 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // What other places are predicted from must be a number even where nothing was found.
+        // Other places are predicted from this one, so it must hold numbers even if nothing was found.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;
@@ -115,8 +116,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     tracked
 }
 
-/// The unknowns as the places before have them, and so much along the slopes of the base design, which the first steps go
-/// by.
+/// The unknowns as predicted from the places before, plus `along_slopes`, a step along the slopes of the base design
+/// with which the first steps are predicted.
 #[inline(always)]
 pub(super) fn predicted<B: SimdReal, const N: usize>(
     place: &RouteStep,
@@ -131,8 +132,8 @@ pub(super) fn predicted<B: SimdReal, const N: usize>(
     unknowns
 }
 
-/// A weighted sum of places visited, each with `N` numbers of which it is the one asked for; the nearest place, which is
-/// known last, is added last.
+/// The weighted sum of number `unknown` of the `N` numbers of places visited. The nearest place, which is known last,
+/// is added last.
 #[inline(always)]
 pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     weights: &Stencil<PLACES>,

@@ -289,7 +289,7 @@ impl Reader<'_> {
         Some((name, vec![of]))
     }
 
-    /// The radii of so many members.
+    /// The radii of `count` members; zeros if none are given.
     fn radii(&self, count: usize, problems: &mut Problems) -> Option<Vec<f64>> {
         let Some(radii) = &self.written.radii else {
             return Some(vec![0.0; count]);

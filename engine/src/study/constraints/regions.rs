@@ -305,7 +305,7 @@ fn rim_ends(
     Some(ends)
 }
 
-/// What is left of a room beside a gap.
+/// The part of `room` that a gap leaves.
 fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems) -> Option<f64> {
     if room > gap {
         return Some(room - gap);

@@ -1,4 +1,4 @@
-//! Running a plan: march, read, differentiate.
+//! Running a plan: visit the stations, read, differentiate.
 
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::KnucklePose => self.by_knuckle_pose()?,
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
-        // The march goes outward; results are in the order of the motion.
+        // Stations are visited outward; results are in the order of the motion.
         self.sensitivities.sort_by_key(|s| s.station);
         Ok(Curves {
             columns: self.columns,
@@ -259,7 +259,7 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 
     /// The value of every column of an output, at a station of the motion whose drive is so far from the
-    /// design position. The solver is that of the march, if there is one.
+    /// design position. The solver is that of the visit, if there is one.
     pub(super) fn values(
         &self,
         solver: Option<&Solver>,

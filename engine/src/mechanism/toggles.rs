@@ -15,14 +15,14 @@ use std::ops::ControlFlow;
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
-/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. Where a rod might
+/// Watches rockers from station to station: outward from the design position, none goes beyond a toggle. Where a rod might
 /// have come to one between two stations and back, poses between them are looked at, down to 1/4096 of the way.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Where the march goes, if what is between its stations can be looked at.
+    /// The drive and rack of the visit, if what is between its stations can be looked at.
     way: Cell<Option<(Drive, f64)>>,
-    /// The rockers at or beyond toggle where the march began, by number, and where their rods were.
+    /// The rockers at or beyond toggle where the visit began, by number, and where their rods were.
     at_start: Cell<Stuck>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<Past>,
@@ -35,7 +35,7 @@ type Stuck = u32;
 /// The rockers at a toggle, and where the rods of all that are watched are.
 type Seen = (Stuck, Vec<RodReach<f64>>);
 
-/// Where the march was last.
+/// Where the visit was last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
     value: f64,
@@ -67,7 +67,7 @@ impl Toggles {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
 
-    /// Makes ready for a march of the solver's design, from zero drive with the rack where it will be.
+    /// Makes ready for a visit to stations of the solver's design, from zero drive with the rack where it will be.
     pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
         if self.watched.is_empty() {
             return Ok(());
@@ -98,14 +98,14 @@ impl Toggles {
         Ok(())
     }
 
-    /// Makes ready for another march that begins where the last one did.
+    /// Makes ready for another visit that begins where the last one did.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);
         self.way.set(way);
     }
 
-    /// Makes ready for a march that begins in this pose. What is between its stations is not looked at.
+    /// Makes ready for a visit that begins in this pose. What is between its stations is not looked at.
     pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         let (stuck, rods) = self.seen(at, 0, |c| c[0]);
         self.begin_with(stuck, rods);
@@ -119,8 +119,8 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning;
-    /// returns the first rocker that has come to a toggle there or before. The solver is that of the march.
+    /// Looks at the next station of the visit, where the drive is `value` away from its beginning;
+    /// returns the first rocker that has come to a toggle there or before. The solver is that of the visit.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -131,7 +131,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // Else the march has turned to the other side of its beginning.
+        // Else the visit has turned to the other side of its beginning.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = match goes_on {
             true => (past.value, past.stuck),
@@ -149,12 +149,12 @@ impl Toggles {
             let mut between = |part: f64, before: Stuck| {
                 let mut found = None;
                 let order = StationOrder::through(&[from + part * (value - from)]);
-                let marched = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
+                let visited = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
                     let configuration = pose.map(|pose| solver.configuration(pose, rack));
                     found = configuration.ok().map(|at| self.seen(&at, before, |c| c));
                     ControlFlow::Continue(())
                 });
-                marched.ok().and(found)
+                visited.ok().and(found)
             };
             let ends = [&self.rods.borrow()[..], &rods];
             stuck = self.between(&mut between, [0.0, 1.0], ends, stuck, DEPTH);

@@ -200,7 +200,7 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Whether poses have to be read in the order of the march: rods of rockers are watched from station to station.
+    /// Whether poses have to be read in the order of the visit: rods of rockers are watched from station to station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()

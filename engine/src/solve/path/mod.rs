@@ -48,7 +48,7 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
-/// Gets the number of a station and its pose, or the reason there is none; may break off the march.
+/// Gets the number of a station and its pose, or the reason there is none; may break off the visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -156,9 +156,9 @@ impl<'m> Solver<'m> {
         self.size
     }
 
-    /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
+    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward
     /// from the design position; `visit` gets the station's number and its pose or the reason there is
-    /// none, and may break off the march.
+    /// none, and may break off the visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,
@@ -166,11 +166,11 @@ impl<'m> Solver<'m> {
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
-        self.march(drive, station_order, rack, &mut visit)
+        self.visit_stations(drive, station_order, rack, &mut visit)
     }
 
     /// The same, compiled once for all visitors.
-    fn march(
+    fn visit_stations(
         &mut self,
         drive: Drive,
         station_order: &StationOrder,

@@ -13,7 +13,7 @@ pub struct StationOrder {
 }
 
 impl StationOrder {
-    /// The march through these drive values.
+    /// The order of a visit to these drive values.
     pub fn through(values: &[f64]) -> Self {
         let (mut up, mut down): (Vec<_>, Vec<_>) =
             (0..values.len()).partition(|i| values[*i] >= 0.0);

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use support::quadratics::Quadratics;
 use support::random::Random;
-use support::{Case, order_to, motion, vector};
+use support::{Case, motion, order_to, vector};
 
 /// Travels at which the reference knows that no assembly exists on any branch.
 #[test]

@@ -9,7 +9,7 @@ use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
 use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
-use support::{Case, order_to, motion, vector};
+use support::{Case, motion, order_to, vector};
 
 /// The proved bound holds for every point of the reference, and is close to rounding for an ordinary
 /// design.

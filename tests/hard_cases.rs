@@ -18,7 +18,7 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
-use support::{AXES, Case, order_to, motion, number, sensitivity_errors, vector};
+use support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
 
 /// Whether a state lies on the path from the design position with this drive: the reference lists the
 /// other assemblies of the same drive value as well.

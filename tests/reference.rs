@@ -8,7 +8,7 @@ use hardpoint::model::Axis;
 use hardpoint::number::Jet;
 use serde_json::Value;
 use std::ops::ControlFlow;
-use support::{ANGLES, AXES, Case, Worst, order_to, motion, number, sensitivity_errors, vector};
+use support::{ANGLES, AXES, Case, Worst, motion, number, order_to, sensitivity_errors, vector};
 
 /// Everything the reference gives of a state, as (name, quantity, values of order 0, 1, 2).
 fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f64; 3])> {

@@ -227,19 +227,19 @@ impl DesignFunction {
             moved,
             axle,
         };
-        let sound = match &function.axle {
+        let solved = match &function.axle {
             Some(course) => {
-                let sound = course.evaluator(true).map(drop);
-                sound.map_err(|fault| course.both.axle.describe_fault(fault))
+                let solved = course.evaluator(true).map(drop);
+                solved.map_err(|fault| course.both.axle.describe_fault(fault))
             }
             None => {
-                let sound = function.values().map(drop);
-                let sound = sound.and_then(|()| function.gradients().map(drop));
-                sound.map_err(|fault| fault.describe(&function.suspension.mechanism))
+                let solved = function.values().map(drop);
+                let solved = solved.and_then(|()| function.gradients().map(drop));
+                solved.map_err(|fault| fault.describe(&function.suspension.mechanism))
             }
         };
         // From here on workspaces can be made.
-        sound.map_err(FunctionError::Design)?;
+        solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
 

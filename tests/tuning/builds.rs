@@ -36,7 +36,7 @@ fn with_problem<R>(
     f(&mut |x| {
         let mut at = Evaluation::new(count, x.len());
         LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
-        // Most builds are plain sailing.
+        // Most builds are accepted in lanes.
         let (in_lanes, name) = (
             problem.builds_in_lanes(),
             suspension.mechanism.topology.name,

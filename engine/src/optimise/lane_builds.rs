@@ -22,7 +22,7 @@ pub(super) struct LaneBuilds {
     /// `[group][variable][point][axis][lane]`
     ways: Vec<f64>,
     variables: usize,
-    right: Vec<bool>,
+    accepted: Vec<bool>,
 }
 
 impl LaneBuilds {
@@ -47,13 +47,13 @@ impl LaneBuilds {
             designs: vec![Vector3::default(); draws.len() * points],
             ways: vec![0.0; groups * variables * points * 3 * at_once],
             variables,
-            right: vec![false; draws.len()],
+            accepted: vec![false; draws.len()],
         }
     }
 
     /// Numbers of the builds that are put together at once, group by group.
     pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
-        let (count, at_once) = (self.right.len(), self.at_once);
+        let (count, at_once) = (self.accepted.len(), self.at_once);
         let firsts = (0..count).step_by(at_once);
         firsts.map(move |first| first..count.min(first + at_once))
     }
@@ -69,14 +69,14 @@ impl LaneBuilds {
         &self.ways[group.start / self.at_once * length..][..length]
     }
 
-    /// Whether a build is right; if not, it is to be put together one by one.
-    pub(super) fn is_right(&self, build: usize) -> bool {
-        self.right[build]
+    /// Whether a build is accepted; if not, it is to be put together one by one.
+    pub(super) fn is_accepted(&self, build: usize) -> bool {
+        self.accepted[build]
     }
 
     /// Leaves a build to go one by one.
-    pub(super) fn refuse(&mut self, build: usize) {
-        self.right[build] = false;
+    pub(super) fn reject(&mut self, build: usize) {
+        self.accepted[build] = false;
     }
 
     /// Puts the builds of a drawing together; `drawn` are the ways of the drawing.
@@ -147,13 +147,13 @@ impl SimdTask for Assembling<'_, '_> {
         let mut series_carrier = Vec::with_capacity(points);
         let mut first = 0;
         let mut place = 0;
-        while first < lanes.right.len() {
+        while first < lanes.accepted.len() {
             let changes = builds.sources().map(|source| &source.changes[..]);
             let numbers = (&lanes.draws[..], first, lanes.stride);
             parts.scatter(mechanism, &drawn, changes, numbers);
             let group =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut built);
-            let mut right = group.right;
+            let mut accepted = group.accepted;
             for by in along {
                 for (number, point) in series.points.iter_mut().enumerate() {
                     *point = with_rate(parts.points[number], by.points[number]);
@@ -171,7 +171,7 @@ impl SimdTask for Assembling<'_, '_> {
                     &mut series_carrier,
                     &mut moving,
                 );
-                right = right & lifted;
+                accepted = accepted & lifted;
                 for point in &moving {
                     for rate in [point.x.0[1], point.y.0[1], point.z.0[1]] {
                         rate.store(&mut lanes.ways[place..]);
@@ -179,10 +179,10 @@ impl SimdTask for Assembling<'_, '_> {
                     }
                 }
             }
-            let count = (lanes.right.len() - first).min(B::LANES);
+            let count = (lanes.accepted.len() - first).min(B::LANES);
             crate::sweep::scatter(&built, first, count, &mut lanes.designs);
             for lane in 0..count {
-                lanes.right[first + lane] = B::lane(right, lane);
+                lanes.accepted[first + lane] = B::lane(accepted, lane);
             }
             first += count;
         }

@@ -110,7 +110,7 @@ impl<'a> LaneRows<'a> {
     }
 
     /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their derivatives.
-    /// Returns whether all of it was plain sailing; if not, what is written is not to be used.
+    /// Returns whether all of it was accepted; if not, what is written is not to be used.
     pub(super) fn of_leg(
         &mut self,
         number: usize,
@@ -156,7 +156,7 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals of builds and their derivatives, as far as they are plain sailing.
+    /// Writes the residuals of builds and their derivatives, as far as they are accepted.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,
@@ -179,8 +179,8 @@ impl<'a> LaneRows<'a> {
                     }
                 });
                 for (lane, build) in group.clone().enumerate() {
-                    if !gradients.is_right(lane) {
-                        builds.refuse(build);
+                    if !gradients.is_accepted(lane) {
+                        builds.reject(build);
                     }
                 }
             }

@@ -43,7 +43,7 @@ pub struct Objective<'a> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     ways: Vec<Way>,
-    /// In lanes, where that can be: the residuals of a design that is plain sailing, and of such builds.
+    /// In lanes, where that can be: the residuals of a design that the lanes accept, and of such builds.
     lanes: Option<LaneRows<'a>>,
     /// Of a robust tuning, whose residuals are those of builds.
     builds: Option<Builds<'a>>,
@@ -414,7 +414,7 @@ impl<'a> Objective<'a> {
         let builds = self.builds.as_ref().map_or(0, Builds::count);
         let lanes = self.lane_builds.as_ref().filter(|_| self.lanes.is_some());
         (0..builds)
-            .filter(|build| lanes.is_some_and(|l| l.is_right(*build)))
+            .filter(|build| lanes.is_some_and(|l| l.is_accepted(*build)))
             .count()
     }
 
@@ -466,7 +466,7 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// The same of one wheel, in lanes: whether they tell all that is wanted, and the design was plain sailing.
+    /// The same of one wheel, in lanes: whether they tell all that is wanted, and the design was accepted.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Evaluation,
@@ -526,9 +526,13 @@ impl<'a> Objective<'a> {
             lanes.assemble(builds, alignment.as_ref(), &self.ways);
             rows.of_builds(self.layout, lanes, into);
         }
-        let in_lanes = |number| lanes.as_ref().is_some_and(|lanes| lanes.is_right(number));
-        let left = (0..builds.count()).filter(|number| !in_lanes(*number));
-        let found = self.evaluate_one_by_one(left, builds, alignment.as_ref(), into);
+        let in_lanes = |number| {
+            lanes
+                .as_ref()
+                .is_some_and(|lanes| lanes.is_accepted(number))
+        };
+        let fallback = (0..builds.count()).filter(|number| !in_lanes(*number));
+        let found = self.evaluate_one_by_one(fallback, builds, alignment.as_ref(), into);
         self.lane_builds = lanes;
         found
     }

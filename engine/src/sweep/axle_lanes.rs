@@ -119,12 +119,12 @@ impl<'a> AxleLanes<'a> {
 }
 
 impl SolvesInLanes for AxleLanes<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>) {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
         self.width.run(Evaluation {
             solver: self,
             designs,
             block,
-            left,
+            fallback,
         });
     }
 }
@@ -133,7 +133,7 @@ struct Evaluation<'s, 'a> {
     solver: &'s AxleLanes<'a>,
     designs: Pairs<'s>,
     block: &'s mut Block,
-    left: &'s mut Vec<usize>,
+    fallback: &'s mut Vec<usize>,
 }
 
 impl SimdTask for Evaluation<'_, '_> {
@@ -145,7 +145,7 @@ impl SimdTask for Evaluation<'_, '_> {
             solver,
             designs: [designs, rights],
             block,
-            left,
+            fallback,
         } = self;
         let AxleLanes { batch, readers, .. } = solver;
         let points = solver.stations.axle.left.design.len();
@@ -175,7 +175,7 @@ impl SimdTask for Evaluation<'_, '_> {
                 wheels: [&left_wheels, &right_wheels],
                 numbers: &[],
                 rack: like,
-                right: like.everywhere(),
+                accepted: like.everywhere(),
                 values,
             };
             let mut number = 0;
@@ -192,13 +192,13 @@ impl SimdTask for Evaluation<'_, '_> {
                     &mut history,
                     &mut reading,
                 );
-                reading.right = reading.right & solved.everywhere();
+                reading.accepted = reading.accepted & solved.everywhere();
                 number += 1;
             }
-            let solved = reading.right;
+            let solved = reading.accepted;
             for lane in 0..lanes {
                 if !B::lane(solved, lane) {
-                    left.push(first + lane);
+                    fallback.push(first + lane);
                 }
             }
             first += lanes;
@@ -215,8 +215,8 @@ struct Reading<'r, 'a, B: SimdReal> {
     /// Of the block's stations, those of the batch.
     numbers: &'r [usize],
     rack: B,
-    /// Lanes that are right so far.
-    right: B::Mask,
+    /// Lanes accepted so far.
+    accepted: B::Mask,
     /// Where to, as [`Block::from`] has it.
     values: &'r mut [f64],
 }
@@ -244,7 +244,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
         let inputs = &mut *self.right_inputs;
         let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
-        self.right = self.right & left_known & right_known;
+        self.accepted = self.accepted & left_known & right_known;
         let state = State {
             readings: [
                 LaneWheel::of(self.left_inputs),

@@ -12,7 +12,7 @@ use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
-use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted};
+use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, AngleTarget};
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
@@ -718,8 +718,8 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         let stations = Stations::of(&study.motion, &suspension.frame, &[]);
         let angles = differentiable(&study);
         let angles = &angles[..];
-        let wanted: Vec<Wanted> = (0..angles.len() * stations.count())
-            .map(|k| Wanted {
+        let wanted: Vec<AngleTarget> = (0..angles.len() * stations.count())
+            .map(|k| AngleTarget {
                 value: 0.01 * k as f64 - 0.02,
                 weight: (k % 3) as f64,
             })
@@ -780,7 +780,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
                 let largest = largest.fold(scale / size, f64::max);
                 let missed = (found - value).abs() / scale;
                 assert!(missed < 1e-12, "{name}: {quantity:?} {found} {value}");
-                let Wanted { value: v, weight } = wanted[k];
+                let AngleTarget { value: v, weight } = wanted[k];
                 sum += weight * (value - v) * (value - v);
                 for (point, wanted) in gradient.iter().enumerate() {
                     let found = by_point[point];

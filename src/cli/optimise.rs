@@ -5,7 +5,7 @@ use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
-use super::report::Wanted;
+use super::report::ReportOptions;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv, variable_doubts,
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let wanted = Wanted::open(arguments)?;
+    let report = ReportOptions::open(arguments)?;
     let of_wheel = |why| design_fault(&study, path, &why);
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
     let tuning = tuning.map_err(of_wheel)?;
@@ -141,7 +141,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record)?;
         files.push("report.json");
     }
-    files.extend(wanted.show(output.directory())?);
+    files.extend(report.show(output.directory())?);
 
     say_outcome(&output, &study, &summary)?;
     let has_front = choices.say(&output, optimise, &summary)?;

@@ -1,7 +1,7 @@
 //! Setting a suspension up: adjustments that give wanted static values.
 //!
 //! With a the adjustments and w(a) what is wanted at rest, Gauss and Newton's step is da = -W^+ (w - wanted), W the
-//! exact derivative and W^+ its pseudo-inverse: Newton's method where there are as many adjustments as wishes, the
+//! exact derivative and W^+ its pseudo-inverse: Newton's method where there are as many adjustments as wanted values, the
 //! smallest adjustment where there are more, the least squares where there are fewer. A tenth of a degree counts as
 //! much as a length unit of a millimetre. Shims come in steps: in the order of the study each is rounded to whole
 //! ones, and what is adjusted after it makes up for that.
@@ -22,7 +22,7 @@ const MOST_STEPS: usize = 40;
 const FARTHEST: f64 = 0.1;
 /// What counts as met: rounding, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Singular values of W below this part of the largest are directions that no wish feels.
+/// Singular values of W below this part of the largest are directions that no wanted value feels.
 const FLAT: f64 = 1e-8;
 
 /// A quantity of the resting position: of the catalogue, or the height of the wheel centre above its drawn one.
@@ -55,7 +55,7 @@ pub struct SetUp {
     pub statics: Vec<Static>,
     /// What is wanted of each, as it is printed.
     pub wanted: Vec<Option<f64>>,
-    /// What is left of each wish by steps of shims that nothing adjusted after them can make up for.
+    /// What is left of each wanted value by steps of shims that nothing adjusted after them can make up for.
     pub by_steps: Vec<f64>,
     /// As drawn, at the ride height that is wanted.
     pub drawn: State,
@@ -142,7 +142,7 @@ impl SetUp {
         self.steps.last().unwrap_or(&self.drawn)
     }
 
-    /// What is left of each wish: by how much its value misses what is wanted.
+    /// What is left of each wanted value: by how much its value misses what is wanted.
     pub fn misses(&self) -> Vec<Option<f64>> {
         let values = self.last().values.iter().zip(&self.wanted);
         values
@@ -150,7 +150,7 @@ impl SetUp {
             .collect()
     }
 
-    /// Whether every wish is met, but for whole steps of shims.
+    /// Whether every wanted value is met, but for whole steps of shims.
     pub fn is_met(&self) -> bool {
         let misses = self.misses();
         let mut misses = misses.iter().zip(&self.by_steps);
@@ -254,12 +254,12 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The state in which the wishes are met as well as they can be by some of the adjustments.
+    /// The state in which the wanted values are met as well as they can be by some of the adjustments.
     fn settle(&self, mut state: State, free: &[usize]) -> Result<State, NoSetUp> {
-        let wishes: Vec<usize> = (0..self.statics.len())
+        let targets: Vec<usize> = (0..self.statics.len())
             .filter(|i| self.wanted[*i].is_some())
             .collect();
-        if wishes.is_empty() || free.is_empty() {
+        if targets.is_empty() || free.is_empty() {
             return Ok(state);
         }
         let missed = |state: &State| {
@@ -267,15 +267,15 @@ impl<'a> Problem<'a> {
                 let wanted = self.wanted[*i].unwrap_or(f64::NAN);
                 (state.values[*i] - wanted) * self.weights[*i]
             };
-            DVector::from_iterator(wishes.len(), wishes.iter().map(miss))
+            DVector::from_iterator(targets.len(), targets.iter().map(miss))
         };
         for _ in 0..MOST_STEPS {
             let misses = missed(&state);
             if misses.iter().any(|m| m.is_nan()) {
                 return Err(NoSetUp::Unsettled);
             }
-            let by = DMatrix::from_fn(wishes.len(), free.len(), |i, k| {
-                state.by[free[k]][wishes[i]] * self.weights[wishes[i]]
+            let by = DMatrix::from_fn(targets.len(), free.len(), |i, k| {
+                state.by[free[k]][targets[i]] * self.weights[targets[i]]
             });
             let decomposed = by.svd(true, true);
             let flat = FLAT * decomposed.singular_values.max();
@@ -292,7 +292,7 @@ impl<'a> Problem<'a> {
                 for (k, adjustment) in free.iter().enumerate() {
                     amounts[*adjustment] -= share * step[k];
                 }
-                // Where the parts do not go together, or the wishes are missed by more, half the step.
+                // Where the parts do not go together, or the wanted values are missed by more, half the step.
                 if let Ok(next) = self.state(&amounts)
                     && missed(&next).norm() <= misses.norm()
                 {

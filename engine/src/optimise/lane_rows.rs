@@ -139,10 +139,10 @@ impl<'a> LaneRows<'a> {
         let moving = Moving { design, along };
         gradients.slopes_of_one(design, along, |found| {
             for (lane, station) in groups[found.station()].iter().enumerate() {
-                for wish in &leg.targets[*station] {
-                    let value = found.value(lane, wish.measure);
-                    let slope = |column| found.slope(lane, wish.measure, column);
-                    write(wish, wish.row, value, slope, into);
+                for sample in &leg.targets[*station] {
+                    let value = found.value(lane, sample.measure);
+                    let slope = |column| found.slope(lane, sample.measure, column);
+                    write(sample, sample.row, value, slope, into);
                 }
                 let (Some(Checked { rows, values }), Some(parts)) = (&mut checked, &*parts) else {
                     continue;
@@ -169,12 +169,12 @@ impl<'a> LaneRows<'a> {
                     continue;
                 };
                 gradients.slopes(builds.designs(&group), builds.ways(&group), |found| {
-                    for wish in &leg.targets[found.station()] {
+                    for sample in &leg.targets[found.station()] {
                         for (lane, build) in group.clone().enumerate() {
-                            let row = build * layout.rows + wish.row;
-                            let value = found.value(lane, wish.measure);
-                            let slope = |column| found.slope(lane, wish.measure, column);
-                            write(wish, row, value, slope, into);
+                            let row = build * layout.rows + sample.row;
+                            let value = found.value(lane, sample.measure);
+                            let slope = |column| found.slope(lane, sample.measure, column);
+                            write(sample, row, value, slope, into);
                         }
                     }
                 });
@@ -190,22 +190,22 @@ impl<'a> LaneRows<'a> {
 
 /// Writes a row.
 fn write(
-    wish: &TargetSample,
+    sample: &TargetSample,
     row: usize,
     value: f64,
     slope: impl Fn(usize) -> f64,
     into: &mut Evaluation,
 ) {
-    let deviation = wish.wanted.deviation(value);
-    into.residuals[row] = deviation * wish.scale;
+    let deviation = sample.wanted.deviation(value);
+    into.residuals[row] = deviation * sample.scale;
     // Within its band nothing changes.
-    let is_in = wish.wanted.is_band() && deviation == 0.0;
+    let is_in = sample.wanted.is_band() && deviation == 0.0;
     let (rows, columns) = into.jacobian.shape();
     let entries = into.jacobian.as_mut_slice();
     for column in 0..columns {
         entries[column * rows + row] = match is_in {
             true => 0.0,
-            false => slope(column) * wish.scale,
+            false => slope(column) * sample.scale,
         };
     }
 }

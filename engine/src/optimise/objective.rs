@@ -170,19 +170,19 @@ impl<const N: usize> ReadStations for Reader<N> {
             };
             let slopes = &mut self.slopes;
             if let Some((into, first)) = &mut into {
-                for wish in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                for sample in &leg.targets[station] {
+                    let (measure, row) = (&layout.measures[sample.measure], *first + sample.row);
                     let found = read(measure, &view, &linearised, solver.size())[0];
                     failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    let deviation = wish.wanted.deviation(found);
-                    into.residuals[row] = deviation * wish.scale;
-                    if wish.wanted.is_band() && deviation == 0.0 {
+                    let deviation = sample.wanted.deviation(found);
+                    into.residuals[row] = deviation * sample.scale;
+                    if sample.wanted.is_band() && deviation == 0.0 {
                         // Within its band.
                         into.jacobian.row_mut(row).fill(0.0);
                         continue;
                     }
                     slopes.form(&reading(measure));
-                    into.write_slopes(row, &slopes.by_variable, wish.scale);
+                    into.write_slopes(row, &slopes.by_variable, sample.scale);
                 }
             }
             let Some(rows) = &mut rows else {

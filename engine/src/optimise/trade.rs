@@ -1,4 +1,4 @@
-//! One wish lowered while others are held: towards the design, along a front, down a price list.
+//! One goal lowered while others are held: towards the design, along a front, down a price list.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Evaluation, Infeasible};

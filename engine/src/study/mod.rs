@@ -324,8 +324,8 @@ pub struct Optimise {
     pub fit: bool,
     /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
     pub axle: Option<crate::axle::Axle>,
-    /// What is traded on the front: two or three wishes, or none.
-    pub front: Vec<Wish>,
+    /// What is traded on the front: two or three goals, or none.
+    pub front: Vec<FrontGoal>,
     /// The builds whose mean squared misfit is lowered; none for that of the drawing.
     pub scatter: Option<Scatter>,
 }
@@ -345,7 +345,7 @@ pub struct Scatter {
 
 /// Targets that are one on a front: all of one name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct FrontGoal {
     /// The name.
     pub name: String,
     /// Numbers of the targets.

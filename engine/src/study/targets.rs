@@ -1,7 +1,7 @@
 //! `targets` of `[optimise]`: wanted curves, values and bands.
 
 use super::axle_targets;
-use super::curve_file::{self, Wished};
+use super::curve_file::{self, WantedColumns};
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
@@ -92,14 +92,14 @@ fn target(
         }
         (None, Some(path), None, None, false) => {
             let drive = place.motion.drive.column(context.suspension.length_unit);
-            let wished = Wished {
+            let columns = WantedColumns {
                 drive: &drive,
                 value: written.column.as_ref().map_or(&*of.column, |c| c.get_ref()),
                 rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
                 racks: &rack_displacements(&site, place.motion),
                 as_measured: is_fit,
             };
-            let curve = curve_file::read(path, context.directory, &wished, problems)?;
+            let curve = curve_file::read(path, context.directory, &columns, problems)?;
             let wanted = place.curve(&curve, path.span(), is_fit, problems);
             from_file = Some(curve);
             wanted

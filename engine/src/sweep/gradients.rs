@@ -24,7 +24,7 @@ use std::ops::Range;
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wanted {
+pub struct AngleTarget {
     /// Value.
     pub value: f64,
     /// Weight; 0 where nothing is wanted.
@@ -297,7 +297,7 @@ impl<'a> Gradients<'a> {
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
     /// `wanted` angle by angle and station by station. Which designs were accepted is known from then on.
-    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) -> Deviations<'_> {
+    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[AngleTarget]) -> Deviations<'_> {
         let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
@@ -331,7 +331,7 @@ enum Task<'t> {
         visit: &'t mut dyn FnMut(&Jacobians<'_>),
     },
     /// A sum of deviations, with its derivatives.
-    Deviations(&'t [Wanted]),
+    Deviations(&'t [AngleTarget]),
 }
 
 struct Evaluation<'s, 'a, 't> {
@@ -509,7 +509,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         let Task::Deviations(wanted) = self.task else {
             return one;
         };
-        let Wanted { value, weight } = wanted[angle * self.count + station];
+        let AngleTarget { value, weight } = wanted[angle * self.count + station];
         let missed = one.load(&self.found.angles[angle * B::LANES..]) - one.lit(value);
         let weighted = missed * one.lit(weight);
         self.sum = self.sum.plus_product(weighted, missed);

@@ -5,7 +5,7 @@ mod lettering;
 mod panel;
 mod raster;
 mod scale;
-mod wanted;
+mod drawn_target;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
@@ -15,7 +15,7 @@ use crate::curves::Status;
 use crate::model::Rod;
 use lettering::Lettering;
 use panel::{Line, Look, Panel, SIZE};
-use wanted::Wanted;
+use drawn_target::DrawnTarget;
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,13 +143,13 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
                 .iter()
                 .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
             missed.extend(places_outside(run, &output.column, limits, tolerance));
-            wanted.push(Wanted::Values { points, tolerance });
+            wanted.push(DrawnTarget::Values { points, tolerance });
         }
     }
     for band in record.bands.iter().filter(|b| b.column == output.column) {
         let limits = band.limits.iter().copied();
         missed.extend(places_outside(run, &output.column, limits, band.tolerance));
-        wanted.push(Wanted::Limits(band.limits.clone()));
+        wanted.push(DrawnTarget::Limits(band.limits.clone()));
     }
     // Targets are by drive value.
     if by_time.is_some() {

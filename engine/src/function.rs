@@ -8,7 +8,7 @@
 
 mod axle;
 
-use self::axle::{AxleCourse, AxleEvaluator};
+use self::axle::{AxleFunction, AxleEvaluator};
 use crate::characteristics::{Quantity, with_unit};
 use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;
@@ -169,7 +169,7 @@ pub struct DesignFunction {
     /// The points that move.
     moved: Vec<PointId>,
     /// Of an axle, instead of outputs, quantities and stations.
-    axle: Option<Arc<AxleCourse>>,
+    axle: Option<Arc<AxleFunction>>,
 }
 
 /// What came of a design.
@@ -200,7 +200,7 @@ impl DesignFunction {
             return Err(FunctionError::Formulation);
         }
         let axle = study.axle.as_ref();
-        let axle = axle.map(|both| Arc::new(AxleCourse::of(both)));
+        let axle = axle.map(|both| Arc::new(AxleFunction::of(both)));
         let plan = Plan::of(study);
         let outputs: Vec<Output> = plan
             .outputs
@@ -228,9 +228,9 @@ impl DesignFunction {
             axle,
         };
         let solved = match &function.axle {
-            Some(course) => {
-                let solved = course.evaluator(true).map(drop);
-                solved.map_err(|fault| course.both.axle.describe_fault(fault))
+            Some(axle) => {
+                let solved = axle.evaluator(true).map(drop);
+                solved.map_err(|fault| axle.both.axle.describe_fault(fault))
             }
             None => {
                 let solved = function.values().map(drop);
@@ -250,8 +250,8 @@ impl DesignFunction {
 
     /// Names of the outputs with their units, as columns have them.
     pub fn outputs(&self) -> Vec<String> {
-        if let Some(course) = &self.axle {
-            return course.outputs();
+        if let Some(axle) = &self.axle {
+            return axle.outputs();
         }
         let name = |o: &Output| with_unit(&o.name, &o.unit);
         self.outputs.iter().map(name).collect()
@@ -259,8 +259,8 @@ impl DesignFunction {
 
     /// Drive value (of an axle, of what moves first) and rack displacement of each station, as results print them.
     pub fn motion(&self) -> Vec<[f64; 2]> {
-        if let Some(course) = &self.axle {
-            return course.motion();
+        if let Some(axle) = &self.axle {
+            return axle.motion();
         }
         let sign = self.suspension.frame.sign(Axis::Y);
         let printed = |v: f64| match self.stations.drive {
@@ -278,13 +278,13 @@ impl DesignFunction {
 
     /// Number of stations.
     pub fn stations(&self) -> usize {
-        let of_axle = self.axle.as_ref().map(|course| course.placements.len());
+        let of_axle = self.axle.as_ref().map(|axle| axle.placements.len());
         of_axle.unwrap_or(self.of_motion.len())
     }
 
     /// Numbers of an evaluation of one design: outputs times stations.
     pub fn len(&self) -> usize {
-        let of_axle = self.axle.as_ref().map(|course| course.columns.len());
+        let of_axle = self.axle.as_ref().map(|axle| axle.columns.len());
         of_axle.unwrap_or(self.outputs.len()) * self.stations()
     }
 
@@ -360,8 +360,8 @@ impl<'f> Evaluation<'f> {
         let count = status.len();
         assert_eq!(x.len(), count * width, "a row of variables for each design");
         assert_eq!(values.len(), count * f.len(), "room for each design");
-        if let Some(course) = &f.axle {
-            return self.evaluate_axles(course, x, values, None, status);
+        if let Some(axle) = &f.axle {
+            return self.evaluate_axles(axle, x, values, None, status);
         }
         let mut first = 0;
         while first < count {
@@ -416,8 +416,8 @@ impl<'f> Evaluation<'f> {
             values.len() * width,
             "room for each derivative"
         );
-        if let Some(course) = &f.axle {
-            return self.evaluate_axles(course, x, values, Some(jacobian), status);
+        if let Some(axle) = &f.axle {
+            return self.evaluate_axles(axle, x, values, Some(jacobian), status);
         }
         let make = || f.gradients().expect("the function was made with one");
         let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);
@@ -444,7 +444,7 @@ impl<'f> Evaluation<'f> {
     /// The same of an axle, with derivatives where there is room for them.
     fn evaluate_axles(
         &mut self,
-        course: &'f AxleCourse,
+        axle: &'f AxleFunction,
         x: &[f64],
         values: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
@@ -456,7 +456,7 @@ impl<'f> Evaluation<'f> {
         let known = self.of_axle.take();
         let known = known.filter(|known| known.differentiates == differentiates);
         let mut of_axle = known.unwrap_or_else(|| {
-            let evaluator = course.evaluator(differentiates);
+            let evaluator = axle.evaluator(differentiates);
             let evaluator = evaluator.map_err(|(_, fault)| fault);
             OfAxle {
                 differentiates,
@@ -477,7 +477,7 @@ impl<'f> Evaluation<'f> {
             } = &mut of_axle;
             let left = (&self.designs[..], &self.ways[..]);
             let mut sides = [left; 2];
-            if let Some(own) = &course.both.axle.right {
+            if let Some(own) = &axle.both.axle.right {
                 f.right_design(own, &self.offsets, &self.designs, right);
                 let (frame, offsets) = (&f.suspension.frame, &self.offsets);
                 ways(&own.design, frame, &f.variables, offsets, right_ways);

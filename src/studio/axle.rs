@@ -10,7 +10,7 @@ use super::message::{
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, Coordinate, Course, Quantity, WheelMotion, axle_curves,
+    Axle, AxleCurves, AxlePlan, Coordinate, AxleMotion, Quantity, WheelMotion, axle_curves,
 };
 use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};
@@ -23,7 +23,7 @@ use crate::study::{AxleStudy, Study, missing};
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
-fn coordinates(course: &Course) -> Vec<Coordinate> {
+fn coordinates(course: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match course.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
         WheelMotion::Roll { .. } => vec![Coordinate::Roll, Coordinate::Heave],
@@ -34,14 +34,14 @@ fn coordinates(course: &Course) -> Vec<Coordinate> {
 }
 
 /// The number that curves are drawn over: the first that moves.
-pub(super) fn main(course: &Course) -> Coordinate {
+pub(super) fn main(course: &AxleMotion) -> Coordinate {
     let all = coordinates(course);
     let moves = |c: &&Coordinate| course.clone().along(**c).is_some_and(|v| v.len() > 1);
     *all.iter().find(moves).unwrap_or(&all[0])
 }
 
 /// Values of a number over a course, as they are printed.
-fn values(course: &Course, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
+fn values(course: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut course = course.clone();
     let values = course.along(coordinate).into_iter().flatten();
     values

@@ -1,6 +1,6 @@
 //! The numbers that say where an axle is, and as what a study writes them.
 
-use super::{Axle, Course, Placement, WheelMotion};
+use super::{Axle, AxleMotion, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
 
 /// One of the numbers that a motion of an axle is made of.
@@ -51,7 +51,7 @@ impl Coordinate {
         }
     }
 
-    /// What a value as the study writes it (degrees, lengths along the study's axes) is in a [`Course`]: the
+    /// What a value as the study writes it (degrees, lengths along the study's axes) is in a [`AxleMotion`]: the
     /// angle of the steering wheel becomes the displacement of the rack that it makes.
     pub fn in_course(self, written: f64, axle: &Axle) -> f64 {
         match self {
@@ -93,7 +93,7 @@ impl Placement {
     }
 }
 
-impl Course {
+impl AxleMotion {
     /// The numbers that move, the one that curves are over first; at least one.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut course = self.clone();

@@ -14,7 +14,7 @@ use crate::study::AxleStudy;
 
 /// Where an axle is looked at, and what is read there.
 #[derive(Clone, Debug)]
-pub(super) struct AxleCourse {
+pub(super) struct AxleFunction {
     pub both: AxleStudy,
     pub columns: Vec<AxleColumn>,
     pub placements: Vec<Placement>,
@@ -35,10 +35,10 @@ pub(super) trait AxleEvaluator {
     ) -> DesignStatus;
 }
 
-impl AxleCourse {
+impl AxleFunction {
     pub(super) fn of(both: &AxleStudy) -> Self {
         let plan = both.plan.quantities_alone();
-        AxleCourse {
+        AxleFunction {
             columns: plan.columns(&both.axle),
             placements: plan.course.placements(),
             both: AxleStudy {
@@ -77,15 +77,15 @@ impl AxleCourse {
 }
 
 struct OneByOne<'a, const N: usize> {
-    course: &'a AxleCourse,
+    function: &'a AxleFunction,
     solver: AxleSolver<'a, N>,
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
-    fn new(course: &'a AxleCourse) -> Result<Box<Self>, (Side, DesignFault)> {
-        let AxleStudy { axle, plan } = &course.both;
+    fn new(function: &'a AxleFunction) -> Result<Box<Self>, (Side, DesignFault)> {
+        let AxleStudy { axle, plan } = &function.both;
         let solver = AxleSolver::new(axle, &plan.quantities, false)?;
-        Ok(Box::new(OneByOne { course, solver }))
+        Ok(Box::new(OneByOne { function, solver }))
     }
 }
 
@@ -96,7 +96,7 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
         values: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
     ) -> DesignStatus {
-        let OneByOne { course, solver } = self;
+        let OneByOne { function, solver } = self;
         values.fill(f64::NAN);
         if let Some(jacobian) = &mut jacobian {
             jacobian.fill(f64::NAN);
@@ -104,9 +104,9 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
         if solver.prepare(sides.map(|(design, _)| design)).is_err() {
             return DesignStatus::Faulty;
         }
-        let (quantities, stations) = (&course.both.plan.quantities, course.placements.len());
+        let (quantities, stations) = (&function.both.plan.quantities, function.placements.len());
         let mut status = DesignStatus::Ok;
-        let placed = solver.place_all(&course.placements);
+        let placed = solver.place_all(&function.placements);
         for (station, placed) in placed.into_iter().enumerate() {
             let read = placed.and_then(|placed| Ok((solver.read(&placed)?, placed)));
             let Ok((read, placed)) = read else {
@@ -116,7 +116,7 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
             // What has no value by its definition has no derivative either.
             let mut there: Vec<Quantity> = Vec::new();
             let mut places = Vec::new();
-            for (k, (quantity, column)) in quantities.iter().zip(&course.columns).enumerate() {
+            for (k, (quantity, column)) in quantities.iter().zip(&function.columns).enumerate() {
                 if let Ok(value) = read.value(*quantity) {
                     values[k * stations + station] = value * column.factor;
                     there.push(*quantity);

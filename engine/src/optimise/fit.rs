@@ -1,7 +1,7 @@
 //! A minimum from one start, and the story of how it was found.
 
 use super::constrained::KEPT;
-use super::course::{evaluations, execute};
+use super::fit_record::{evaluations, execute};
 use super::{
     ActiveBound, Bounds, Evaluation, Held, Infeasible, LeastSquares, LevenbergMarquardt, Options,
 };

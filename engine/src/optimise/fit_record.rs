@@ -41,7 +41,7 @@ pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
 }
 
 /// Where a run began, how it went and why it ended.
-pub(super) struct Course<'a> {
+pub(super) struct FitRecord<'a> {
     pub bounds: &'a Bounds,
     pub options: &'a Options,
     control: Control<'a>,
@@ -50,7 +50,7 @@ pub(super) struct Course<'a> {
     history: Vec<Iteration>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> FitRecord<'a> {
     /// Of the start number `start`, that has not begun.
     pub(super) fn new(
         bounds: &'a Bounds,
@@ -58,7 +58,7 @@ impl<'a> Course<'a> {
         control: Control<'a>,
         start: usize,
     ) -> Self {
-        Course {
+        FitRecord {
             bounds,
             options,
             control,
@@ -81,7 +81,7 @@ impl<'a> Course<'a> {
 
     /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
     /// observers, of which there are none.
-    pub(super) fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
+    pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let holds = self.bounds.holds(x);
         let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
         iteration.held = held.count();

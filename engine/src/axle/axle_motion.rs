@@ -5,7 +5,7 @@ use super::solver::Placement;
 /// What moves, and how. Lengths in the study's unit, angles in radians, the rack towards the left wheel's
 /// outside.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct AxleMotion {
     /// What the wheels do.
     pub wheels: WheelMotion,
     /// Displacements of the rack.
@@ -41,7 +41,7 @@ pub enum WheelMotion {
     },
 }
 
-impl Course {
+impl AxleMotion {
     /// Whether results have a column for the roll angle.
     pub fn shows_roll(&self) -> bool {
         !matches!(

@@ -1,6 +1,6 @@
 //! `report.json` of an axle: what its page needs beyond the other files of a run.
 
-use super::axle::{Place, axle_failures, certificate};
+use super::axle::{StationColumns, axle_failures, certificate};
 use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
@@ -37,7 +37,7 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
-                remarks: certificate(&Place { plan, axle }, curves)
+                remarks: certificate(&StationColumns { plan, axle }, curves)
                     .map(|c| c.remark(curves.stations.len(), length.symbol()))
                     .into_iter()
                     .collect(),
